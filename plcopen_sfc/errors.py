@@ -1,13 +1,13 @@
 """Errors and the places they point at.
 
-Every error a user can meet is an `SfcError` that says what is wrong, where (file, line, column, object path) and, where
-there is something to do, what to do.
+Every error a user can meet is an `SfcError` that names what is wrong, where (file, line, column, object path) and what
+to do about it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -67,11 +67,24 @@ class SfcError(Exception):
         text = f"{place}: {self.message}" if place else self.message
         return f"{text}\n  {self.hint}" if self.hint else text
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Exceptions are rebuilt by calling their class with `args`, which loses or misses what classes require besides:
+        # an error of a worker process would end the pool instead of reaching its user.
+        return _without_init, (type(self), self.args), self.__dict__
+
+
+def _without_init(kind: type[SfcError], args: tuple[object, ...]) -> SfcError:
+    return kind.__new__(kind, *args)
+
 
 class FileAccessError(SfcError, OSError):
     """A file cannot be read or written: missing, a directory, no rights, disk full."""
 
     __str__ = SfcError.__str__
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        rebuild, arguments, state = super().__reduce__()
+        return rebuild, arguments, {**state, "errno": self.errno}  # which OSError keeps outside its dictionary
 
 
 class FormatError(SfcError, ValueError):
@@ -79,7 +92,7 @@ class FormatError(SfcError, ValueError):
 
 
 class UnknownFormatError(FormatError):
-    """No format of ours recognises the content, or the requested format does not exist."""
+    """No known format recognises the content, or the requested format does not exist."""
 
 
 class UnreadFormatError(UnknownFormatError):
@@ -103,7 +116,7 @@ class UnknownVersionError(FormatError):
 
 
 class StructureError(FormatError):
-    """Well-formed, of a known format, but what is required is missing or stands in the wrong place."""
+    """Well-formed, of a known format, but what is required is missing or in the wrong place."""
 
 
 class DamagedSourceError(SfcError):
@@ -189,8 +202,8 @@ class InputError(SfcError, ValueError):
     """Inputs of a simulation that do not fit: an unknown variable, a value that its type cannot have, a bad file."""
 
 
-class RivalsError(SfcError):
-    """Transitions that share a step are true at once where that is forbidden. `transitions`: their paths."""
+class CompetingTransitionsError(SfcError):
+    """Competing transitions are true at once where that is forbidden. `transitions`: their paths."""
 
     def __init__(self, message: str, *, transitions: tuple[str, ...]) -> None:
         super().__init__(message, hint="Make their conditions exclude each other, or give them priorities.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import pickle
 import shutil
 import signal
 import socket
@@ -18,6 +19,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import errors
+from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.analysis.verdict import Verdict
 from plcopen_sfc.cli import main
 from tests.sweeps import WHOLE
 
@@ -477,3 +480,38 @@ def test_wrong_charts_are_loaded_and_say_so(run, case):
     assert exit_code == 1
     assert said in out
     assert err == ""
+
+
+def every_error() -> list[type[errors.SfcError]]:
+    kinds = [kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, errors.SfcError)]
+    return sorted(kinds, key=lambda kind: kind.__name__)
+
+
+@pytest.mark.parametrize("kind", every_error(), ids=lambda kind: kind.__name__)
+def test_an_error_of_a_worker_process_reaches_its_user_whole(kind: type[errors.SfcError]) -> None:
+    project = sfc.load(BELT)
+    unread = [sfc.Diagnostic("XML001", sfc.Severity.ERROR, "an element is missing", sfc.Location("a.xml", 3))]
+    special: dict[type[errors.SfcError], Callable[[], errors.SfcError]] = {
+        errors.DamagedSourceError: lambda: errors.DamagedSourceError(unread),
+        errors.LossError: lambda: errors.LossError("2 losses", sfc.convert(project, "simaticml", partial=True)[1]),
+        errors.OldVersionError: lambda: errors.OldVersionError("V14", [errors.VersionNeed("POU A", "texts", "V15")]),
+        errors.CompetingTransitionsError: lambda: errors.CompetingTransitionsError("both", transitions=("1", "2")),
+        errors.UnknownFunctionError: lambda: errors.UnknownFunctionError("F", "unknown", hint="declare it"),
+        errors.UntestedError: lambda: errors.UntestedError("untested", verdict=sfc_verdict(project)),
+    }
+    plain = errors.Location("a.xml", 3, 4, "POU Main / step S1")
+    error = special[kind]() if kind in special else kind("it is wrong", location=plain, hint="mend it")
+    if isinstance(error, errors.FileAccessError):
+        error.errno = errno.ENOENT
+    again = pickle.loads(pickle.dumps(error))  # noqa: S301  # made one line before
+    assert type(again) is kind
+    assert str(again) == str(error)
+    assert again.__dict__.keys() == error.__dict__.keys()
+    assert (again.location, again.hint) == (error.location, error.hint)
+    assert getattr(again, "errno", None) == getattr(error, "errno", None)
+    for name in ("report", "verdict", "needs", "findings", "transitions", "name"):
+        assert str(getattr(again, name, None)) == str(getattr(error, name, None))
+
+
+def sfc_verdict(project: sfc.Project) -> Verdict:
+    return equivalent(project.pou("FB_Pusher"), project.pou("FB_Pusher"), runs=1, scans=2)

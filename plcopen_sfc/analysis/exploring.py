@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import reduce
 from operator import or_
 
-from plcopen_sfc.semantics.net import Net, Rivals, mask
+from plcopen_sfc.semantics.net import Competing, Net, mask
 
 _FIRINGS_PER_MARKING = 32
 """Sets of transitions that are tried for each marking of the cap, on average, before the search gives up."""
@@ -119,7 +119,7 @@ def explore_one_by_one(net: Net, cap: int) -> Explored:
     return found
 
 
-def explore_in_sets(net: Net, rivals: Rivals, cap: int) -> Explored:
+def explore_in_sets(net: Net, competing: Competing, cap: int) -> Explored:
     """Fire every set of transitions that can fire in one scan, until more than `cap` markings were seen."""
     came_from: dict[int, dict[int, int]] = {net.initial: {}}
     levels = [[net.initial]]
@@ -133,7 +133,7 @@ def explore_in_sets(net: Net, rivals: Rivals, cap: int) -> Explored:
             if found.unsafe is None:
                 enters = [i for i in enabled if marking & ~net.transitions[i].pre & net.transitions[i].post]
                 found.unsafe = (marking, enters[0]) if enters else None
-            for after, fired in _sets(net, rivals, marking, enabled):
+            for after, fired in _sets(net, competing, marking, enabled):
                 budget -= 1
                 if after not in came_from:
                     came_from[after] = {}
@@ -153,7 +153,7 @@ def explore_in_sets(net: Net, rivals: Rivals, cap: int) -> Explored:
     return found
 
 
-def _sets(net: Net, rivals: Rivals, marking: int, enabled: tuple[int, ...]) -> Iterator[tuple[int, int]]:
+def _sets(net: Net, competing: Competing, marking: int, enabled: tuple[int, ...]) -> Iterator[tuple[int, int]]:
     """The markings after each set of enabled transitions that can fire together, with the set."""
     waiting = [(0, 0, 0, 0)]
     while waiting:
@@ -164,5 +164,5 @@ def _sets(net: Net, rivals: Rivals, marking: int, enabled: tuple[int, ...]) -> I
             continue
         transition = net.transitions[enabled[position]]
         waiting.append((position + 1, fired, cleared, entered))
-        if rivals is Rivals.ALL or not transition.pre & cleared:
+        if competing is Competing.ALL or not transition.pre & cleared:
             waiting.append((position + 1, fired | transition.bit, cleared | transition.pre, entered | transition.post))

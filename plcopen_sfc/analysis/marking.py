@@ -14,7 +14,7 @@ from operator import or_
 from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.exploring import Explored, explore_in_sets, explore_one_by_one
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, Rivals, indexes
+from plcopen_sfc.semantics.net import Competing, Net, NetStep, NetTransition, indexes
 
 DEFAULT_CAP = 100_000
 """How many markings are visited unless the caller says otherwise: a second or so, and some 20 MB."""
@@ -45,27 +45,27 @@ class MarkingGraph:
     whatever would need the rest is `Answer.UNKNOWN` or None.
 
     As long as no step can get a second token, transitions that fire in one scan can as well fire one after the other,
-    and the search does so. Otherwise, and where rivals fire together, all sets of transitions are tried that can fire
-    in one scan, and a step that is entered while it is active stays active.
+    and the search does so. Otherwise, and where competing transitions fire together, it tries all sets of transitions
+    that can fire in one scan, and a step that is entered while it is active stays active.
     """
 
-    def __init__(self, net: Net, *, rivals: Rivals = Rivals.PRIORITY, cap: int = DEFAULT_CAP) -> None:
+    def __init__(self, net: Net, *, competing: Competing = Competing.PRIORITY, cap: int = DEFAULT_CAP) -> None:
         self.net = net
-        self.rivals = rivals
+        self.competing = competing
         self.cap = cap
 
     @cached_property
     def _explored(self) -> Explored:
         found = self._first_search
-        if found.unsafe is not None and self.rivals is not Rivals.ALL:
-            return explore_in_sets(self.net, self.rivals, self.cap)
+        if found.unsafe is not None and self.competing is not Competing.ALL:
+            return explore_in_sets(self.net, self.competing, self.cap)
         return found
 
     @cached_property
     def _first_search(self) -> Explored:
-        """Tells whether the net is safe, which needs no sets of transitions unless rivals fire together."""
-        if self.rivals is Rivals.ALL:
-            return explore_in_sets(self.net, self.rivals, self.cap)
+        """Explore by single firings, which shows whether the net is safe unless competing transitions fire together."""
+        if self.competing is Competing.ALL:
+            return explore_in_sets(self.net, self.competing, self.cap)
         return explore_one_by_one(self.net, self.cap)
 
     @property
@@ -190,11 +190,13 @@ class MarkingGraph:
         )
 
 
-def marking_graph(chart: SfcNetwork | Net, *, rivals: Rivals = Rivals.PRIORITY, cap: int = DEFAULT_CAP) -> MarkingGraph:
+def marking_graph(
+    chart: SfcNetwork | Net, *, competing: Competing = Competing.PRIORITY, cap: int = DEFAULT_CAP
+) -> MarkingGraph:
     """The marking graph of a chart, visited when it is first asked; at most about `cap` markings.
 
-    With `Rivals.ALL`, transitions that share a source may fire together; with the others at most one of them does.
+    With `Competing.ALL`, transitions that share a source may fire together; with the others at most one of them does.
     Rules beyond the net (`Net.hierarchy`: forcing orders, enclosing steps) are not obeyed.
     """
     net = chart if isinstance(chart, Net) else Net.of(chart)
-    return MarkingGraph(net, rivals=rivals, cap=cap)
+    return MarkingGraph(net, competing=competing, cap=cap)

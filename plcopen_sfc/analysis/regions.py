@@ -73,7 +73,7 @@ class Regions:
         fork = self.net.transitions[self.blocks[region.block].forks[0]]
         return next(step for step in fork.targets if self.region_of[step] == region.index)
 
-    def exit_rivals(self, block: ParallelBlock) -> tuple[int, ...]:
+    def exit_competitors(self, block: ParallelBlock) -> tuple[int, ...]:
         """The transitions that leave a last step of a branch besides the join: whoever fires first wins."""
         last = {step for join in block.joins for step in self.net.transitions[join].sources}
         return tuple(sorted({t for step in last for t in self.net.leaving[step]} - set(block.joins)))

@@ -48,8 +48,8 @@ def soundness(chart: SfcNetwork | Net, *, restart: bool = False, cap: int = DEFA
     """Decide whether a chart is sound, by reduction, and by the markings of what is left (at most about `cap`).
 
     `restart`: a chart that comes to its end is meant to do so; each step that no transition leaves counts as if one led
-    from it to the initial situation. At most one of rival transitions fires (`Rivals.PRIORITY`). Rules beyond the net
-    (`Net.hierarchy`) are not obeyed.
+    from it to the initial situation. At most one of competing transitions fires (`Competing.PRIORITY`). Rules beyond
+    the net (`Net.hierarchy`) are not obeyed.
     """
     net = chart if isinstance(chart, Net) else Net.of(chart)
     ends = [step for step in net.steps if restart and not net.leaving[step.index]]

@@ -93,7 +93,7 @@ class Unreachable:
     def _graph(self, name: str) -> MarkingGraph:
         if name not in self._graphs:
             net = self._nets[name]
-            self._graphs[name] = MarkingGraph(net, rivals=self._system.profile.rivals, cap=_MARKINGS)
+            self._graphs[name] = MarkingGraph(net, competing=self._system.profile.competing, cap=_MARKINGS)
         return self._graphs[name]
 
     def is_left_before(self, name: str, step: NetStep, time: str) -> bool:

@@ -18,7 +18,7 @@ from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import VariableSection
 
 _UNORDERED = frozenset({"logic", "nodes", "steps", "transitions"})
-"""Lists whose order says nothing as such: nets are what their wires are. The order of rivals is compared by itself."""
+"""Lists whose order has no meaning: wires make a net. The order of competing transitions is compared separately."""
 
 _KINDS: tuple[tuple[type[Any], str], ...] = (
     (Step, "step"),
@@ -73,7 +73,7 @@ def differences(left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), 
                     place = path if unnamed else _joined(path, name.replace("_", " "))
                     yield from differences(a, b, ignore=ignore, path=place)
         if isinstance(left, SfcNetwork):
-            yield from differences(_rivals(left), _rivals(right), path=_joined(path, "order of transitions"))
+            yield from differences(_competing(left), _competing(right), path=_joined(path, "order of transitions"))
     elif isinstance(left, list):
         if len(left) != len(right):
             yield Difference(path, _names(left), _names(right))
@@ -132,7 +132,7 @@ def _joined(path: str, part: str) -> str:
     return f"{path} / {part}" if path else part
 
 
-def _rivals(chart: SfcNetwork) -> dict[int, list[int]]:
+def _competing(chart: SfcNetwork) -> dict[int, list[int]]:
     """The transitions that leave each step, in the order in which they are tried."""
     leaving: dict[int, list[int]] = {}
     for transition in sorted(chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):

@@ -48,7 +48,6 @@ class LateElement(Owned, Element):
         self.__dict__.clear()  # its order is that of the fields in JSON
         self.__dict__.update(whole.__dict__ | known)
         self.__pydantic_fields_set__.update(whole.__pydantic_fields_set__)
-        del whole  # what is in it is in this element now
         self.adopt()
 
     if not TYPE_CHECKING:

@@ -1,14 +1,16 @@
-"""Weak links from the parts of a project to what they are in: from a step to its chart, from that to its POU, and up.
+"""Links from the parts of a project to what they are in: from a step to its chart, from that to its POU, and up.
 
 A link is set where an object is put in: by a constructor, an assignment, or a change of a list. It never contradicts
 the lists: an object that was taken out has no owner, and one that two objects have is owned by the first of them.
+
+Links keep what they lead to. With weak ones, ``sfc.load(path).pou("Main")`` is a POU whose project is gone before
+anyone looks at it, and a comparison then takes its function blocks for unknown ones.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, Self, SupportsIndex
-from weakref import ref
 
 from pydantic import PrivateAttr
 
@@ -25,12 +27,12 @@ class Owned(Model):
 
     OWNS: ClassVar[tuple[str, ...]] = ()
 
-    _owner: ref[Owned] | None = PrivateAttr(default=None)
+    _owner: Owned | None = PrivateAttr(default=None)
 
     @property
     def owner(self) -> Owned | None:
-        """The object that this one is in; None where it is in none, or that is gone."""
-        owner = self._owner() if self._owner is not None else None
+        """The object that this one is in; None where it is in none."""
+        owner = self._owner
         return owner if owner is not None and owner._holds(self) else None
 
     @property
@@ -40,18 +42,18 @@ class Owned(Model):
         return owner.project if owner is not None else None
 
     def adopt(self) -> None:
-        """Tell the objects in this one that they are in it: for copies that were given other lists."""
+        """Take over the objects in this one, whatever they were in: for an object that replaces another."""
         for name in self.OWNS:
-            self._adopt_field(name)
+            self._adopt_field(name, take=True)
 
-    def _adopt_field(self, name: str) -> None:
+    def _adopt_field(self, name: str, *, take: bool = False) -> None:
         value = self.__dict__.get(name)
         if isinstance(value, list):
             self.__dict__[name] = _OwnedList(self, value)
             for thing in value:
-                _adopt(self, thing)
+                _adopt(self, thing, take=take)
         elif value is not None:
-            _adopt(self, value)
+            _adopt(self, value, take=take)
 
     def _holds(self, thing: object) -> bool:
         values = (self.__dict__.get(name) for name in self.OWNS)
@@ -62,8 +64,8 @@ class Owned(Model):
     def model_post_init(self, context: Any, /) -> None:
         """Adopt what the object was made of."""
         super().model_post_init(context)
-        if self.OWNS:
-            self.adopt()
+        for name in self.OWNS:
+            self._adopt_field(name)
 
     if not TYPE_CHECKING:
 
@@ -102,14 +104,13 @@ class Owned(Model):
         self.adopt()
 
 
-def _adopt(owner: Owned, thing: object) -> None:
+def _adopt(owner: Owned, thing: object, *, take: bool = False) -> None:
     private = thing.__pydantic_private__ if isinstance(thing, Owned) else None
     if private is None:
         return
-    link = private["_owner"]
-    before = link() if link is not None else None
-    if before is not owner and (before is None or not before._holds(thing)):
-        private["_owner"] = ref(owner)  # an assignment would take ten times as long
+    before = private["_owner"]
+    if before is not owner and (take or before is None or not before._holds(thing)):
+        private["_owner"] = owner  # an assignment would take ten times as long
 
 
 class _OwnedList(list[Any]):
@@ -119,13 +120,11 @@ class _OwnedList(list[Any]):
 
     def __init__(self, owner: Owned, things: Iterable[Any]) -> None:
         super().__init__(things)
-        self._owner = ref(owner)
+        self._owner = owner
 
     def _adopt(self, things: Iterable[Any]) -> None:
-        owner = self._owner()
-        if owner is not None:
-            for thing in things:
-                _adopt(owner, thing)
+        for thing in things:
+            _adopt(self._owner, thing)
 
     def append(self, thing: Any, /) -> None:
         super().append(thing)

@@ -109,8 +109,9 @@ class Supervised(Model):
 class Transition(Element):
     """A transition from all of `sources` to all of `targets` (ids of steps).
 
-    Rivals, transitions that share a source, are tried in the order of `priority` (1 before 2), those without one after
-    them in the order in which they stand in `SfcNetwork.transitions` (left to right). No condition: the file has none.
+    Competing transitions, which share a source, are tried in the order of `priority` (1 before 2), those without one
+    after them in the order in which they stand in `SfcNetwork.transitions` (left to right). No condition: the file has
+    none.
     """
 
     id: ElementId

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 
-from plcopen_sfc.errors import RivalsError
+from plcopen_sfc.errors import CompetingTransitionsError
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import Macro, PartialChart, PartialChartKind, SfcNetwork, Step, Transition
 
 
-class Rivals(StrEnum):
+class Competing(StrEnum):
     """What happens when several transitions that share a source could fire at once.
 
     PRIORITY: the first one in the order of `Net.transitions` fires (IEC 61131-3 ed. 3, 6.7.5, selection sequence; all
@@ -48,7 +48,7 @@ class NetStep:
 class NetTransition:
     """A transition of the net, from all steps `sources` to all steps `targets` (indexes, each once, ascending).
 
-    `rivals` are the transitions that share a source with it and are tried before it.
+    `competing` are the transitions that share a source with it and are tried before it.
     """
 
     index: int
@@ -57,7 +57,7 @@ class NetTransition:
     path: str
     sources: tuple[int, ...]
     targets: tuple[int, ...]
-    rivals: tuple[int, ...]
+    competing: tuple[int, ...]
 
     @cached_property
     def bit(self) -> int:
@@ -159,19 +159,20 @@ class Net:
             beside.update(self.leaving[step])
         return tuple(i for i in sorted(beside) if not self.transitions[i].pre & ~marking)
 
-    def fire(self, marking: int, true: int, rivals: Rivals = Rivals.PRIORITY) -> tuple[int, int]:
+    def fire(self, marking: int, true: int, competing: Competing = Competing.PRIORITY) -> tuple[int, int]:
         """One evolution: the new marking and the transitions that fired, where `true` are those with a true condition.
 
         All of them see the old marking, and a step that is both left and entered stays active (IEC 60848:2013,
-        evolution rules 4 and 5). Raises `RivalsError` where rivals must not be true at once and are.
+        evolution rules 4 and 5). Raises `CompetingTransitionsError` where competing transitions are true at once
+        against the rule.
         """
         fired = cleared = entered = 0
         for index in self.enabled(marking):
             transition = self.transitions[index]
             if not true & transition.bit:
                 continue
-            if rivals is not Rivals.ALL and transition.pre & cleared:
-                if rivals is Rivals.ERROR:
+            if competing is not Competing.ALL and transition.pre & cleared:
+                if competing is Competing.ERROR:
                     self._refuse(transition, fired)
                 continue
             fired |= transition.bit
@@ -199,9 +200,9 @@ class Net:
         return tuple(tuple(transitions) for transitions in found)
 
     def _refuse(self, transition: NetTransition, fired: int) -> None:
-        first = next(self.transitions[i] for i in transition.rivals if fired >> i & 1)
+        first = next(self.transitions[i] for i in transition.competing if fired >> i & 1)
         shared = ", ".join(self.names(transition.pre & first.pre))
-        raise RivalsError(
+        raise CompetingTransitionsError(
             f"the transitions {first.path} and {transition.path} leave step {shared} at the same time",
             transitions=(first.path, transition.path),
         )
@@ -380,12 +381,12 @@ class _Builder:
         before = sorted({source for source in sources if source is not None})
         after = {ends[i].entry for i in transition.targets if i in ends}
         index = len(self._transitions)
-        rivals = sorted({rival for source in before for rival in self._leaving.get(source, ())})
+        competing = sorted({competitor for source in before for competitor in self._leaving.get(source, ())})
         for source in before:
             self._leaving.setdefault(source, []).append(index)
         targets = tuple(sorted(target for target in after if target is not None))
         self._transitions.append(
-            NetTransition(index, transition, place.chart, path, tuple(before), targets, tuple(rivals))
+            NetTransition(index, transition, place.chart, path, tuple(before), targets, tuple(competing))
         )
 
     def _report(

@@ -25,7 +25,7 @@ from types import MappingProxyType
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model import ActionKind, Dialect, Project, Qualifier, SfcFlag
-from plcopen_sfc.semantics.net import Rivals
+from plcopen_sfc.semantics.net import Competing
 
 
 class Evolution(StrEnum):
@@ -181,14 +181,17 @@ class Profile:
     """The bound of the search for stability; more of them are an `UnstableChartError`. 60848 calls such a chart totally
     unstable and gives no bound; run-times bound it by 50 (ClassicLadder) up to the number of transitions (AGRAFE)."""
 
-    rivals: Rivals = Rivals.PRIORITY
-    """What is done when rival transitions are true together. Priority from left to right: IEC 6.7.3 (table of
+    competing: Competing = Competing.PRIORITY
+    """What is done when competing transitions are true together. Priority from left to right: IEC 6.7.3 (table of
     selections, case 1), CODESYS, GRAPH. All: 60848 rule 4, and matiec."""
 
     numbered_first: bool = False
-    """Whether a transition that has a priority number locks out its later rivals although all may be cleared. matiec:
-    it resets its source steps at once, one without ``PRIORITY`` does not. The order in which rivals with and without a
-    number are tested is that of matiec's list, see `plcopen_sfc.semantics.charts.moves.testing_order`."""
+    """True if a transition with a priority number excludes later competing ones although all may fire together.
+
+    matiec: such a transition resets its source steps at once, one without ``PRIORITY`` does not. Competing transitions
+    with and without a number are tested in the order of matiec's list, see
+    `plcopen_sfc.semantics.charts.moves.testing_order`.
+    """
 
     order: ScanOrder = ScanOrder.TRANSITIONS_FIRST
     """Actions or transitions first. CODESYS: "Processing order" steps 2 to 6, actions first. GRAPH: conditions, step
@@ -328,7 +331,7 @@ _CODESYS = Profile(
 
 _MATIEC = Profile(
     name="matiec",
-    rivals=Rivals.ALL,
+    competing=Competing.ALL,
     numbered_first=True,
     initial_steps_entered=False,
     entering_restarts_time=True,
@@ -365,7 +368,7 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
         "grafcet": Profile(
             name="grafcet",
             evolution=Evolution.UNTIL_STABLE,
-            rivals=Rivals.ALL,
+            competing=Competing.ALL,
             final_scan=False,
             step_variables=StepVariables.GRAFCET,
             grafcet_terms=True,

@@ -36,7 +36,7 @@ class Flow:
     def outgoing(self, step: int) -> list[int]:
         return [t for t, (sources, _) in enumerate(self.transitions) if step in sources]
 
-    def rivals(self, transition: int) -> list[int]:
+    def competing(self, transition: int) -> list[int]:
         sources = set(self.transitions[transition][0])
         return [t for t in range(transition) if sources & set(self.transitions[t][0])]
 
@@ -86,7 +86,7 @@ def _ored(terms: list[str]) -> str:
 def _guarded(flow: Flow) -> list[str]:
     lines = []
     for number, (sources, _) in enumerate(flow.transitions):
-        terms = [f"X{i}" for i in sources] + [flow.condition(number)] + [f"NOT T{r}" for r in flow.rivals(number)]
+        terms = [f"X{i}" for i in sources] + [flow.condition(number)] + [f"NOT T{r}" for r in flow.competing(number)]
         lines.append(f"T{number} := {' AND '.join(terms)};")
     return lines
 
@@ -197,7 +197,7 @@ def _if(flow: Flow, number: int) -> str:
 
 
 def unguarded(flow: Flow) -> Pou:
-    """Transition bits, but nothing that keeps two rivals apart."""
+    """Transition bits, but nothing that keeps two competing transitions apart."""
     lines = [
         f"T{number} := {' AND '.join([*(f'X{i}' for i in sources), flow.condition(number)])};"
         for number, (sources, _) in enumerate(flow.transitions)

@@ -12,7 +12,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model import ActionAssociation, Pou, Qualifier, SfcNetwork
-from plcopen_sfc.semantics.net import Rivals
+from plcopen_sfc.semantics.net import Competing
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.schemes import (
     EXACT,
@@ -32,7 +32,7 @@ from tests.analysis.schemes import (
     unguarded,
 )
 
-IEC_ALL = replace(PROFILES["iec"], name="all", rivals=Rivals.ALL)
+IEC_ALL = replace(PROFILES["iec"], name="all", competing=Competing.ALL)
 SELECTION = Flow(4, (((0,), (1,)), ((0,), (2,)), ((1,), (3,)), ((2,), (3,)), ((3,), (0,))))
 SELF_LOOP = Flow(2, (((0,), (0,)), ((0,), (1,)), ((1,), (0,))))
 PARALLEL = Flow(6, (((0,), (1, 2)), ((1,), (3,)), ((2,), (4,)), ((3, 4), (5,)), ((5,), (0,))))
@@ -101,15 +101,15 @@ def test_textbook_chains_are_found_different_for_random_charts(flow: Flow) -> No
 
 @settings(deadline=None, max_examples=25)
 @given(flow=flows())
-def test_rivals_without_a_guard_are_found_wherever_there_are_rivals(flow: Flow) -> None:
+def test_competing_transitions_without_a_guard_are_found_wherever_there_are_competing_transitions(flow: Flow) -> None:
     verdict = compare(flow, unguarded(flow))
-    rivals = any(flow.rivals(number) for number in range(len(flow.transitions)))
-    assert verdict.proven is not rivals, str(verdict)
+    competing = any(flow.competing(number) for number in range(len(flow.transitions)))
+    assert verdict.proven is not competing, str(verdict)
 
 
 @settings(deadline=None, max_examples=10)
 @given(flow=flows(parallel=False, most=6))
-def test_rivals_without_a_guard_are_right_where_all_are_cleared(flow: Flow) -> None:
+def test_competing_transitions_without_a_guard_are_right_where_all_are_cleared(flow: Flow) -> None:
     assert equivalent(chart_of(flow), unguarded(flow), IEC_ALL, step_flags=step_flags(flow)).proven
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.semantics.net import Net, Rivals
+from plcopen_sfc.semantics.net import Competing, Net
 from tests.analysis.nets import Arcs, any_nets, chart_of, chart_of_arcs
 
 Situation = frozenset[int]
@@ -45,7 +45,7 @@ def as_set(marking: int) -> Situation:
 @given(any_nets(), st.booleans())
 def test_search_agrees_with_simulation(net: tuple[int, tuple[int, ...], Arcs], together: bool) -> None:
     steps, initial, arcs = net
-    graph = marking_graph(chart_of_arcs(*net), rivals=Rivals.ALL if together else Rivals.PRIORITY)
+    graph = marking_graph(chart_of_arcs(*net), competing=Competing.ALL if together else Competing.PRIORITY)
     expected = simulated(initial, arcs, together=together)
     assert graph.complete
     assert {as_set(m) for m in graph} == set(expected)
@@ -73,13 +73,13 @@ def test_search_agrees_with_simulation(net: tuple[int, tuple[int, ...], Arcs], t
 @settings(deadline=None, max_examples=80)
 @given(any_nets(), st.booleans())
 def test_traces_can_be_walked(net: tuple[int, tuple[int, ...], Arcs], together: bool) -> None:
-    rivals = Rivals.ALL if together else Rivals.PRIORITY
-    graph = marking_graph(chart_of_arcs(*net), rivals=rivals)
+    competing = Competing.ALL if together else Competing.PRIORITY
+    graph = marking_graph(chart_of_arcs(*net), competing=competing)
     for goal in list(graph)[::5]:
         marking = graph.net.initial
         for firing in graph.trace(goal):
             wanted = sum(t.bit for t in firing.transitions)
-            marking, fired = graph.net.fire(marking, wanted, rivals)
+            marking, fired = graph.net.fire(marking, wanted, competing)
             assert fired == wanted
             assert marking == firing.marking
         assert marking == goal
@@ -91,14 +91,14 @@ def test_traces_can_be_walked(net: tuple[int, tuple[int, ...], Arcs], together: 
 
 
 @settings(deadline=None, max_examples=100)
-@given(any_nets(), st.lists(st.integers(0, 127), max_size=30), st.sampled_from([Rivals.PRIORITY, Rivals.ALL]))
+@given(any_nets(), st.lists(st.integers(0, 127), max_size=30), st.sampled_from([Competing.PRIORITY, Competing.ALL]))
 def test_every_run_stays_in_the_graph(
-    net: tuple[int, tuple[int, ...], Arcs], inputs: list[int], rivals: Rivals
+    net: tuple[int, tuple[int, ...], Arcs], inputs: list[int], competing: Competing
 ) -> None:
-    graph = marking_graph(chart_of_arcs(*net), rivals=rivals)
+    graph = marking_graph(chart_of_arcs(*net), competing=competing)
     marking = graph.net.initial
     for true in inputs:
-        marking, _ = graph.net.fire(marking, true, rivals)
+        marking, _ = graph.net.fire(marking, true, competing)
         assert marking in graph
 
 
@@ -150,10 +150,10 @@ def test_a_dead_end_is_a_deadlock_with_a_way_to_it() -> None:
     assert names(chart, graph.stranded or 0) == "2"
 
 
-def test_rivals_that_fire_together_double_the_token() -> None:
+def test_competing_transitions_that_fire_together_double_the_token() -> None:
     chart = chart_of("1>2 1>3 2>4 3>4 4>1")
     assert marking_graph(chart).safe is Answer.YES
-    both = marking_graph(chart, rivals=Rivals.ALL)
+    both = marking_graph(chart, competing=Competing.ALL)
     assert both.safe is Answer.NO
     assert Net.of(chart).marking(["2", "3"]) in both
 

@@ -93,7 +93,7 @@ def test_a_block_has_its_fork_and_join() -> None:
     assert (block.parent, block.branches, block.forks, block.joins) == (0, (1, 2), (0,), (3,))
     assert [r.block for r in found.regions] == [None, 0, 0]
     assert found.regions[0].initial == 0
-    assert not found.exit_rivals(block)
+    assert not found.exit_competitors(block)
 
 
 def test_blocks_nest() -> None:
@@ -108,7 +108,7 @@ def test_blocks_nest() -> None:
 def test_an_exit_besides_the_join_that_stays_in_the_branch_is_told() -> None:
     found = find_regions(chart_of("1>2+3 2>4 4>2 3+4>1"))
     assert isinstance(found, Regions)
-    assert [found.net.transitions[i].path for i in found.exit_rivals(found.blocks[0])] == ["4 -> 2"]
+    assert [found.net.transitions[i].path for i in found.exit_competitors(found.blocks[0])] == ["4 -> 2"]
 
 
 def test_two_forks_may_start_the_same_branches() -> None:

@@ -72,7 +72,7 @@ CHARTS: list[tuple[str, SfcNetwork, str, str]] = [
         "S0 = t4 [ S1 S2 ] = t5 S3 = t6 ->0",
     ),
     (
-        "rivals below simultaneous sequences",
+        "competing transitions below simultaneous sequences",
         make(4, [([0], [1, 2]), ([1, 2], [3]), ([1, 2], [0]), ([3], [0])]),
         "",
         "",
@@ -101,7 +101,7 @@ def test_usual_charts(chart: SfcNetwork, plain: str, structured: str) -> None:
             assert text(drawing) == expected
 
 
-def test_rivals_stand_in_the_order_of_their_priorities() -> None:
+def test_competing_transitions_stand_in_the_order_of_their_priorities() -> None:
     chart = make(4, [([0], [1]), ([0], [2]), ([0], [3])])
     for transition, priority in zip(chart.transitions, (3, 1, 2), strict=True):
         transition.priority = priority

@@ -1,4 +1,4 @@
-"""Layout: nothing overlaps, the flow runs down, rivals stand in order."""
+"""Layout: nothing overlaps, the flow runs down, competing transitions stand in order."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def leads_to(symbols: list[Symbol], start: int, end: int) -> bool:
 @pytest.mark.parametrize("style", STYLES)
 @SLOW
 @given(chart=nested_net())
-def test_the_flow_runs_down_and_rivals_stand_in_order(style: DrawingStyle, chart: SfcNetwork) -> None:
+def test_the_flow_runs_down_and_competing_transitions_stand_in_order(style: DrawingStyle, chart: SfcNetwork) -> None:
     chart.drawing = draw(chart, style)
     layout(chart)
     place = boxes(chart)
@@ -81,8 +81,8 @@ def test_the_flow_runs_down_and_rivals_stand_in_order(style: DrawingStyle, chart
                     assert place[connection.source][3] < place[symbol.id][1]
                 assert connection.points
     for step in chart.steps:
-        rivals = chart.outgoing(step)
-        middles = [place[t.id][0] for t in rivals if t.id in place]
+        competing = chart.outgoing(step)
+        middles = [place[t.id][0] for t in competing if t.id in place]
         assert middles == sorted(middles)
 
 

@@ -160,15 +160,15 @@ def test_a_condition_that_gets_a_name_loses_its_expression() -> None:
     assert len(symbols) == count
 
 
-def test_rivals_that_change_places_do_so_in_the_drawing() -> None:
+def test_competing_transitions_that_change_places_do_so_in_the_drawing() -> None:
     chart = long_chart(DrawingStyle.STRUCTURED)
-    rivals = chart.outgoing(chart.step("S4"))
-    rivals[1].priority = 1
+    competing = chart.outgoing(chart.step("S4"))
+    competing[1].priority = 1
     assert fits(chart)
     assert not fits(chart, DrawingStyle.STRUCTURED)
     redraw(chart, DrawingStyle.STRUCTURED)
     order = [s.id for s in chart.drawing.symbols]
-    assert order.index(rivals[1].id) < order.index(rivals[0].id)
+    assert order.index(competing[1].id) < order.index(competing[0].id)
 
 
 def test_transitions_that_share_a_symbol_are_split_when_they_differ() -> None:

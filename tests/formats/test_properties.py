@@ -62,7 +62,7 @@ def net(chart: m.SfcNetwork, *, codesys: bool) -> Any:
         content["sources"] = sorted(said[0][i] for i in one.sources)
         content["targets"] = sorted(said[0][i] for i in one.targets)
         transitions.append(content)
-    # rivals keep their order; transitions of different steps have none among them
+    # competing transitions keep their order; transitions of different steps have none among them
     return steps, sorted(transitions, key=lambda t: t["sources"])
 
 

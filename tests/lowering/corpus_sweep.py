@@ -67,7 +67,7 @@ REASONS = {
     "cannot hold the chart": "several steps at a time",
     "not built of parts": "no regions",
     "no CASE can hold": "no regions",
-    "competing transitions that fire together": "rivals that fire together",
+    "competing transitions that fire together": "competing transitions that fire together",
     "this cannot be drawn": "text that cannot be drawn",
     "a condition is of type BOOL": "condition that is no BOOL",
     "needs a time": "action without its time",

@@ -1,4 +1,4 @@
-"""Random charts of GRAFCET, small enough to be proven: all kinds of actions, terms, rivals, and charts above others."""
+"""Random charts of GRAFCET, small enough to be proven: all actions and terms, competing transitions, forcing."""
 
 from __future__ import annotations
 

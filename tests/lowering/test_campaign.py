@@ -73,7 +73,7 @@ def test_random_charts_are_proven(first: int, profile: str) -> None:
 
 def test_random_charts_have_every_shape_and_every_action_and_are_safe() -> None:
     qualifiers: set[m.Qualifier] = set()
-    loops = starts = joins = rivals = 0
+    loops = starts = joins = competing = 0
     for seed in range(64):
         chart = random_chart(seed).sfc
         assert chart is not None
@@ -84,9 +84,9 @@ def test_random_charts_have_every_shape_and_every_action_and_are_safe() -> None:
         loops += any(set(t.sources) & set(t.targets) for t in net.transitions)
         starts += net.initial.bit_count() > 1
         joins += any(len(t.sources) > 1 for t in net.transitions)
-        rivals += any(t.rivals for t in net.transitions)
+        competing += any(t.competing for t in net.transitions)
     assert {str(qualifier) for qualifier in qualifiers} >= set(QUALIFIERS)
-    assert min(loops, starts, joins, rivals) >= 64 // len(Shape)
+    assert min(loops, starts, joins, competing) >= 64 // len(Shape)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])

@@ -58,7 +58,7 @@ REFUSED = {
         "condition that is no BOOL": (7, 7, 7, 7, 7, 7, 7, 7, 7),
         "no regions": (1, 1, 1, 1, 1, 1, 1, 1, 1),
         "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 0, 30),
-        "rivals that fire together": (4, 4, 4, 4, 4, 4, 4, 4, 4),
+        "competing transitions that fire together": (4, 4, 4, 4, 4, 4, 4, 4, 4),
         "several steps at a time": (3, 3, 3, 3, 3, 3, 3, 3, 3),
         "text that does not parse": (7, 7, 7, 7, 7, 7, 7, 7, 7),
         "text without networks": (0, 0, 0, 0, 0, 0, 12, 0, 0),
@@ -86,8 +86,13 @@ _EVERYWHERE = {
 }
 REFUSED_FORMS: dict[str, dict[str, int]] = {
     "auto ST": _EVERYWHERE,
-    "case ST": {**_EVERYWHERE, "rivals that fire together": 3, "several steps at a time": 23},
-    "regions ST": {**_EVERYWHERE, "no regions": 5, "rivals that fire together": 3, "several steps at a time": 10},
+    "case ST": {**_EVERYWHERE, "competing transitions that fire together": 3, "several steps at a time": 23},
+    "regions ST": {
+        **_EVERYWHERE,
+        "no regions": 5,
+        "competing transitions that fire together": 3,
+        "several steps at a time": 10,
+    },
     "bits ST": _EVERYWHERE,
     "flipflop ST": _EVERYWHERE,
     "flipflop FBD": {**_EVERYWHERE, "text that cannot be drawn": 1},

@@ -201,7 +201,7 @@ def test_source_and_sink_transitions_and_several_initial_steps() -> None:
     check(chart, "a b c1 c2", "Q")
 
 
-def test_rivals_are_cleared_together() -> None:
+def test_competing_transitions_are_cleared_together() -> None:
     chart = chain("1", "2", "3", conditions="c1 c2 c3")
     chart.add_transition(chart.step("1"), chart.step("3"), "a")
     chart.add_transition(chart.step("1"), chart.step("1"), "↑a")

@@ -186,7 +186,7 @@ def test_an_input_starts_all_parts_anew(profile: str) -> None:
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 def test_what_a_condition_executes_is_executed_only_where_it_is_tried(profile: str) -> None:
-    """A condition that counts is evaluated while its transition is enabled and no rival before it fires."""
+    """A condition that counts is evaluated while its transition is enabled and no competing one before it fires."""
     counting = "n := n + 1;\nready := n >= {} AND {};"
     texts = {
         "S1>S2 S1>S3 S1>S1 S2>S1 S3>S1": (2, 3),

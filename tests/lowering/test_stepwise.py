@@ -1,4 +1,7 @@
-"""Charts as matiec executes them: each association acts on its own, rivals fire together unless they are numbered."""
+"""Charts as matiec executes them: each association acts on its own, competing transitions fire together.
+
+Only priority numbers prevent that.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +62,7 @@ def test_every_qualifier(qualifier: str, construction: Construction, language: L
 
 
 @pytest.mark.parametrize(("construction", "language"), FORMS)
-def test_rivals_fire_together_unless_they_are_numbered(construction: Construction, language: Language) -> None:
+def test_competing_transitions_fire_together_unless_numbered(construction: Construction, language: Language) -> None:
     pou = chain("S1>S2 S1>S3 S1>S4 S2>S1 S3>S1 S4>S3")
     assert lowered(pou).construction is Construction.BITS
     assert verdict(pou, construction, language, 5_000).kind is VerdictKind.PROVEN

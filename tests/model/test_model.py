@@ -60,7 +60,7 @@ def test_looking_things_up() -> None:
         m.Project().pou("Main")
 
 
-def test_rivals_are_tried_by_priority_and_then_from_left_to_right() -> None:
+def test_competing_transitions_are_tried_by_priority_and_then_from_left_to_right() -> None:
     chart = small()
     one, two = chart.steps
     late, early = chart.add_transition(one, two, "c", priority=7), chart.add_transition(one, two, "d", priority=2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import gc
 import pickle
 from collections.abc import Callable
 from pathlib import Path
@@ -104,3 +105,11 @@ def test_what_is_read_late(name: str) -> None:
         assert each.chart.project is made
         assert all(step.chart is each.chart for step in each.chart.steps)
         assert all(step.project is made for step in each.chart.steps)
+
+
+def test_a_part_keeps_the_project_that_nothing_else_keeps() -> None:
+    source = b"FUNCTION Twice : INT VAR_INPUT n : INT; END_VAR Twice := 2 * n; END_FUNCTION\nPROGRAM Main END_PROGRAM"
+    pou = sfc.loads(source, format="iec-text").pou("Main")
+    gc.collect()
+    assert pou.project is not None
+    assert [each.name for each in pou.project.pous] == ["Twice", "Main"]

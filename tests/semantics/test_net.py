@@ -6,22 +6,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.errors import RivalsError
+from plcopen_sfc.errors import CompetingTransitionsError
 from plcopen_sfc.model.actions import ActionAssociation, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, SfcNetwork, Transition
-from plcopen_sfc.semantics.net import Net, NetProblemKind, Rivals
+from plcopen_sfc.semantics.net import Competing, Net, NetProblemKind
 from tests.analysis.nets import Arcs, any_nets, chart_of, chart_of_arcs
 
 ALL_TRUE = -1
 
 
-def runs(chart: SfcNetwork, scans: int, rivals: Rivals = Rivals.PRIORITY) -> list[str]:
+def runs(chart: SfcNetwork, scans: int, competing: Competing = Competing.PRIORITY) -> list[str]:
     net = Net.of(chart)
     marking = net.initial
     seen = ["+".join(net.names(marking))]
     for _ in range(scans):
-        marking, _ = net.fire(marking, ALL_TRUE, rivals)
+        marking, _ = net.fire(marking, ALL_TRUE, competing)
         seen.append("+".join(net.names(marking)))
     return seen
 
@@ -41,7 +41,7 @@ def test_a_self_loop_keeps_its_step() -> None:
     assert runs(chart_of("1>1"), 1) == ["1", "1"]
 
 
-def test_the_first_of_rivals_fires() -> None:
+def test_the_first_of_competing_transitions_fires() -> None:
     assert runs(chart_of("1>2 1>3"), 1) == ["1", "2"]
 
 
@@ -51,26 +51,26 @@ def test_priority_goes_before_the_place_in_the_chart() -> None:
     chart.transitions[1].priority = 2
     net = Net.of(chart)
     assert [t.path for t in net.transitions] == ["1 -> 4", "1 -> 3", "1 -> 2"]
-    assert [t.rivals for t in net.transitions] == [(), (0,), (0, 1)]
+    assert [t.competing for t in net.transitions] == [(), (0,), (0, 1)]
     assert runs(chart, 1) == ["1", "4"]
 
 
-def test_a_rival_that_did_not_fire_locks_nobody() -> None:
+def test_a_competing_transition_that_did_not_fire_excludes_none() -> None:
     net = Net.of(chart_of("1>4 1+2>5 2>6", "1+2"))
     marking, fired = net.fire(net.initial, ALL_TRUE)
     assert net.names(marking) == ("4", "6")
     assert fired == 0b101
 
 
-def test_rivals_in_a_grafcet_all_fire() -> None:
-    assert runs(chart_of("1>2 1>3"), 1, Rivals.ALL) == ["1", "2+3"]
+def test_competing_transitions_in_a_grafcet_all_fire() -> None:
+    assert runs(chart_of("1>2 1>3"), 1, Competing.ALL) == ["1", "2+3"]
 
 
-def test_rivals_may_be_an_error() -> None:
+def test_competing_transitions_may_be_an_error() -> None:
     net = Net.of(chart_of("1>2 1>3"))
-    assert net.names(net.fire(net.initial, 0b10, Rivals.ERROR)[0]) == ("3",)
-    with pytest.raises(RivalsError, match="1 -> 2 and 1 -> 3 leave step 1") as caught:
-        net.fire(net.initial, ALL_TRUE, Rivals.ERROR)
+    assert net.names(net.fire(net.initial, 0b10, Competing.ERROR)[0]) == ("3",)
+    with pytest.raises(CompetingTransitionsError, match="1 -> 2 and 1 -> 3 leave step 1") as caught:
+        net.fire(net.initial, ALL_TRUE, Competing.ERROR)
     assert caught.value.transitions == ("1 -> 2", "1 -> 3")
 
 
@@ -212,19 +212,19 @@ def test_unknown_names_of_steps() -> None:
 @settings(deadline=None, max_examples=100)
 @given(any_nets(max_transitions=9), st.integers(0, 511), st.integers(0, 63))
 def test_firing_follows_the_definition(net: tuple[int, tuple[int, ...], Arcs], true: int, marking: int) -> None:
-    """Written down as the standards have it, with sets: t fires if enabled, true, and no rival before it fires."""
+    """Written down as the standards have it, with sets: t fires if enabled, true, and none before it competes."""
     steps, _, arcs = net
     marking &= (1 << steps) - 1
     made = Net.of(chart_of_arcs(*net))
     active = {i for i in range(steps) if marking >> i & 1}
-    for rivals in (Rivals.PRIORITY, Rivals.ALL):
+    for competing in (Competing.PRIORITY, Competing.ALL):
         firing: list[int] = []
         for index, (sources, _) in enumerate(arcs):
-            rival = any(set(arcs[f][0]) & set(sources) for f in firing)
-            if set(sources) <= active and true >> index & 1 and not (rival and rivals is Rivals.PRIORITY):
+            competitor = any(set(arcs[f][0]) & set(sources) for f in firing)
+            if set(sources) <= active and true >> index & 1 and not (competitor and competing is Competing.PRIORITY):
                 firing.append(index)
         left = {s for f in firing for s in arcs[f][0]}
         entered = {s for f in firing for s in arcs[f][1]}
-        after, fired = made.fire(marking, true, rivals)
+        after, fired = made.fire(marking, true, competing)
         assert fired == sum(1 << f for f in firing)
         assert {i for i in range(steps) if after >> i & 1} == (active - left) | entered

@@ -218,7 +218,7 @@ class CheckedChart:
 
     @cached_property
     def graph(self) -> MarkingGraph:
-        """The situations that the net can come into. Rivals never fire together here: a rule of its own is on those."""
+        """Reachable situations of the net. Competing transitions never fire together here: SEL01 is about those."""
         affordable = _MOST_FIRINGS // (len(self.net.transitions) + 1)
         return marking_graph(self.net, cap=min(MOST_MARKINGS, affordable))
 

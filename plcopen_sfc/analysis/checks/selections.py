@@ -22,8 +22,8 @@ def _selections(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, list[Transit
                 yield sheet, step, leaving
 
 
-def _rivals(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, Transition, Transition, Answer, str]]:
-    """Each pair of rivals that nothing but their conditions keeps apart, once, and whether these exclude each other."""
+def _competing(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, Transition, Transition, Answer, str]]:
+    """Pairs of competing transitions that only their conditions keep apart, and whether these exclude each other."""
     seen: set[tuple[int, int]] = set()
     for sheet, step, leaving in _selections(chart):
         for first, second in combinations(leaving, 2):
@@ -49,7 +49,7 @@ def _witness(witness: object) -> str:
 
 
 def _overlapping(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet, step, first, second, answer, why in _rivals(chart):
+    for sheet, step, first, second, answer, why in _competing(chart):
         if answer is Answer.NO:
             other = sheet.label(first)
             message = f"it can be true together with {other}, which leaves {step.name} too"
@@ -57,7 +57,7 @@ def _overlapping(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _undecided(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet, step, first, second, answer, why in _rivals(chart):
+    for sheet, step, first, second, answer, why in _competing(chart):
         if answer is Answer.UNKNOWN:
             other = sheet.label(first)
             message = f"nobody can tell whether it excludes {other}, which leaves {step.name} too"
@@ -151,7 +151,7 @@ TRANSITION FROM S3 TO S1 := d; END_TRANSITION
 
 SEL04 = Rule(
     code="SEL04",
-    title="Rivals have different priorities",
+    title="Competing transitions have different priorities",
     why="Priorities decide which of several transitions is tried first (IEC 61131-3 ed. 3, 6.7.5). Between two with "
     "the same one the order in the file decides, or the tool.",
     hint="Number them in the order in which they shall be tried.",

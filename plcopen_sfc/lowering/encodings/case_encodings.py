@@ -186,16 +186,16 @@ class RegionEncoding(ScanSchedule):
         """Return joins with competing transitions, with these, and joins whose condition needs statements before it."""
         found: set[int] = set()
         for block in self._regions.blocks:
-            rivals = self._regions.exit_rivals(block)
-            if rivals:
-                found.update(block.joins, rivals)
+            competing = self._regions.exit_competitors(block)
+            if competing:
+                found.update(block.joins, competing)
             found.update(join for join in block.joins if source.preparations[join])
         return sorted(found)
 
     def _computed_bits(self) -> Iterator[Statement]:
         for index, bit in self._bits.items():
             transition = self.net.transitions[index]
-            free = [negation(self._bits[other]) for other in transition.rivals if other in self._bits]
+            free = [negation(self._bits[other]) for other in transition.competing if other in self._bits]
             free += [negation(each) for each in self.blocking]
             enabled = self._enabled(transition)
             yield from self.prepared(index, conjunction([enabled, *free]))

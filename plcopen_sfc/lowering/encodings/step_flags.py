@@ -68,11 +68,11 @@ class StepFlagEncoding(ScanSchedule):
     def choose_transitions(self) -> None:
         """Append a bit for each transition: enabled, condition TRUE, and no competing transition before it fires."""
         parts: list[CodeNetwork] = []
-        rivals = exclusive_transitions(self.net, self.profile)
+        competing = exclusive_transitions(self.net, self.profile)
         for transition in self.net.transitions:
             statements: list[Statement] = []
             enabled = [self.enabled(transition)]
-            free = [negation(self.fired[i]) for i in rivals[transition.index]]
+            free = [negation(self.fired[i]) for i in competing[transition.index]]
             free += [negation(each) for each in self.blocking]
             statements += self.prepared(transition.index, conjunction([*enabled, *free]))
             condition = self.source.conditions[transition.index]

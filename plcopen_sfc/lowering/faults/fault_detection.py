@@ -23,7 +23,7 @@ from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import VariableSection
-from plcopen_sfc.semantics.net import Rivals, indexes, mask
+from plcopen_sfc.semantics.net import Competing, indexes, mask
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
 
 
@@ -225,7 +225,7 @@ def _blocked_loop(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]
     if scan.restarted:
         return
     for transition in (facts.net.transitions[t] for t in indexes(scan.wanted)):
-        if any(scan.wanted >> other & 1 for other in transition.rivals):
+        if any(scan.wanted >> other & 1 for other in transition.competing):
             continue
         for target in indexes(transition.post & ~transition.pre & ~scan.before & ~scan.after):
             if transition.pre & facts.following[target]:
@@ -243,11 +243,11 @@ def _init_empties(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]
 
 
 def _duplicated(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
-    if facts.profile.rivals is Rivals.ALL:
+    if facts.profile.competing is Competing.ALL:
         return
     entered = scan.after & ~scan.before
     for transition in (facts.net.transitions[t] for t in indexes(scan.wanted)):
-        for other in (facts.net.transitions[t] for t in transition.rivals if scan.wanted >> t & 1):
+        for other in (facts.net.transitions[t] for t in transition.competing if scan.wanted >> t & 1):
             mine, theirs = transition.post & ~other.post, other.post & ~transition.post
             if mine & entered and theirs & entered:
                 source = next(indexes(transition.pre & other.pre))

@@ -28,7 +28,7 @@ from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency, exclude,
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
-from plcopen_sfc.semantics.net import NetStep, Rivals, indexes
+from plcopen_sfc.semantics.net import Competing, NetStep, indexes
 from plcopen_sfc.semantics.profile import Profile
 
 
@@ -42,7 +42,7 @@ def no_case(source: ChartSource, profile: Profile) -> str:
     for transition in source.net.transitions:
         if set(transition.sources) & set(transition.targets):
             return f"transition {transition.path} leads back to its own step"
-        for other in transition.rivals if profile.rivals is not Rivals.PRIORITY else ():
+        for other in transition.competing if profile.competing is not Competing.PRIORITY else ():
             if not exclude(source.conditions[other], source.conditions[transition.index], source.dialect):
                 first = source.net.transitions[other].path
                 return f"the conditions of {first} and {transition.path} do not exclude each other"
@@ -68,7 +68,7 @@ class GrafcetCase(CaseEncoding):
                 hint="Step bits can.",
             )
         # conditions exclude each other: the order in which they are tried makes no difference
-        tried = replace(rules, profile=replace(rules.profile, rivals=Rivals.PRIORITY))
+        tried = replace(rules, profile=replace(rules.profile, competing=Competing.PRIORITY))
         super().__init__(source, code, memory, tried, surroundings)
 
 

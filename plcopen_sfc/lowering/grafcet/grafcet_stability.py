@@ -15,7 +15,7 @@ from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, disjunction, is
 from plcopen_sfc.lowering.grafcet.grafcet_terms import TermCode
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, DelayInCondition, EdgeInCondition
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
-from plcopen_sfc.semantics.net import Net, NetTransition, Rivals, indexes, mask
+from plcopen_sfc.semantics.net import Competing, Net, NetTransition, indexes, mask
 from plcopen_sfc.semantics.profile import Profile
 
 _MOST_EVOLUTIONS = 20_000
@@ -31,15 +31,15 @@ class Concurrency:
 
     def __init__(self, source: ChartSource, profile: Profile) -> None:
         self._net = source.net
-        together = profile.rivals is Rivals.ALL and not _competing_exclude_each_other(source)
-        self._rivals = Rivals.ALL if together else Rivals.PRIORITY
+        together = profile.competing is Competing.ALL and not _competing_exclude_each_other(source)
+        self._competing = Competing.ALL if together else Competing.PRIORITY
         ruled = source.grafcet.ruled if source.grafcet is not None else ()
-        self._parts = [_Part(source.net, steps, ruled, self._rivals) for steps in _parts(source.net)]
+        self._parts = [_Part(source.net, steps, ruled, self._competing) for steps in _parts(source.net)]
         self._part_of = {step: part for part in self._parts for step in indexes(part.steps)}
 
     def both_fire(self, one: NetTransition, other: NetTransition) -> bool:
         """Return True if two transitions can fire in the same evolution."""
-        if one.pre & other.pre and self._rivals is Rivals.PRIORITY:
+        if one.pre & other.pre and self._competing is Competing.PRIORITY:
             return False
         return self._is_there(one.pre | other.pre)
 
@@ -55,10 +55,10 @@ class Concurrency:
 class _Part:
     """Situations that a part can be in, by the steps that are active in them; `complete` if these are all."""
 
-    def __init__(self, net: Net, steps: int, ruled: Sequence[RuledChart], rivals: Rivals) -> None:
+    def __init__(self, net: Net, steps: int, ruled: Sequence[RuledChart], competing: Competing) -> None:
         self.steps = steps
         self._with: dict[int, list[int]] = {}
-        markings = _markings(net, steps, ruled, rivals)
+        markings = _markings(net, steps, ruled, competing)
         self._complete = markings is not None
         for marking in markings or ():
             for step in indexes(marking):
@@ -86,7 +86,7 @@ def exclude(one: Expression, other: Expression, dialect: Dialect) -> bool:
 
 
 def _competing_exclude_each_other(source: ChartSource) -> bool:
-    pairs = ((t.index, other) for t in source.net.transitions for other in t.rivals)
+    pairs = ((t.index, other) for t in source.net.transitions for other in t.competing)
     return all(exclude(source.conditions[a], source.conditions[b], source.dialect) for a, b in pairs)
 
 
@@ -109,7 +109,7 @@ def _parts(net: Net) -> list[int]:
     return list(found.values())
 
 
-def _markings(net: Net, steps: int, ruled: Sequence[RuledChart], rivals: Rivals) -> set[int] | None:
+def _markings(net: Net, steps: int, ruled: Sequence[RuledChart], competing: Competing) -> set[int] | None:
     """Return the situations that a part can be in; None where there are too many."""
     imposed = (start for chart in ruled if chart.steps & steps for start in _imposed(chart))
     waiting = [start & steps for start in (net.initial, *imposed)]
@@ -122,7 +122,7 @@ def _markings(net: Net, steps: int, ruled: Sequence[RuledChart], rivals: Rivals)
         if len(enabled) > _MOST_TOGETHER or left < 0:
             return None
         for true in _subsets(enabled):
-            after, _ = net.fire(marking, true, rivals)
+            after, _ = net.fire(marking, true, competing)
             if after & steps not in found:
                 found.add(after & steps)
                 waiting.append(after & steps)

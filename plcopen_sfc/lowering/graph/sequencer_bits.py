@@ -29,7 +29,7 @@ from plcopen_sfc.lowering.graph.sequencer_scan import Sequencer
 from plcopen_sfc.lowering.graph.sequencer_source import CyclePhase
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.semantics.charts.graph.parameters import Mode
-from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
+from plcopen_sfc.semantics.net import Competing, NetStep, NetTransition
 
 
 class BitSequencer(Sequencer):
@@ -136,8 +136,8 @@ class BitSequencer(Sequencer):
             condition = self.resolve(self.source.conditions[index], CyclePhase.SWITCH)
             switches = disjunction([conjunction([condition, permitted]), pushed])
             held = [self._held(i) for i in transition.sources]
-            rivals = transition.rivals if self.rules.profile.rivals is Rivals.PRIORITY else ()
-            free = [*map(negation, held), *(negation(self.fired[i]) for i in rivals)]
+            competing = transition.competing if self.rules.profile.competing is Competing.PRIORITY else ()
+            free = [*map(negation, held), *(negation(self.fired[i]) for i in competing)]
             statements.append(assignment(self.fired[index], conjunction([enabled, switches, *free])))
             title, remark = self.texts.transition_title(transition.path), self.texts.remark(transition.transition)
             parts.append(CodeNetwork(title, tuple(statements), remark))

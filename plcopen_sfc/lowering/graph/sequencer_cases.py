@@ -299,7 +299,7 @@ class RegionSequencer(Sequencer):
             transition = self.net.transitions[index]
             name = self.texts.transition_name(self.net, transition)
             self._bits[index] = self.code.declare(name, comment=self.texts.transition_of(transition.path))
-            free = [negation(self._bits[other]) for other in transition.rivals if other in self._bits]
+            free = [negation(self._bits[other]) for other in transition.competing if other in self._bits]
             enabled = [self.active(i) for i in transition.sources]
             if self._before[index]:
                 statements.append(when(conjunction([*enabled, self.evolves()]), *self._before[index]))
@@ -326,8 +326,8 @@ class RegionSequencer(Sequencer):
             return list(range(len(self.net.transitions)))
         found: set[int] = set()
         for block in self.states.regions.blocks:
-            rivals = self.states.regions.exit_rivals(block)
-            found.update([*block.joins, *rivals] if rivals else [])
+            competing = self.states.regions.exit_competitors(block)
+            found.update([*block.joins, *competing] if competing else [])
         for leaving in self.net.leaving:
             if any(self.source.preparations[t] for t in leaving[1:]):
                 found.update(leaving)

@@ -21,26 +21,26 @@ from plcopen_sfc.lowering.reading.step_variables import StepTimers, resolve_step
 from plcopen_sfc.lowering.schedule.added_inputs import ModeInputs, declare_restart
 from plcopen_sfc.lowering.schedule.sfc_flag_code import SfcFlagCode
 from plcopen_sfc.semantics.charts.moves import testing_order
-from plcopen_sfc.semantics.net import Net, NetTransition, Rivals
+from plcopen_sfc.semantics.net import Competing, Net, NetTransition
 from plcopen_sfc.semantics.profile import ActionControl as Control
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
 
 def exclusive_transitions(net: Net, profile: Profile) -> list[tuple[int, ...]]:
     """Return for each transition the competing ones tried before it that keep it from firing when they fire."""
-    if profile.rivals is Rivals.PRIORITY:
-        return [transition.rivals for transition in net.transitions]
+    if profile.competing is Competing.PRIORITY:
+        return [transition.competing for transition in net.transitions]
     if not profile.numbered_first:
         return [()] * len(net.transitions)
     tested = testing_order(net)
     numbered = {transition.index for transition in net.transitions if transition.transition.priority is not None}
-    return [tuple(i for i in t.rivals if i in numbered and tested[i] < tested[t.index]) for t in net.transitions]
+    return [tuple(i for i in t.competing if i in numbered and tested[i] < tested[t.index]) for t in net.transitions]
 
 
 def firing_together(net: Net, profile: Profile) -> NetTransition | None:
     """Return the first transition that can fire although a competing one before it does; None if there is none."""
     exclusive = exclusive_transitions(net, profile)
-    return next((t for t in net.transitions if exclusive[t.index] != t.rivals), None)
+    return next((t for t in net.transitions if exclusive[t.index] != t.competing), None)
 
 
 def refuse_classic(source: ChartSource, what: str, path: str = "") -> NoReturn:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from plcopen_sfc.errors import RivalsError
-from plcopen_sfc.semantics.net import Net, NetTransition, Rivals
+from plcopen_sfc.errors import CompetingTransitionsError
+from plcopen_sfc.semantics.net import Competing, Net, NetTransition
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
 
@@ -40,10 +40,10 @@ Choice = Callable[[Frame, Sequence[Move]], Cleared]
 
 
 def choice(profile: Profile) -> Choice:
-    """How a profile treats rivals."""
-    if profile.rivals is Rivals.PRIORITY:
+    """How a profile treats competing transitions."""
+    if profile.competing is Competing.PRIORITY:
         return _first
-    if profile.rivals is Rivals.ERROR:
+    if profile.competing is Competing.ERROR:
         return _exclusive
     return _numbered_first if profile.numbered_first else _all
 
@@ -119,11 +119,11 @@ def _exclusive(frame: Frame, moves: Sequence[Move]) -> Cleared:
     taken: list[Move] = []
     for move in moves:
         if move.condition(frame):
-            rival = next((other for other in taken if other.sources & move.sources), None)
-            if rival is not None:
-                raise RivalsError(
-                    f"the transitions {rival.path} and {move.path} leave the same step at the same time",
-                    transitions=(rival.path, move.path),
+            competitor = next((other for other in taken if other.sources & move.sources), None)
+            if competitor is not None:
+                raise CompetingTransitionsError(
+                    f"the transitions {competitor.path} and {move.path} leave the same step at the same time",
+                    transitions=(competitor.path, move.path),
                 )
             taken.append(move)
             left |= move.sources

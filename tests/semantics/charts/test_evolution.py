@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.errors import RivalsError, SimulationError, UnstableChartError
+from plcopen_sfc.errors import CompetingTransitionsError, SimulationError, UnstableChartError
 from plcopen_sfc.model import ActionAssociation, Macro, Qualifier, SfcBody, SfcNetwork, Step
-from plcopen_sfc.semantics.net import Rivals
+from plcopen_sfc.semantics.net import Competing
 from plcopen_sfc.semantics.profile import PROFILES, Evolution, Profile
 from tests.semantics.charts.rig import MS, Rig, chain
 
@@ -45,7 +45,7 @@ def test_the_chain_waits_for_its_conditions() -> None:
     assert rig.scan().active == "C"
 
 
-def test_the_first_of_two_rivals_is_cleared() -> None:
+def test_the_first_of_two_competing_transitions_is_cleared() -> None:
     assert Rig(selection(), variables="c1 c2").scan(c1=True, c2=True).active == "L"
     assert Rig(selection(), variables="c1 c2").scan(c2=True).active == "R"
 
@@ -55,19 +55,19 @@ def test_a_priority_comes_before_the_place() -> None:
     assert Rig(selection((None, 1)), variables="c1 c2").scan(c1=True, c2=True).active == "R"
 
 
-def test_all_rivals_are_cleared_together_in_grafcet() -> None:
+def test_all_competing_transitions_are_cleared_together_in_grafcet() -> None:
     assert Rig(selection(), "grafcet", variables="c1 c2").scan(c1=True, c2=True).active == "L R"
 
 
-def test_rivals_can_be_an_error() -> None:
-    strict = replace(IEC, rivals=Rivals.ERROR)
+def test_competing_transitions_can_be_an_error() -> None:
+    strict = replace(IEC, competing=Competing.ERROR)
     assert Rig(selection(), strict, variables="c1 c2").scan(c1=True).active == "L"
-    with pytest.raises(RivalsError) as error:
+    with pytest.raises(CompetingTransitionsError) as error:
         Rig(selection(), strict, variables="c1 c2").scan(c1=True, c2=True)
     assert error.value.transitions == ("S -> L", "S -> R")
 
 
-def test_matiec_excludes_rivals_only_by_priority_numbers() -> None:
+def test_matiec_excludes_competing_transitions_only_by_priority_numbers() -> None:
     assert Rig(selection(), "matiec", variables="c1 c2").scan(c1=True, c2=True).active == "L R"
     assert Rig(selection((1, 2)), "matiec", variables="c1 c2").scan(c1=True, c2=True).active == "L"
     assert Rig(selection((2, 1)), "matiec", variables="c1 c2").scan(c1=True, c2=True).active == "R"
@@ -186,7 +186,7 @@ def test_a_chart_that_never_gets_stable_is_an_error() -> None:
         Rig(chain("A", "B", conditions="TRUE TRUE"), stable).scan()
 
 
-@pytest.mark.parametrize("profile", [*PROFILES.values(), replace(IEC, rivals=Rivals.ALL)], ids=lambda p: p.name)
+@pytest.mark.parametrize("profile", [*PROFILES.values(), replace(IEC, competing=Competing.ALL)], ids=lambda p: p.name)
 def test_one_chart_under_all_profiles(profile: Profile) -> None:
     """A -> B -> C -> A, all conditions true: what is active after scans 1, 2 and 3."""
     rig = Rig(chain("A", "B", "C", "D", conditions="TRUE TRUE c1 FALSE"), profile, variables="c1")
@@ -232,8 +232,8 @@ def _reference(
     fired: list[int] = []
     for index, (sources, _) in enumerate(transitions):
         enabled = all(source in marking for source in sources)
-        rival = exclusive and any(set(transitions[other][0]) & set(sources) for other in fired)
-        if enabled and index in true and not rival:
+        competitor = exclusive and any(set(transitions[other][0]) & set(sources) for other in fired)
+        if enabled and index in true and not competitor:
             fired.append(index)
     after = set(marking)
     for index in fired:
@@ -259,7 +259,7 @@ def test_random_nets_do_what_the_rules_say(exclusive: bool, seed: int) -> None:
         targets = tuple(random.sample(range(size), min(after, size)))
         transitions.append((sources, targets))
         chart.add_transition([steps[i] for i in sources], [steps[i] for i in targets], f"c{index}")
-    profile = IEC if exclusive else replace(IEC, rivals=Rivals.ALL)
+    profile = IEC if exclusive else replace(IEC, competing=Competing.ALL)
     rig = Rig(chart, profile, variables=" ".join(f"c{index}" for index in range(len(transitions))))
     marking = frozenset(index for index, step in enumerate(steps) if step.initial)
     for _ in range(15):
