@@ -119,7 +119,7 @@ class AttachedSymbols:
 
 
 def block_owner(symbol: Symbol, symbols: dict[int, Symbol]) -> int | None:
-    """The step of an action block; None of other symbols."""
+    """Return the step of an action block; None of other symbols."""
     if symbol.kind is not SymbolKind.ACTION_BLOCK:
         return None
     sources = (connection.source for pin in symbol.inputs for connection in pin.connections)
@@ -134,7 +134,7 @@ def _belongs(entry: ActionEntry, step: Step, wanted: list[int]) -> bool:
 
 
 ASIDE = 40
-"""How far a new action block is right of its step."""
+"""Distance of a new action block from its step."""
 
 
 def draw_step_actions(chart: SfcNetwork, style: DrawingStyle) -> None:
@@ -205,7 +205,7 @@ def _logic_wires(node: object) -> list[Connection]:
 
 
 def _blocks_of_steps(drawing: Drawing) -> dict[int, Symbol]:
-    """The last action block of each step."""
+    """Return the last action block of each step."""
     blocks: dict[int, Symbol] = {}
     for symbol in drawing.symbols:
         if symbol.kind is SymbolKind.ACTION_BLOCK:

@@ -16,7 +16,7 @@ from plcopen_sfc.drawing.drawing_style import same_drawn
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 
 ROOT = -1
-"""The node above all starts."""
+"""Node above all starts."""
 
 
 class ForwardEdges:
@@ -103,7 +103,7 @@ class DrawnTransition:
 
     @property
     def sources(self) -> tuple[int, ...]:
-        """The steps of all alternatives."""
+        """Steps of all alternatives."""
         return tuple(dict.fromkeys(step for alternative in self.alternatives for step in alternative))
 
     @property
@@ -114,7 +114,7 @@ class DrawnTransition:
 
 @dataclass(slots=True)
 class ChartGraph:
-    """The graph: `successors` of every node in the order in which they are drawn, and its forward `edges`."""
+    """Graph: `successors` of every node in the order in which they are drawn, and its forward `edges`."""
 
     steps: dict[int, Step]
     joints: dict[int, DrawnTransition]
@@ -123,7 +123,7 @@ class ChartGraph:
 
 
 def flow_of(chart: SfcNetwork, together: Mapping[int, int], *, split: frozenset[int] = frozenset()) -> ChartGraph:
-    """The graph of `chart`.
+    """Return the graph of `chart`.
 
     `together`: which transitions may share a node, as a group number for each; those in `split` may not.
     """
@@ -163,7 +163,7 @@ def _urgency(priority: int | None) -> tuple[bool, int]:
 
 
 def _groups(chart: SfcNetwork, together: Mapping[int, int], split: frozenset[int]) -> list[list[Transition]]:
-    """The transitions, those together that can be one symbol below a convergence of their steps."""
+    """Return the transitions, those together that can be one symbol below a convergence of their steps."""
     leaving: dict[int, int] = {}
     for transition in chart.transitions:
         for source in dict.fromkeys(transition.sources):

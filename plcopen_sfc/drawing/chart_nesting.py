@@ -72,7 +72,7 @@ _Walk = Generator["_Walk", None, None]
 
 
 def nest(chart: SfcNetwork, together: Mapping[int, int]) -> tuple[ChartGraph, list[ChartSegment]]:
-    """The graph of a chart and its segments. `together`: transitions that may share a symbol, see `flow_of`."""
+    """Return the graph of a chart and its segments. `together`: transitions that may share a symbol, see `flow_of`."""
     split: frozenset[int] = frozenset()
     while True:
         flow = flow_of(chart, together, split=split)
@@ -262,7 +262,7 @@ class _Builder:
         return len(joint.alternatives) == 1 and waiting == set(joint.sources)
 
     def outer_target(self, segment: ChartSegment, divergence: NestedDivergence) -> int | None:
-        """The target at which the divergence outside shall go on."""
+        """Return the target at which the divergence outside shall go on."""
         if segment.depth > _MAX_DEPTH:
             return None
         groups: dict[int, list[int]] = {}

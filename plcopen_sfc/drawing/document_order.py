@@ -1,4 +1,4 @@
-"""The order of symbols and logic in a document, and new ids in that order."""
+"""Order of symbols and logic in a document, and new ids in that order."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 
 
 def input_pins_of(node: Node) -> Iterator[InputPin]:
-    """The input pins of an element of logic."""
+    """Yield the input pins of an element of logic."""
     if isinstance(node, Block):
         parameters = node.parameters
         for variable in (*parameters.inputs, *parameters.in_outs, *parameters.outputs):
@@ -27,7 +27,7 @@ def input_pins_of(node: Node) -> Iterator[InputPin]:
 
 
 def feeding(pins: Iterable[InputPin], nodes: dict[int, Node]) -> list[int]:
-    """The elements of logic that the `pins` depend on, producers first."""
+    """Return the elements of logic that the `pins` depend on, producers first."""
     found: list[int] = []
     seen: set[int] = set()
     stack = [(c.source, False) for pin in pins for c in reversed(pin.connections)]
@@ -44,7 +44,7 @@ def feeding(pins: Iterable[InputPin], nodes: dict[int, Node]) -> list[int]:
 
 
 def logic_order(chart: SfcNetwork, symbols: list[Symbol]) -> list[int] | None:
-    """The order of symbols and logic: logic that feeds a condition is before its transition, the rest at the end."""
+    """Order of symbols and logic: logic that feeds a condition is before its transition, the rest at the end."""
     if not chart.logic:
         return None
     nodes: dict[int, Node] = {node.id: node for node in chart.logic}
@@ -116,7 +116,7 @@ def _give_numbers(chart: SfcNetwork, symbols: list[Symbol], numbers: dict[int, i
 
 
 def _input_pins(chart: SfcNetwork, symbols: Iterable[Symbol]) -> Iterator[InputPin]:
-    """Every input pin once: symbol and condition may share theirs."""
+    """Yield every input pin once: symbol and condition may share theirs."""
     seen: set[int] = set()
     conditions: list[Condition | None] = [t.condition for t in chart.transitions]
     conditions += [a.condition for _, a in chart.associations()]

@@ -1,4 +1,4 @@
-"""The two ways to draw a chart, and whether a drawing still means its chart in one of them."""
+"""Two ways to draw a chart, and whether a drawing still means its chart in one of them."""
 
 from __future__ import annotations
 
@@ -35,16 +35,16 @@ class DrawingStyle(StrEnum):
 
     @property
     def output_name(self) -> str:
-        """The name of the flow outputs of steps and divergences (TC6 requires the attribute)."""
+        """Name of the flow outputs of steps and divergences (TC6 requires the attribute)."""
         return "sfc" if self.structured else ""
 
     @property
     def action_output_name(self) -> str:
-        """The name of the output of a step to its action block."""
+        """Name of the output of a step to its action block."""
         return "x" if self.structured else ""
 
     def wire_name(self, consumer: SymbolKind) -> str | None:
-        """The output name that a wire into a symbol of this kind gives for where it starts."""
+        """Return the output name that a wire into a symbol of this kind gives for where it starts."""
         if self.structured and (consumer is SymbolKind.TRANSITION or consumer in CONVERGENCES):
             return "sfc"
         return None

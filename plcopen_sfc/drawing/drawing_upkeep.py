@@ -114,13 +114,13 @@ def prepare_body(
 
 
 def all_charts(project: Project) -> Iterator[SfcNetwork]:
-    """Every chart of a project: of its POUs and their parts, and those inside charts, outer ones before inner ones."""
+    """Yield every chart of a project: of its POUs and their parts, and those inside charts, outer ones first."""
     for _, _, body in project.bodies():
         yield from charts_in(body)
 
 
 def charts_in(body: Body | None) -> Iterator[SfcNetwork]:
-    """The chart of a body and the charts inside it: macro-steps, partial charts, and bodies programmed in place."""
+    """Chart of a body and the charts inside it: macro-steps, partial charts, and bodies programmed in place."""
     pending: list[Body | SfcNetwork | None] = [body]
     while pending:
         one = pending.pop()

@@ -22,7 +22,7 @@ from plcopen_sfc.model.wiring import Problem
 
 
 def highest_id(chart: SfcNetwork, *, drawn: bool) -> int:
-    """The highest id in a chart, in its drawing too where `drawn`; -1 without any."""
+    """Return the highest id in a chart, in its drawing too where `drawn`; -1 without any."""
     used = [s.id for s in chart.steps] + [t.id for t in chart.transitions] + [n.id for n in chart.logic]
     used += [a.id for _, a in chart.associations()]
     if drawn and chart.drawing is not None:
@@ -40,21 +40,21 @@ class Pen:
         self.next_id = first_id
 
     def new_id(self) -> int:
-        """An id that no symbol has."""
+        """Return an id that no symbol has."""
         self.next_id += 1
         return self.next_id - 1
 
     def input(self, consumer: SymbolKind, source: int) -> InputPin:
-        """An input of a symbol of kind `consumer`, wired to `source`."""
+        """Return an input of a symbol of kind `consumer`, wired to `source`."""
         return InputPin(connections=[Connection(source=source, pin=self.style.wire_name(consumer))])
 
     def inputs(self, consumer: SymbolKind, sources: Iterable[int]) -> list[InputPin]:
-        """An input for each of `sources`; a step or bar that nothing leads to shows an empty one in STRUCTURED."""
+        """Input for each of `sources`; a step or bar that nothing leads to shows an empty one in STRUCTURED."""
         pins = [self.input(consumer, source) for source in sources]
         return pins or ([InputPin()] if self.style.structured else [])
 
     def step(self, step: Step, sources: Iterable[int]) -> list[Symbol]:
-        """A step with its action block."""
+        """Return a step with its action block."""
         kind = SymbolKind.MACRO_STEP if step.macro is not None else SymbolKind.STEP
         symbol = Symbol(
             id=step.id,
@@ -69,7 +69,7 @@ class Pen:
         return [symbol, self.action_block(step)]
 
     def action_block(self, step: Step) -> Symbol:
-        """The action block of a step."""
+        """Return the action block of a step."""
         entries = [
             ActionEntry(association=a.id, output=OutputPin() if self.style.structured else None) for a in step.actions
         ]
@@ -81,7 +81,7 @@ class Pen:
         )
 
     def transition(self, number: int, members: list[Transition], sources: Iterable[int]) -> list[Symbol]:
-        """A transition, below the symbol of its expression where that is drawn."""
+        """Return a transition, below the symbol of its expression where that is drawn."""
         first = members[0]
         symbol = Symbol(
             id=number,
@@ -97,18 +97,18 @@ class Pen:
         return [symbol]
 
     def expression(self) -> Symbol:
-        """A drawn expression."""
+        """Return a drawn expression."""
         return Symbol(id=self.new_id(), kind=SymbolKind.EXPRESSION, outputs=[OutputPin()])
 
     def bar(self, kind: SymbolKind, sources: Iterable[int]) -> Symbol:
-        """A divergence or convergence. `dress_divergences` gives a divergence its outputs."""
+        """Return a divergence or convergence. `dress_divergences` gives a divergence its outputs."""
         symbol = Symbol(id=self.new_id(), kind=kind, inputs=self.inputs(kind, sources))
         if kind not in DIVERGENCES:
             symbol.outputs = [OutputPin()]
         return symbol
 
     def jump(self, target: int, sources: Iterable[int]) -> Symbol:
-        """A jump to a step."""
+        """Return a jump to a step."""
         return Symbol(
             id=self.new_id(), kind=SymbolKind.JUMP, inputs=self.inputs(SymbolKind.JUMP, sources), target=target
         )
@@ -144,14 +144,14 @@ _CONVERGENCE = {False: SymbolKind.SELECTION_CONVERGENCE, True: SymbolKind.SIMULT
 
 
 def draw(chart: SfcNetwork, style: DrawingStyle) -> Drawing:
-    """A new drawing for the whole chart, without positions. The chart keeps the drawing it has."""
+    """Return a new drawing for the whole chart, without positions. The chart keeps the drawing it has."""
     pen = Pen(style, highest_id(chart, drawn=False) + 1)
     symbols = sketch(chart, pen, alike(chart) if style.structured else {})
     return Drawing(symbols=symbols, order=logic_order(chart, symbols))
 
 
 def sketch(chart: SfcNetwork, pen: Pen, together: Mapping[int, int]) -> list[Symbol]:
-    """The symbols of a new drawing. `together`: transitions that may share a symbol, as a group number for each."""
+    """Symbols of a new drawing. `together`: transitions that may share a symbol, as a group number for each."""
     flow, segments = nest(chart, together)
     return _Sketch(flow, pen).run(segments)
 
@@ -177,7 +177,7 @@ def limits(chart: SfcNetwork) -> list[Problem]:
 
 @dataclass(slots=True)
 class _Tail:
-    """The end of a segment so far: `wires` into the next symbol, which meet in a convergence if they are several.
+    """End of a segment so far: `wires` into the next symbol, which meet in a convergence if they are several.
 
     `dead`: jumps, which STRUCTURED wires into the convergence of their branch too.
     """
@@ -252,7 +252,7 @@ class _Sketch:
         self.tail = _Tail([item.node])
 
     def one_wire(self) -> list[int]:
-        """The wire into the next symbol, after the convergence of those that meet here."""
+        """Return the wire into the next symbol, after the convergence of those that meet here."""
         wires = self.tail.wires
         if len(wires) > 1:
             bar = self.pen.bar(_CONVERGENCE[self.tail.parallel], wires)

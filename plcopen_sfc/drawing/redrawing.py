@@ -39,17 +39,17 @@ _TWO_SIDED = STEPS | {SymbolKind.TRANSITION}
 
 
 def input_side(number: int) -> int:
-    """The input side of a symbol. A bar or jump has no other."""
+    """Return the input side of a symbol. A bar or jump has no other."""
     return 2 * number
 
 
 def output_side(number: int) -> int:
-    """The output side of a step or transition."""
+    """Return the output side of a step or transition."""
     return 2 * number + 1
 
 
 class WireClusters:
-    """The clusters of a list of symbols. Sides of steps and transitions, bars and jumps are its members."""
+    """Clusters of a list of symbols. Sides of steps and transitions, bars and jumps are its members."""
 
     def __init__(self, symbols: Iterable[Symbol]) -> None:
         self.parent: dict[int, int] = {}
@@ -77,14 +77,14 @@ class WireClusters:
             self.members.setdefault(self.root(side), []).append(side)
 
     def root(self, side: int) -> int:
-        """The side that represents the cluster of `side`."""
+        """Return the side that represents the cluster of `side`."""
         parent = self.parent
         while parent[side] != side:
             parent[side] = side = parent[parent[side]]
         return side
 
     def around(self, side: int) -> list[int]:
-        """The cluster of `side`; nothing where the drawing has no such side."""
+        """Return the cluster of `side`; nothing where the drawing has no such side."""
         return self.members[self.root(side)] if side in self.parent else []
 
     def _unite(self, one: int, other: int) -> None:
@@ -126,7 +126,7 @@ def take_over(
 
 
 def rewired(before: list[InputPin], after: list[InputPin]) -> list[InputPin]:
-    """The pins `after`, but those of `before` that have the same wires. A pin that gets other wires keeps its place."""
+    """Pins `after`, but those of `before` that have the same wires. A pin that gets other wires keeps its place."""
     same = {_wires(pin): pin for pin in reversed(before)}
     pins: list[InputPin] = []
     for position, pin in enumerate(after):
@@ -160,7 +160,7 @@ class _Roles:
         return symbol.kind, self.reach(symbol.id, self.consumers)
 
     def reach(self, number: int, neighbours: Mapping[int, Iterable[int]]) -> frozenset[int]:
-        """The steps and transitions next to a bar or jump in one direction; to jumps, what they lead to."""
+        """Return the steps and transitions next to a bar or jump in one direction; to jumps, what they lead to."""
         found: set[int] = set()
         seen = {number}
         pending = [number]
@@ -248,7 +248,7 @@ class _Redrawing:
         return False
 
     def stale(self, old: WireClusters, new: WireClusters) -> set[int]:
-        """The sides of symbols in all stale clusters of both drawings."""
+        """Return the sides of symbols in all stale clusters of both drawings."""
         found: set[int] = set()
         pending = self.changed(old)
         while pending:
@@ -260,7 +260,7 @@ class _Redrawing:
         return found
 
     def changed(self, old: WireClusters) -> list[int]:
-        """The sides of steps and transitions at which the chart differs from the old drawing."""
+        """Return the sides of steps and transitions at which the chart differs from the old drawing."""
         transitions = {t.id: t for t in self.chart.transitions}
         steps = {step.id for step in self.chart.steps}
         links = trace_drawing(self.drawing).links
@@ -348,7 +348,7 @@ def expressions_are_wired(drawing: Drawing, chart: SfcNetwork, style: DrawingSty
 
 
 def _merged(before: list[int], symbols: list[int], nodes: set[int]) -> list[int]:
-    """The order of symbols and logic: logic stays behind the symbol that it was behind."""
+    """Return the order of symbols and logic: logic stays behind the symbol that it was behind."""
     place: dict[int | None, list[int]] = {}
     present = set(symbols)
     last: int | None = None

@@ -186,7 +186,7 @@ class _Layout:
         return [columns[i] for i in sorted(columns)]
 
     def measure(self, box: _Box) -> None:
-        """The size of a box from its own row and the boxes inside it, which are measured already."""
+        """Set the size of a box from its own row and the boxes inside it, which are measured already."""
         height = box.own_height + _DOWN
         if box.branches:
             branches = [self.boxes[i] for i in box.branches]

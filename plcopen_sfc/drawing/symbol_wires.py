@@ -38,7 +38,7 @@ BAR_HEIGHT = {
 
 
 def even(size: float) -> int:
-    """The next multiple of 20, so that the middle of every symbol is on the grid."""
+    """Return the next multiple of 20, so that the middle of every symbol is on the grid."""
     return int(-(-size // 20)) * 20
 
 
@@ -49,7 +49,7 @@ def text_width(text: str) -> int:
 
 
 class SymbolSizes:
-    """The sizes of the symbols of one chart."""
+    """Sizes of the symbols of one chart."""
 
     def __init__(self, chart: SfcNetwork) -> None:
         self.steps = {step.id: step for step in chart.steps}
@@ -81,7 +81,7 @@ class SymbolSizes:
         return 20, BAR_HEIGHT[kind]
 
     def row_text(self, block: Symbol, entry: ActionEntry) -> str:
-        """The text in a line of an action block."""
+        """Return the text in a line of an action block."""
         if entry.step_action is None:
             association = self.associations.get(entry.association)
             return _row_text(association) if association is not None else ""
@@ -90,13 +90,13 @@ class SymbolSizes:
         return f"P1 {actions[0]}" if actions and isinstance(actions[0], str) else "P1"
 
     def condition_text(self, symbol: Symbol) -> str:
-        """The text beside a transition."""
+        """Return the text beside a transition."""
         transition = self.transitions.get(symbol.transitions[0] if symbol.transitions else symbol.id)
         return condition_text(transition) if transition is not None else ""
 
 
 def condition_text(transition: Transition) -> str:
-    """The condition of a transition as an editor shows it beside the transition."""
+    """Return the condition of a transition as an editor shows it beside the transition."""
     condition = transition.condition
     if isinstance(condition, Expression):
         return condition.text
@@ -220,7 +220,7 @@ class WireRouting:
         return self._consumer_lists
 
     def _axis(self, number: int) -> float:
-        """Where the flow runs through a symbol; through a bar, below what leads to it or above what it leads to."""
+        """Return the x at which the flow runs through a symbol; of a bar, near its left end."""
         x, _, width, _ = self.boxes[number]
         symbol = self.symbols.get(number)
         if symbol is None or symbol.kind not in BARS:
@@ -272,7 +272,7 @@ class WireRouting:
 
 
 def _bends(end: Point, start: Point, *, sideways: bool) -> list[Point]:
-    """A wire from its consumer to its producer, in right angles."""
+    """Return a wire from its consumer to its producer, in right angles."""
     if sideways:
         if end[1] == start[1]:
             return [end, start]

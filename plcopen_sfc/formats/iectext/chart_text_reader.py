@@ -25,7 +25,7 @@ _NEGATION = re.compile(r"NOT\s*\(\s*(.*?)\s*\)|NOT\s+([^\W\d]\w*)", re.IGNORECAS
 
 @dataclass(slots=True)
 class ElementText:
-    """The fields of an element from its text, the annotations beside it, and its place.
+    """Fields of an element from its text, the annotations beside it, and its place.
 
     `name` is the name as written, `sides` the names in FROM (`sources`) and TO (`targets`).
     """
@@ -41,7 +41,7 @@ class ElementText:
 
 @dataclass(slots=True)
 class ChartText:
-    """The steps and transitions of a chart in the order of the text."""
+    """Steps and transitions of a chart in the order of the text."""
 
     steps: list[ElementText] = field(default_factory=list)
     transitions: list[ElementText] = field(default_factory=list)
@@ -91,7 +91,7 @@ def _read_association(src: TextSource, tokens: list[Token], annotations: Annotat
 
 
 def association_fields(text: str, tokens: list[Token]) -> Fields | None:
-    """The fields of ``target(qualifier, time, indicator)``; None for any other text."""
+    """Return the fields of ``target(qualifier, time, indicator)``; None for any other text."""
 
     def slice_of(part: list[Token]) -> str:
         return newlines(text[part[0].span[0] : part[-1].span[1]])
@@ -122,7 +122,7 @@ def association_fields(text: str, tokens: list[Token]) -> Fields | None:
 
 
 def _last_parenthesis(tokens: list[Token]) -> int | None:
-    """The index of the parenthesis that the last token closes."""
+    """Return the index of the parenthesis that the last token closes."""
     depth = 0
     for index in range(len(tokens) - 1, -1, -1):
         depth += (tokens[index].type == "RPAR") - (tokens[index].type == "LPAR")
@@ -172,7 +172,7 @@ def read_transition(src: TextSource, part: TextPart, annotations: Annotations, p
 
 
 class _Header:
-    """The header of a transition, up to its condition."""
+    """Header of a transition, up to its condition."""
 
     def __init__(self, src: TextSource, tokens: list[Token], part: TextPart, place: str) -> None:
         self.src = src
@@ -237,7 +237,7 @@ class _Header:
 
 
 def condition_fields(text: str, mark: str, tokens: list[Token], begin: int, end: int) -> Fields | None:
-    """The fields of ``:= expression;`` (`mark` ASSIGN) or ``: body``; {} without any text, None if it is neither."""
+    """Fields of ``:= expression;`` (`mark` ASSIGN) or ``: body``; {} without any text, None if it is neither."""
     if mark == "COLON":
         return {"kind": "body", "body": body_fields(taken(text[begin:end]), tokens)}
     if not tokens or tokens[-1].type != "SEMICOLON":
@@ -251,7 +251,7 @@ def condition_fields(text: str, mark: str, tokens: list[Token], begin: int, end:
 
 
 def body_fields(text: str, tokens: list[Token]) -> Fields:
-    """The body of this text: instructions or statements."""
+    """Return the body of this text: instructions or statements."""
     return {"language": "IL" if is_il(tokens) else "ST"} | ({"text": text} if text else {})
 
 
@@ -284,7 +284,7 @@ class ChartReferences:
 
 
 def chart_fields(src: TextSource, chart: ChartText, around: ChartReferences, place: str) -> Fields:
-    """The fields of the chart, its names resolved; without the changes of pragmas at the end of the unit."""
+    """Return the fields of the chart, its names resolved; without the changes of pragmas at the end of the unit."""
     known = {step.name.casefold() for step in chart.steps}
     for transition in chart.transitions:
         transition.annotations.put_into(transition.fields)
@@ -326,7 +326,7 @@ def number(src: TextSource, chart: ChartText, fields: Fields) -> None:
 
 
 def ids_within(value: Any) -> Iterator[int]:
-    """Every id in a chart, those that its drawing gives too."""
+    """Yield every id in a chart, those that its drawing gives too."""
     if isinstance(value, dict):
         for key, item in value.items():
             if key in ("id", "local_id", "association") and isinstance(item, int):

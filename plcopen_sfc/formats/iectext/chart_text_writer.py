@@ -69,7 +69,7 @@ class ChartTextWriter:
         self.labels = self.chart.labels()
 
     def blocks(self) -> Iterator[tuple[Key, str]]:
-        """The steps and transitions, each with a key that stays when it is renamed."""
+        """Yield the steps and transitions, each with a key that stays when it is renamed."""
         self._choose_names()
         self.named = frozenset(one.name.casefold() for one in self.objects)
         rest = plain_fields(self.chart, leave=frozenset({"steps", "transitions"}))
@@ -163,7 +163,7 @@ class ChartTextWriter:
         return lift
 
     def _near(self, read_back: Fields, intended: Fields, place: tuple[Segment, ...], path: str) -> list[Change]:
-        """The changes to write beside an element; those too big for it are left for the end of the unit."""
+        """Return the changes to write beside an element; those too big for it are left for the end of the unit."""
         near, late = split(changes(read_back, intended))
         note_changes(self.printer, (*near, *late), path, leave=("id", "target", "body", *_BEYOND))
         if self.unique and all(one.id in self.explicit for one in place if isinstance(one, Numbered)):
@@ -240,7 +240,7 @@ class ChartTextWriter:
         return f"{inner}{shown};" + (f" {beside}" if beside else "") + _beside(near, inner + INDENT)
 
     def _guarded(self, association: ActionAssociation, step: Step) -> Body | None:
-        """A body that does the same as the qualifier N with a variable under a condition.
+        """Return a body that does the same as the qualifier N with a variable under a condition.
 
         It is executed once more when the step is left (IEC 61131-3, 6.7.4.6), which makes the variable FALSE.
         """
@@ -254,7 +254,7 @@ class ChartTextWriter:
         return StBody(text=f"{target} := {step.name}.X AND {'NOT ' if condition.negated else ''}{text};")
 
     def _called(self, association: ActionAssociation, step: Step) -> Body | None:
-        """A body for the call of a row of S7-GRAPH, in each cycle in which its step is active."""
+        """Return a body for the call of a row of S7-GRAPH, in each cycle in which its step is active."""
         if not isinstance(association.body, StBody) or association.target is not None or association.duration:
             return None
         statements = association.body.text.strip()
@@ -327,7 +327,7 @@ class ChartTextWriter:
     def _condition(
         self, transition: Transition, intended: Fields, in_place: list[tuple[str, Body]]
     ) -> tuple[str, Fields]:
-        """The lines of the condition and the fields read from them; those of the model go into `intended`."""
+        """Return the lines of the condition and the fields read from them; those of the model go into `intended`."""
         condition = transition.condition
         if condition is None:
             return "", {}
@@ -363,7 +363,7 @@ class ChartTextWriter:
         return self._nothing_right(transition, inner)
 
     def _drawn(self, transition: Transition, inner: str) -> str:
-        """The lines that show a drawn condition; the drawing is at the end of the unit."""
+        """Return the lines that show a drawn condition; the drawing is at the end of the unit."""
         path = f"{self.path} / transition {self.labels[transition.id]}"
         found = shown_condition(self.chart, transition, self.printer.dialect, self.objects)
         shown, lines = "", ""
@@ -383,7 +383,7 @@ class ChartTextWriter:
         return lines
 
     def _nothing_right(self, transition: Transition, inner: str) -> tuple[str, Fields]:
-        """A condition that does not compile: without one the transition would be always true."""
+        """Return a condition that does not compile: without one the transition would be always true."""
         text = missing(self.printer, self.labels[transition.id])
         path = f"{self.path} / transition {self.labels[transition.id]}"
         self.printer.note(Outcome.NOT_EXECUTED, "condition", path, nothing_right(text))
@@ -405,7 +405,7 @@ _MOST_GAPS = 8
 
 
 def _explicit_ids(ids: list[int]) -> tuple[frozenset[int], list[int]]:
-    """The ids that must be written, and the numbers without an owner: readers give free numbers in order."""
+    """Return the ids that must be written, and the numbers without an owner: readers give free numbers in order."""
     given = set(ids)
     explicit: set[int] = set()
     unused: list[int] = []
@@ -424,7 +424,7 @@ def _explicit_ids(ids: list[int]) -> tuple[frozenset[int], list[int]]:
 
 
 def _beside(near: list[Change], indent: str) -> str:
-    """An id before the element on its line, other pragmas below."""
+    """Return an id before the element on its line, other pragmas below."""
     if not near or near[0].path[0] not in ("id", "step_action"):
         return "\n" + pragmas(near, indent)
     return f" {pragma(near[0])}\n" + pragmas(near[1:], indent)

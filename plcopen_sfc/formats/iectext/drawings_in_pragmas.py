@@ -29,7 +29,7 @@ _LONG = 80
 def shown_condition(
     chart: SfcNetwork, transition: Transition, dialect: Dialect, objects: Iterable[NamedTransition]
 ) -> tuple[str, bool] | None:
-    """The condition as an expression, or, where blocks are called before it, as statements (True).
+    """Return the condition as an expression, or, where blocks are called before it, as statements (True).
 
     None where no text expresses it: it needs undeclared variables, such as for edges.
     """
@@ -46,14 +46,14 @@ def shown_condition(
 
 
 def shown_named_condition(transition: NamedTransition, dialect: Dialect) -> tuple[str, bool] | None:
-    """The condition of a transition object that is drawn."""
+    """Return the condition of a transition object that is drawn."""
     chart = SfcNetwork(transitions=[Transition(id=0, name=transition.name)])
     chart.transitions[0].condition = NamedCondition(name=transition.name)
     return shown_condition(chart, chart.transitions[0], dialect, [transition])
 
 
 def shown_body(body: FbdBody | LdBody, dialect: Dialect) -> str | None:
-    """The body as statements; None where they cannot express it, or need undeclared variables."""
+    """Return the body as statements; None where they cannot express it, or need undeclared variables."""
     found = body_statements(body, dialect)
     if found.helpers or found.obstacles:
         return None
@@ -81,5 +81,5 @@ def put_drawing(fields: Fields, field: str) -> bool:
 
 
 def _mark(text: str) -> str:
-    """The text, or of a long one a digest."""
+    """Return the text, or of a long one a digest."""
     return text if len(text) <= _LONG else "#" + hashlib.sha256(text.encode()).hexdigest()[:12]

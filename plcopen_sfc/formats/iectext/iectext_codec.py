@@ -29,7 +29,7 @@ _ABOUT_THE_FILE = re.compile(r"\{\s*plcopen_sfc\s+(?:format\b|project\.dialect\b
 
 
 def without_own_pragmas(data: bytes) -> bytes:
-    """The file `data` without them; `data` itself where there are none."""
+    """Return the file `data` without them; `data` itself where there are none."""
     source = decode(data)
     if OWN_PRAGMA.search(source.text) is None:
         return data
@@ -39,7 +39,7 @@ def without_own_pragmas(data: bytes) -> bytes:
 
 
 def source_lines(text: str) -> dict[str, int]:
-    """The line of each object in a text, by the path that a `ConversionReport` gives it."""
+    """Return the line of each object in a text, by the path that a `ConversionReport` gives it."""
     project, src = read_project(text, None)
     finder = _Finder(src)
     units = (part for part in src.outline.parts if part.kind in POUS)
@@ -84,11 +84,11 @@ class _Finder:
 
 
 Found: TypeAlias = tuple[tuple[Key, ...], tuple[int, int], "TextPart | None"]
-"""The keys of a block, its place, and the part that it is, if its inside is looked into."""
+"""Keys of a block, its place, and the part that it is, if its inside is looked into."""
 
 
 def file_slices(project: Project, src: TextSource, before: WrittenBlock) -> BlockSpan:
-    """The places of the blocks of `before`, which is `project` as text, in the text that it was read from."""
+    """Return the places of the blocks of `before`, which is `project` as text, in the text that it was read from."""
     found = list(_units(src))
     pous = iter(project.pous)
     inside = {id(part): next(pous) for _, _, part in found if part is not None}
@@ -116,7 +116,7 @@ def _units(src: TextSource) -> Iterator[Found]:
 
 
 def _project_pragmas(src: TextSource) -> int:
-    """The end of the pragmas about the project at the start of the file."""
+    """Return the end of the pragmas about the project at the start of the file."""
     end = 0
     limit = src.outline.parts[0].start if src.outline.parts else len(src.text)
     for comment in src.outline.comments(0, limit):
@@ -135,13 +135,13 @@ def _first_word(comment: Comment) -> str:
 
 
 def _above(src: TextSource, position: int, start: int) -> int:
-    """Where the comments and pragmas begin that belong to the part at `start`."""
+    """Return the begin of the comments and pragmas that belong to the part at `start`."""
     first = next((c.span[0] for c in src.outline.comments(position, start)), start)
     return first if not src.text[position:first].strip() else src.attached(position, start)
 
 
 def _own_run(src: TextSource, start: int, end: int) -> tuple[int, int]:
-    """The pragmas of this package at the end of a place, without the blanks around them."""
+    """Return the pragmas of this package at the end of a place, without the blanks around them."""
     begin = src.core(start, end)[1]
     own = [c.span for c in src.outline.comments(begin, end) if is_own(c)]
     return (own[0][0], own[-1][1]) if own else (begin, begin)
@@ -153,7 +153,7 @@ def _own_run(src: TextSource, start: int, end: int) -> tuple[int, int]:
 def _parts(
     src: TextSource, part: TextPart, start: int, thing: Pou | Action | Method | NamedTransition
 ) -> Iterator[Found]:
-    """The pieces of a POU, an action or a method."""
+    """Yield the pieces of a POU, an action or a method."""
     bodies = thing.bodies if isinstance(thing, Pou) else [thing.body]
     chart = next((body.chart for body in bodies if isinstance(body, SfcBody)), None)
     steps = iter(chart.steps if chart is not None else ())
@@ -222,7 +222,7 @@ def _matched(
     *,
     inside: dict[int, Pou],
 ) -> BlockSpan:
-    """A slice for each piece of `before`: where it was found, or an empty one behind that of the piece before it."""
+    """Slice for each piece of `before`: where it was found, or an empty one behind that of the piece before it."""
     keys = numbered([keys[0] for keys, _, _ in found if keys])
     places = dict(zip(keys, [(place, part) for keys_, place, part in found if keys_], strict=True))
     slices: list[BlockSpan] = []
@@ -284,19 +284,19 @@ class IecTextCodec(TextCodec):
         return ReadResult(project, src.diagnostics)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
-        """The file without pragmas of this package."""
+        """Return the file without pragmas of this package."""
         return without_own_pragmas(data)
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
-        """The line of each object in the text `content`, by the path that the report gives it."""
+        """Return the line of each object in the text `content`, by the path that the report gives it."""
         return source_lines(decode(content).text)
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
-        """The text of a project by its objects."""
+        """Return the text of a project by its objects."""
         return write_project(project, options, report)
 
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
-        """The places of those objects in the text of a file."""
+        """Return the places of those objects in the text of a file."""
         source = decode(content)
         project, src = read_project(source.text, None)
         return source, file_slices(project, src, self.to_blocks(project, WriteOptions(), ConversionReport()))

@@ -1,4 +1,4 @@
-"""The text that matiec compiles, of a project that `formats.matiec` has fitted."""
+"""Text that matiec compiles, of a project that `formats.matiec` has fitted."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _KEYWORDS = {
 
 
 def compiled_text(project: Project) -> str:
-    """The whole text."""
+    """Return the whole text."""
     units = [write_data_type(declaration, Dialect.IEC) for declaration in project.data_types]
     units += [_pou(pou) for pou in pous_in_order(project)]
     units += [_configuration(configuration) for configuration in project.configurations]
@@ -60,7 +60,7 @@ def _text(body: Body) -> str:
 
 
 def _section(section: VariableSection, indent: str = INDENT) -> str:
-    """A section of variables; external ones have their values where they are declared."""
+    """Return a section of variables; external ones have their values where they are declared."""
     if section.kind is SectionKind.EXTERNAL:
         section = section.model_copy(deep=True)
         for variable in section.variables:

@@ -33,7 +33,7 @@ _KINDS = {PartKind.PROGRAM: "program", PartKind.FUNCTION_BLOCK: "functionBlock",
 
 @dataclass(slots=True)
 class UnitText:
-    """The content of a POU, a method or an action: `fields` of its own, its parts, and its body."""
+    """Content of a POU, a method or an action: `fields` of its own, its parts, and its body."""
 
     path: str
     fields: Fields
@@ -51,7 +51,7 @@ class UnitText:
 
 
 def read_pou(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Pou:
-    """A program, function block or function; `gap` is the text before it."""
+    """Read a program, function block or function; `gap` is the text before it."""
     while True:
         fields = _pou_fields(src, part, gap)
         try:
@@ -140,7 +140,7 @@ def _container(src: TextSource, part: TextPart, gap: tuple[int, int], prefix: st
 
 
 def _take_declaration(src: TextSource, part: TextPart, gap: tuple[int, int], container: UnitText) -> None:
-    """Where the text of the declaration begins and ends, if it is to be kept as it was typed."""
+    """Keep the range of the text of the declaration, if it is to be kept as it was typed."""
     own = [c.span[1] for c in src.outline.comments(*gap) if is_own(c)]
     start = own[-1] if own else gap[0]
     while start < part.start and src.text[start].isspace():
@@ -177,7 +177,7 @@ def _keep_header_rest(src: TextSource, part: TextPart, container: UnitText) -> N
 
 
 def _behind(tokens: list[Any], word: str) -> tuple[str, ...]:
-    """The names behind EXTENDS or IMPLEMENTS in a header."""
+    """Return the names behind EXTENDS or IMPLEMENTS in a header."""
     values = [token.value for token in tokens]
     start = next((index + 1 for index, value in enumerate(values) if value.upper() == word), len(values))
     ends = (index for index in range(start, len(values)) if values[index].upper() in ("IMPLEMENTS", ";", ":"))
@@ -206,7 +206,7 @@ def _leads(src: TextSource, part: TextPart) -> bool:
 
 
 def _object_names(src: TextSource, part: TextPart) -> Iterator[str]:
-    """The names of the transition objects of a POU."""
+    """Yield the names of the transition objects of a POU."""
     for inner in part.parts:
         if inner.kind is PartKind.TRANSITION and not _leads(src, inner):
             yield from (token.value.casefold() for token in src.outline.tokens(inner.tokens)[:1])
@@ -304,7 +304,7 @@ def _read_transition_object(src: TextSource, part: TextPart, gap: tuple[int, int
 
 
 def _finished(src: TextSource, container: UnitText) -> Fields:
-    """The fields of a container; its main body under `body`, the chart of that under `chart`."""
+    """Return the fields of a container; its main body under `body`, the chart of that under `chart`."""
     fields = container.fields
     container.annotations.put_into(fields)
     around = ChartReferences(container.in_place, src.named)

@@ -39,7 +39,7 @@ _PARTS = frozenset({"bodies", "body", "actions", "transitions", "methods", "inte
 
 
 def write_pou(printer: TextPrinter, pou: Pou) -> WrittenBlock:
-    """A program, function block or function."""
+    """Write a program, function block or function."""
     printer.used = {name.casefold() for name in _names(pou)}
     printer.actions = frozenset(action.name.casefold() for action in pou.actions)
     path = f"POU {pou.name}"
@@ -48,7 +48,7 @@ def write_pou(printer: TextPrinter, pou: Pou) -> WrittenBlock:
 
 
 def _names(pou: Pou) -> list[str]:
-    """Every name in the POU that an action in place must not take."""
+    """Return every name in the POU that an action in place must not take."""
     parts: list[Action | NamedTransition | Method] = [*pou.actions, *pou.transitions, *pou.methods]
     names = [*(part.name for part in parts), *(variable.name for variable in pou.variables())]
     for _, _, body in pou.named_bodies():
@@ -85,7 +85,7 @@ class _Unit:
         self.in_place: list[tuple[str, Body]] = []
 
     def piece(self, extra: list[Change] | None = None) -> WrittenBlock:
-        """The text of the container; `extra` are more changes for its pragmas."""
+        """Return the text of the container; `extra` are more changes for its pragmas."""
         thing = self.thing
         name = thing.name if self.printer.is_name(thing.name) else self.printer.new_name(thing.name)
         intended = plain_fields(thing, leave=_PARTS)
@@ -149,7 +149,7 @@ class _Unit:
     # -- bodies -------------------------------------------------------------------------------------------------------
 
     def _body(self, body: Body | None, intended: Fields, read_back: Fields) -> list[WrittenBlock]:
-        """The lines of the main body; `read_back` gets the fields of the text, `intended` those of the model."""
+        """Return the lines of the main body; `read_back` gets the fields of the text, `intended` those of the model."""
         read_back["body"] = {"language": "ST"}
         if body is None:
             return []
@@ -177,7 +177,7 @@ class _Unit:
         return pieces
 
     def _shown(self, body: FbdBody | LdBody) -> TextBlock | None:
-        """The lines of structured text for a drawn body."""
+        """Return the lines of structured text for a drawn body."""
         if isinstance(self.thing, NamedTransition):
             found = shown_named_condition(self.thing, self.printer.dialect)
             text = found[0] if found is not None else None
@@ -223,7 +223,7 @@ class _Unit:
 
 
 def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None) -> WrittenBlock:
-    """An action for a body that belongs to a step, a transition or the chart."""
+    """Write an action for a body that belongs to a step, a transition or the chart."""
     action = Action(name=name, body=body)
     path = f"{unit.path} / {name}"
     inner = _Unit(

@@ -124,7 +124,7 @@ def _project_changes(src: TextSource, start: int, end: int, annotations: Annotat
 
 
 def dialect_of(text: str) -> Dialect:
-    """The dialect that a text gives as its own."""
+    """Return the dialect that a text gives as its own."""
     found = _DIALECT.search(text)
     try:
         return Dialect(found.group(1)) if found is not None else Dialect.IEC
@@ -137,7 +137,7 @@ _UNITS = frozenset({"pous", "data_types", "global_variables", "configurations", 
 
 
 def write_project(project: Project, _options: WriteOptions, report: ConversionReport) -> WrittenBlock:
-    """The text of a project."""
+    """Return the text of a project."""
     printer = TextPrinter(project.dialect, report, variables=frozenset(variable_names(project)))
     read_back: Fields = {}
     intended = plain_fields(project, leave=_UNITS)

@@ -34,7 +34,7 @@ _LISTS = frozenset({"resources", "global_variables", "access_variables", "config
 
 
 def read_global_section(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
-    """A list of global variables with the changes of the pragmas before it."""
+    """Read a list of global variables with the changes of the pragmas before it."""
     sections = read_section(src, part, gap, place)
     annotations = src.annotations(gap[0], part.start, place)
     for fields in sections[:1]:
@@ -52,7 +52,7 @@ def read_global_section(src: TextSource, part: TextPart, gap: tuple[int, int], p
 
 
 def write_global_section(printer: TextPrinter, section: VariableSection, indent: str) -> str:
-    """A list of global variables, with pragmas before it for the fields that its declaration lacks."""
+    """Write a list of global variables, with pragmas before it for the fields that its declaration lacks."""
     intended = plain_fields(section)
     typed = listing_text(printer, section, intended)
     text, read_back = typed if typed is not None else write_section_text(printer, section, indent)
@@ -60,7 +60,7 @@ def write_global_section(printer: TextPrinter, section: VariableSection, indent:
 
 
 def read_configuration(src: TextSource, part: TextPart, gap: tuple[int, int]) -> tuple[Fields, bool]:
-    """A configuration, and True if it is an application of CODESYS or TwinCAT."""
+    """Read a configuration; True besides it if it is an application of CODESYS or TwinCAT."""
     annotations = src.annotations(*gap)
     application = any(c.path == ("application",) for c, _ in annotations.changes)
     return config_fields(src, part, gap), application
@@ -75,7 +75,7 @@ def write_configuration(printer: TextPrinter, configuration: Configuration) -> s
 
 
 def write_application(printer: TextPrinter, application: Resource) -> str:
-    """An application of CODESYS or TwinCAT: a resource without a configuration, which gets one."""
+    """Write an application of CODESYS or TwinCAT: a resource without a configuration, which gets one."""
     printer.note(
         Outcome.TRANSLATED, "application", f"application {application.name}", "a configuration with one resource"
     )
@@ -85,7 +85,7 @@ def write_application(printer: TextPrinter, application: Resource) -> str:
 
 
 def config_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fields:
-    """The fields of a configuration or a resource."""
+    """Return the fields of a configuration or a resource."""
     place = f"{part.kind.lower()} {part.name}"
     fields: Fields = {"name": part.name}
     annotations = src.annotations(*gap, place)
@@ -285,7 +285,7 @@ class _ConfigurationWriter:
         extra: list[Change] | None = None,
         read_back: Fields | None = None,
     ) -> str:
-        """The lines above a thing: its comment and the fields that its text lacks. Big data goes to the end."""
+        """Return the lines above a thing: its comment and the fields that its text lacks. Big data goes to the end."""
         intended = plain_fields(thing, leave=_LISTS)
         read_back = Fields(name=name) | (read_back or {})
         text = comment_lines(intended, read_back, indent) if str(intended.get("comment", "")).strip() else ""

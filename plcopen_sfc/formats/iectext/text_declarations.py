@@ -40,7 +40,7 @@ def read_types(src: TextSource, part: TextPart, gap: tuple[int, int]) -> list[Fi
 
 
 def read_return_type(src: TextSource, span: tuple[int, int], place: str) -> Fields:
-    """The type of the result of a function."""
+    """Return the type of the result of a function."""
     text = newlines(src.text[slice(*span)])
     heads = read_declarations(f"FUNCTION x : {text}\n", src.outline.dialect).heads
     if heads and heads[0].return_type is not None:
@@ -69,7 +69,7 @@ def write_interface(
     intended: Fields,
     read_back: Fields,
 ) -> tuple[str, list[str]]:
-    """The header of a unit and its sections; `intended` gets fields of the model, `read_back` those of the text."""
+    """Header of a unit and its sections; `intended` gets fields of the model, `read_back` those of the text."""
     if keyword in _WITHOUT_INTERFACE:
         return f"{indent}{keyword} {name}{':' if keyword == 'ACTION' else ''}", []
     read_back["interface"] = {}
@@ -125,7 +125,7 @@ def _header(
 
 
 def _read_back(printer: TextPrinter, text: str, keyword: str) -> tuple[TextPart | None, TextSource]:
-    """The unit or method that `text` is, if it is just that."""
+    """Return the unit or method that `text` is, if it is just that."""
     whole = text if keyword != "METHOD" else f"FUNCTION_BLOCK x\n{text}\nEND_FUNCTION_BLOCK"
     src = TextSource(outline(whole, printer.dialect))
     parts = src.outline.parts
@@ -140,7 +140,7 @@ def _read_back(printer: TextPrinter, text: str, keyword: str) -> tuple[TextPart 
 
 
 def _as_typed(printer: TextPrinter, keyword: str, name: str, declaration: str | None) -> tuple[str, Fields] | None:
-    """The text of a declaration that can be written as it was typed, and its fields."""
+    """Return the text of a declaration that can be written as it was typed, and its fields."""
     if declaration is None or "\r" in declaration or "plcopen_sfc" in declaration:
         return None
     text = declaration.rstrip()
@@ -171,7 +171,7 @@ def _keep_as_typed(fields: Fields, declaration: str, text: str) -> None:
 
 
 def write_section_text(printer: TextPrinter, section: VariableSection, indent: str) -> tuple[str, Fields]:
-    """A section as text, and the fields that a reader takes from it."""
+    """Return a section as text, and the fields that a reader takes from it."""
     quoted = [with_quotes(variable, printer.variables) for variable in section.variables]
     section = section.model_copy(update={"variables": quoted})
     text = write_section(section, printer.dialect, indent)
@@ -189,7 +189,7 @@ def write_section_text(printer: TextPrinter, section: VariableSection, indent: s
 
 
 def listing_text(printer: TextPrinter, section: VariableSection, intended: Fields) -> tuple[str, Fields] | None:
-    """A list of global variables as it was typed, and its fields; None where that cannot be in the text."""
+    """Return a list of global variables as it was typed, and its fields; None where that cannot be in the text."""
     declaration = section.declaration
     if declaration is None or "\r" in declaration or "plcopen_sfc" in declaration:
         return None
@@ -214,7 +214,7 @@ def _section_read_back(printer: TextPrinter, text: str) -> Fields | None:
 
 
 def _expressible(printer: TextPrinter, variable: Variable) -> Variable:
-    """The variable, or one in its place where its declaration does not come back from text."""
+    """Return the variable, or one in its place where its declaration does not come back from text."""
     alone = VariableSection(variables=[variable])
     read_back = _section_read_back(printer, write_section(alone, printer.dialect))
     if read_back is not None and len(read_back.get("variables", [])) == 1:
@@ -224,7 +224,7 @@ def _expressible(printer: TextPrinter, variable: Variable) -> Variable:
 
 
 def write_type_text(printer: TextPrinter, declaration: DataTypeDeclaration) -> tuple[str, Fields, Fields]:
-    """A declaration of a type as text, the fields that a reader takes from it, and those of the model."""
+    """Return a declaration of a type as text, the fields that a reader takes from it, and those of the model."""
     intended = plain_fields(declaration)
     if declaration.declaration is not None and "plcopen_sfc" not in declaration.declaration:
         text = declaration.declaration.rstrip()

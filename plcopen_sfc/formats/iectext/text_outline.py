@@ -1,4 +1,4 @@
-"""The outline of a text: units and their parts, found by their keywords.
+"""Outline of a text: units and their parts, found by their keywords.
 
 Bodies are not parsed here, so an error in one of them costs nothing else; every part knows its place.
 """
@@ -16,7 +16,7 @@ from plcopen_sfc.languages.st.lexer import Comment, Token, Tokens, tokenize
 
 
 class PartKind(StrEnum):
-    """The kinds of parts, by the keyword that opens them."""
+    """Kinds of parts, by the keyword that opens them."""
 
     PROGRAM = "PROGRAM"
     FUNCTION_BLOCK = "FUNCTION_BLOCK"
@@ -85,7 +85,7 @@ class TextPart:
 
 @dataclass(slots=True)
 class Outline:
-    """The parts of a text, its tokens, and the problems of its `structure`."""
+    """Parts of a text, its tokens, and the problems of its `structure`."""
 
     text: str
     dialect: Dialect
@@ -99,20 +99,20 @@ class Outline:
         return [*self.found.problems, *self.structure]
 
     def comments(self, start: int, end: int) -> list[Comment]:
-        """The comments and pragmas that are wholly between two offsets."""
+        """Return the comments and pragmas that are wholly between two offsets."""
         comments = self.found.comments
         first = bisect_left(comments, start, key=lambda c: c.span[0])
         last = bisect_left(comments, end, key=lambda c: c.span[0])
         return [c for c in comments[first:last] if c.span[1] <= end]
 
     def tokens_within(self, start: int, end: int) -> list[Token]:
-        """The tokens that start between two offsets."""
+        """Return the tokens that start between two offsets."""
         tokens = self.found.tokens
         first = bisect_left(tokens, start, key=lambda t: t.span[0])
         return tokens[first : bisect_left(tokens, end, key=lambda t: t.span[0])]
 
     def tokens(self, span: tuple[int, int]) -> list[Token]:
-        """The tokens of a range."""
+        """Return the tokens of a range."""
         return self.found.tokens[span[0] : span[1]]
 
 
@@ -147,11 +147,11 @@ class _Scan:
         return self.tokens[index].value.upper() if index < len(self.tokens) else ""
 
     def offset(self) -> int:
-        """Where the next token starts, or the text ends."""
+        """Return the offset at which the next token starts, or the text ends."""
         return self.tokens[self.at].span[0] if self.at < len(self.tokens) else len(self.text)
 
     def behind(self) -> int:
-        """Where the last token ended."""
+        """Return the offset at which the last token ended."""
         return self.tokens[self.at - 1].span[1] if self.at else 0
 
     def starts_line(self) -> bool:
@@ -220,7 +220,7 @@ class _Scan:
         return self.until_end(TextPart(PartKind.VAR, self.tokens[first].span[0], 0, keyword, head=(first, self.at)))
 
     def plain(self, kind: PartKind) -> TextPart:
-        """A part whose inside is not looked into."""
+        """Return a part whose inside is not looked into."""
         first = self.at
         self.at += 1
         name = self.tokens[self.at].value if kind is not PartKind.TYPE and self.is_word() else ""
@@ -256,7 +256,7 @@ class _Scan:
         return part
 
     def unclosed(self, part: TextPart, begin: int, first: int) -> TextPart:
-        """A part whose END keyword is missing ends before the next token."""
+        """End a part whose END keyword is missing before the next token."""
         part.closed = False
         part.tokens = (first, self.at)
         part.end = max(self.behind(), begin) if self.at < len(self.tokens) else len(self.text)
@@ -271,7 +271,7 @@ class _Scan:
     # -- parts of units -------------------------------------------------------------------------------------------
 
     def nested_opener(self) -> PartKind | None:
-        """The kind of part that begins here inside a POU, if one does."""
+        """Return the kind of part that begins here inside a POU, if one does."""
         kind = self.type()
         if kind in VAR_KEYWORDS:
             return PartKind.VAR if self.may_open() else None
@@ -285,7 +285,7 @@ class _Scan:
         return nested if self.is_word(1) else None
 
     def container(self, kind: PartKind) -> TextPart:
-        """A POU, a method or an action: its header, then parts and statements up to its END."""
+        """Return a POU, a method or an action: its header, then parts and statements up to its END."""
         first = self.at
         part = TextPart(kind, self.offset(), 0, self.type())
         self.at += 1
@@ -405,7 +405,7 @@ class _Scan:
     # -- configurations -------------------------------------------------------------------------------------------
 
     def configuration(self, kind: PartKind = PartKind.CONFIGURATION) -> TextPart:
-        """A configuration or a resource: its resources and sections are parts, the rest is looked at by the reader."""
+        """Configuration or a resource: its resources and sections are parts, the rest is looked at by the reader."""
         first = self.at
         part = TextPart(kind, self.offset(), 0, kind.value)
         self.at += 1

@@ -49,9 +49,9 @@ class TextPrinter:
     used: set[str] = field(default_factory=set)
     """Names in the POU that is being written, in lower case, which an action in place must not take."""
     actions: frozenset[str] = frozenset()
-    """The actions of that POU, in lower case."""
+    """Actions of that POU, in lower case."""
     variables: frozenset[str] = frozenset()
-    """The names of all variables of the project, in lower case: an initial value of a string may be one of them."""
+    """Names of all variables of the project, in lower case: an initial value of a string may be one of them."""
 
     def note(self, outcome: Outcome, what: str, path: str, why: str = "") -> None:
         """Note the outcome of an item."""
@@ -69,7 +69,7 @@ class TextPrinter:
         )
 
     def new_name(self, wish: str) -> str:
-        """A name near `wish` that nothing in this POU has."""
+        """Return a name near `wish` that nothing in this POU has."""
         base = re.sub(r"\W+", "_", wish).strip("_") or "Unnamed"
         base = f"_{base}" if base[0].isdigit() else base
         base = base if self.is_name(base) else f"{base}_"
@@ -101,7 +101,7 @@ class TextPrinter:
         return all(part.kind is PartKind.LOOSE for part in found.parts[0].parts)
 
     def code(self, text: str) -> tuple[TextBlock, bool]:
-        """The lines of a body, and whether they come back as they are from between a header and its END."""
+        """Return the lines of a body, and whether they come back as they are from between a header and its END."""
         lines = block(text)
         if "\r" in text or "\x00" in text:
             return lines, False
@@ -117,12 +117,12 @@ class TextPrinter:
 
 
 def missing(printer: TextPrinter, what: str) -> str:
-    """A name that is declared nowhere: other tools refuse the text, as there is no correct one for this place."""
+    """Name that is declared nowhere: other tools refuse the text, as there is no correct one for this place."""
     return printer.new_name(f"NOT_EXECUTED_{what}")
 
 
 def nothing_right(name: str) -> str:
-    """The reason why an object is not executed that the undeclared `name` replaces."""
+    """Return the reason why an object is not executed that the undeclared `name` replaces."""
     return f"no text expresses it; the undeclared name {name} is in its place, so that the text does not compile"
 
 
@@ -133,7 +133,7 @@ EXECUTED = frozenset(
 
 
 def outcome_of(change: Change) -> Outcome:
-    """The outcome of a field that is in a pragma."""
+    """Return the outcome of a field that is in a pragma."""
     fields = [part for part in change.path if isinstance(part, str) and part != "chart"]
     if fields[:1] == ["exclude"]:
         return Outcome.APPROXIMATED
@@ -141,7 +141,7 @@ def outcome_of(change: Change) -> Outcome:
 
 
 def pragma(change: Change) -> str:
-    """A pragma for a change."""
+    """Return a pragma for a change."""
     return f"{{plcopen_sfc {change}}}"
 
 
@@ -151,7 +151,7 @@ def pragmas(changes: Iterable[Change], indent: str) -> str:
 
 
 def split(found: Iterable[Change]) -> tuple[list[Change], list[Change]]:
-    """The changes to write beside an object, and those for the end of its unit: foreign data, which no person reads.
+    """Changes to write beside an object, and those for the end of its unit: foreign data, which no person reads.
 
     The items of one list stay together.
     """
@@ -173,7 +173,7 @@ def _group(change: Change) -> tuple[object, ...]:
 
 
 def label(change: Change) -> str:
-    """The name of a change in reports."""
+    """Return the name of a change in reports."""
     return "foreign data" if "carried" in change.path else str(change.path[0]).replace("_", " ")
 
 
@@ -187,7 +187,7 @@ def note_changes(printer: TextPrinter, found: Iterable[Change], path: str, *, le
 
 
 def comment_lines(fields: Fields, read_back: Fields, indent: str) -> str:
-    """The comment in `fields` as lines of its own, if it can be a comment; `read_back` gets it then."""
+    """Return the comment in `fields` as lines of its own, if it can be a comment; `read_back` gets it then."""
     text = fields.get("comment")
     shown = format_comment(text, indent) if isinstance(text, str) else None
     if shown is None:

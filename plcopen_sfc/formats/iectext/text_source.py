@@ -32,7 +32,7 @@ class TextBlock(NamedTuple):
     after: str = ""
 
     def whole(self) -> str:
-        """The text with its margin and edges."""
+        """Return the text with its margin and edges."""
         return self.before + indented(self.text, self.margin) + self.after
 
 
@@ -54,7 +54,7 @@ def block(text: str) -> TextBlock:
 
 
 def taken(source: str) -> str:
-    """The lines between a header and its END as a reader takes them: without margin and blank edges."""
+    """Return the lines between a header and its END as a reader takes them: without margin and blank edges."""
     text = newlines(source)
     core = text.strip()
     if "\n" not in core or _FIRST_LINE_END.match(text) is not None:
@@ -98,7 +98,7 @@ def format_comment(text: str, indent: str) -> str | None:
 
 
 def taken_comment(raw: str) -> str:
-    """The text of a comment: without its marks, the blank beside each, and the margin of its further lines."""
+    """Return the text of a comment: without its marks, the blank beside each, and the margin of its further lines."""
     text = newlines(raw)
     if text.startswith("//"):
         return text[2:].removeprefix(" ").rstrip()
@@ -116,7 +116,7 @@ def taken_comment(raw: str) -> str:
 
 OWN_PRAGMA = re.compile(r"\{\s*plcopen_sfc\b")
 TEXT_DATA = "urn:plcopen-sfc:iec-text"
-"""The name of foreign data that holds a piece of text which the model has no place for."""
+"""Name of foreign data that holds a piece of text which the model has no place for."""
 _MANY = 20
 """Findings of one body that are reported; the rest mostly follows from these."""
 _SOLID = re.compile(r"\S+")
@@ -130,7 +130,7 @@ def wrapped(place: str, text: str) -> Fields:
 
 
 def unwrapped(content: str) -> tuple[str, str] | None:
-    """The place and the text of foreign data that `wrapped` made; None for any other."""
+    """Return the place and the text of foreign data that `wrapped` made; None for any other."""
     found = _WRAPPED.fullmatch(content)
     return (unescape(found.group(1)), unescape(found.group(2))) if found is not None else None
 
@@ -177,11 +177,11 @@ class TextSource:
 
     @property
     def text(self) -> str:
-        """The whole text."""
+        """Whole text."""
         return self.outline.text
 
     def location(self, offset: int, path: str = "") -> Location:
-        """The place of an offset."""
+        """Return the place of an offset."""
         if self._lines is None:
             self._lines = Lines(self.text)
         line, column = self._lines.place(offset)
@@ -209,7 +209,7 @@ class TextSource:
         self.check(parse(text, self.outline.dialect).problems, start, end, text, code="IEC110", path=path)
 
     def place_of(self, start: int, text: str, offset: int) -> int:
-        """The offset of the character at `offset` of `text`, which was taken from the text at `start`."""
+        """Return the offset of the character at `offset` of `text`, which was taken from the text at `start`."""
         solid = len("".join(text[:offset].split()))
         for found in _SOLID.finditer(self.text, start):
             if solid < len(found.group()):
@@ -218,7 +218,7 @@ class TextSource:
         return len(self.text)
 
     def annotations(self, start: int, end: int, path: str = "") -> Annotations:
-        """The annotations in the comments and pragmas between two offsets."""
+        """Return the annotations in the comments and pragmas between two offsets."""
         found = Annotations()
         for comment in self.outline.comments(start, end):
             self._sort(comment, found, path)
@@ -239,7 +239,7 @@ class TextSource:
             into.comments.append(taken_comment(comment.text))
 
     def core(self, start: int, end: int) -> tuple[int, int]:
-        """The place between two offsets without the pragmas of this package that begin and end it."""
+        """Return the place between two offsets without the pragmas of this package that begin and end it."""
         own = [c.span for c in self.outline.comments(start, end) if is_own(c)]
         for span in own:
             if self.text[start : span[0]].strip():
@@ -252,7 +252,7 @@ class TextSource:
         return start, end
 
     def attached(self, start: int, end: int) -> int:
-        """The begin of the comments and pragmas directly above the part at `end`, not before `start`."""
+        """Return the begin of the comments and pragmas directly above the part at `end`, not before `start`."""
         begin = end
         for comment in reversed(self.outline.comments(start, end)):
             between = self.text[comment.span[1] : begin]

@@ -22,7 +22,7 @@ class SclCodec(TextCodec):
         return ReadResult(found.project, found.diagnostics)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
-        """The source without comments of this package."""
+        """Return the source without comments of this package."""
         source = decode(data)
         comments = split_units(source.text, Dialect.SCL).comments
         own = [comment.span for comment in comments if OWN_COMMENT.match(comment.text)]
@@ -34,11 +34,11 @@ class SclCodec(TextCodec):
         return text.replace("\n", "\r\n").encode("utf-8-sig", errors="replace")
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
-        """The text of a project, in the pieces that an edit replaces."""
+        """Return the text of a project, in the pieces that an edit replaces."""
         return write_pieces(project, report)
 
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
-        """The text of a source, and the place of each object in it."""
+        """Return the text of a source, and the place of each object in it."""
         source = decode(content)
         return source, read_source(source).spans
 

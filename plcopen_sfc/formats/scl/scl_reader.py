@@ -455,7 +455,7 @@ def _span(node: Any) -> tuple[int, int]:
 
 
 def _variables(section: Found, start: int) -> Iterator[BlockSpan]:
-    """The places of the variables; those of one declaration together."""
+    """Yield the places of the variables; those of one declaration together."""
     parts = [part for part in section.parts if part.thing is not None]
     keys = numbered([("variable", part.thing.name) for part in parts])
     together: dict[int, list[Key]] = {}

@@ -18,7 +18,7 @@ DECLARED = "declared"
 
 
 def start_values(text: str, variables: list[Variable], types: Types) -> dict[str, Value] | None:
-    """The initial values that assignments give to `variables`, by name in lower case; None if they hold more.
+    """Return the initial values that assignments give to `variables`, by name in lower case; None if they hold more.
 
     They count instead of those of the declarations, element by element.
     """
@@ -63,7 +63,7 @@ def _folded(path: Path) -> Path:
 
 
 def _path(node: n.Expression) -> Path:
-    """The way to an element; empty if it is another."""
+    """Return the way to an element; empty if it is another."""
     if isinstance(node, n.Name):
         return (node.identifier,)
     if isinstance(node, n.Member):
@@ -97,7 +97,7 @@ def can_be_assigned(variable: Variable, types: Types) -> bool:
 
 
 def write_start_values(variables: list[Variable], types: Types) -> Iterator[str]:
-    """The assignments that give `variables` their initial values."""
+    """Yield the assignments that give `variables` their initial values."""
     for variable in variables:
         for path, text in apart(variable.initial, variable.type, types) if variable.initial is not None else ():
             yield f"{_written(variable.name, path)} := {write_value(SimpleValue(text=text), Dialect.SCL)};"

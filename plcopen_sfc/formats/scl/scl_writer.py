@@ -64,7 +64,7 @@ _INDENT = indent_of(_SCL)
 
 
 def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
-    """The text of a project, in the pieces that an edit replaces."""
+    """Return the text of a project, in the pieces that an edit replaces."""
     pieces = [*_named(_units(project, report))]
     unreadable = kept(project.carried).get("unreadable")
     if unreadable:
@@ -129,7 +129,7 @@ _IN_A_BLOCK = 2
 
 
 def _as_written(project: Project, types: S7Types) -> Project:
-    """A copy of `project` with the types, values and numbers that its text has for those of the project."""
+    """Return a copy of `project` with the types, values and numbers that its text has for those of the project."""
     copy = project.model_copy(deep=True)
     for pou in copy.pous:
         if pou.interface is not None:
@@ -264,7 +264,7 @@ def _data_type(declaration: DataTypeDeclaration, types: S7Types) -> str:
 
 
 def _struct(declaration: DataTypeDeclaration, types: S7Types) -> StructType:
-    """The structure for a data type: SCL declares no others."""
+    """Return the structure for a data type: SCL declares no others."""
     if isinstance(declaration.type, StructType):
         members = [_in_s7(member, types) for member in declaration.type.members]
         return declaration.type.model_copy(update={"members": members})
@@ -272,7 +272,7 @@ def _struct(declaration: DataTypeDeclaration, types: S7Types) -> StructType:
 
 
 def _in_s7(variable: Variable, types: S7Types) -> Variable:
-    """A variable with the type and the start value that S7 has for its own."""
+    """Return a variable with the type and the start value that S7 has for its own."""
     type_ = types.type(variable.type)
     if isinstance(type_, StructType):
         type_ = type_.model_copy(update={"members": [_in_s7(member, types) for member in type_.members]})
@@ -281,7 +281,7 @@ def _in_s7(variable: Variable, types: S7Types) -> Variable:
 
 
 def _in_block(variable: Variable, types: S7Types) -> Variable:
-    """A variable of a data block in S7: assignments give the values of members that no declaration can have."""
+    """Return a variable of a data block in S7: assignments give the values of members that no declaration can have."""
     found = _in_s7(variable, types)
     if not isinstance(found.type, StructType) or found.initial is not None:
         return found
@@ -290,7 +290,7 @@ def _in_block(variable: Variable, types: S7Types) -> Variable:
 
 
 def _without_elements(type_: StructType) -> tuple[StructType, StructValue | None]:
-    """A structure without start values of single elements and of structures, and these values."""
+    """Return a structure without start values of single elements and of structures, and these values."""
     members: list[Variable] = []
     values: list[MemberValue] = []
     for member in type_.members:
@@ -312,7 +312,7 @@ def _has_start_values(section: VariableSection, pou: Pou) -> bool:
 
 
 def _in_scl(section: VariableSection, pou: Pou, types: S7Types) -> VariableSection:
-    """A section as SCL has it: functions have no static variables and no start values."""
+    """Return a section as SCL has it: functions have no static variables and no start values."""
     texts = dict(kept(section.carried))
     if texts.get("keyword", "VAR") not in SECTION_KEYWORDS.values() and texts.get("keyword") != "STRUCT":
         section = section.model_copy(update={"carried": None})
@@ -326,7 +326,7 @@ def _in_scl(section: VariableSection, pou: Pou, types: S7Types) -> VariableSecti
 
 
 def _without_constants(text: str, types: S7Types) -> str:
-    """A text with the numbers of values of enumerations: a source declares no user constants."""
+    """Return a text with the numbers of values of enumerations: a source declares no user constants."""
     if not types.constants:
         return text
     edits = []
@@ -438,7 +438,7 @@ def _data_block(block: DataBlock, types: S7Types) -> Iterator[WrittenBlock]:
 
 
 def _begin(texts: dict[str, str], variables: list[Variable], types: S7Types) -> str | None:
-    """The text between BEGIN and END_DATA_BLOCK as it was read; None where the initial values are others now."""
+    """Return the text between BEGIN and END_DATA_BLOCK as it was read; None where the initial values are others now."""
     text = texts.get("begin")
     if text is None:
         return None
@@ -451,7 +451,7 @@ def _begin(texts: dict[str, str], variables: list[Variable], types: S7Types) -> 
 
 
 def _declared(variable: Variable, texts: dict[str, str]) -> Variable:
-    """A variable of a data block with the value of its declaration, which assignments may replace."""
+    """Return a variable of a data block with the value of its declaration, which assignments may replace."""
     if "inline" not in texts:
         return _without_value(variable)
     kept_texts = kept(variable.carried)
@@ -485,10 +485,10 @@ def _is_struct(section: VariableSection) -> bool:
 
 
 def _of_block(section: VariableSection) -> list[VariableSection]:
-    """A section of a data block: the head of the block tells that a structure is retained."""
+    """Return a section of a data block: the head of the block tells that a structure is retained."""
     return [section.model_copy(update={"retain": False})] if _is_struct(section) else _by_retention(section)
 
 
 def _by_retention(section: VariableSection) -> list[VariableSection]:
-    """A section of a data block as the sections that are read back."""
+    """Return a section of a data block as the sections that are read back."""
     return [section] if _is_struct(section) else list(by_retention(section))

@@ -44,7 +44,7 @@ _STORED = {ActionKind.ON_ACTIVATION: ActionEvent.S1, ActionKind.ON_DEACTIVATION:
 
 @dataclass(frozen=True, slots=True)
 class PlannedRows:
-    """The rows that an action becomes, the outcome, and its reason. No rows: it is not written."""
+    """Rows that an action becomes, the outcome, and its reason. No rows: it is not written."""
 
     rows: tuple[ActionAssociation, ...] = ()
     outcome: Outcome = Outcome.NOT_EXECUTED
@@ -63,7 +63,7 @@ class RowPlanner:
         self._of_tia = of_tia
 
     def association(self, action: ActionAssociation, *, inverted: bool = False) -> PlannedRows:
-        """The rows of an association. `inverted`: those of its step act while the step is not active."""
+        """Return the rows of an association. `inverted`: those of its step act while the step is not active."""
         if action.exclude:
             return PlannedRows((), Outcome.TRANSLATED, "it is excluded from the build; it is not written")
         reason = _reason_against_rows(action, inverted=inverted)
@@ -79,7 +79,7 @@ class RowPlanner:
         return _timed(_assignments(code), action)
 
     def step_action(self, code: str | Body, event: ActionEvent | None) -> PlannedRows:
-        """The rows of an entry action (event S1), an exit action (S0) or a main action (none) of CODESYS."""
+        """Return the rows of an entry action (event S1), an exit action (S0) or a main action (none) of CODESYS."""
         body: Body | None
         if isinstance(code, str):
             found = self._action_named(code)
@@ -107,13 +107,13 @@ class RowPlanner:
         return self._of_tia and bool(parse_statements(action.body.text, Dialect.SCL).problems)
 
     def _code(self, action: ActionAssociation) -> Body | PlannedRows | None:
-        """The code that an association executes; None for one that drives a variable."""
+        """Return the code that an association executes; None for one that drives a variable."""
         if action.target is None:
             return action.body if action.body is not None else None
         return self._action_named(action.target)
 
     def _action_named(self, name: str) -> Body | PlannedRows | None:
-        """The body of an action of the POU; for an action of an instance, planned rows with the reason why not."""
+        """Body of an action of the POU; for an action of an instance, planned rows with the reason why not."""
         parsed = parse_expression(name, Dialect.SCL)
         path = _path(parsed.tree) if parsed.tree is not None and not parsed.problems else None
         if path is None or self._pou is None:
@@ -130,7 +130,7 @@ class RowPlanner:
         return PlannedRows(why=f"S7 calls blocks, not their actions: {path[-1]} of {block} is not called")
 
     def _instance(self, path: list[str]) -> str | None:
-        """The instance whose action the last name of `path` is; None where it is no action of an instance."""
+        """Return the instance whose action the last name of `path` is; None where it is no action of an instance."""
         variables, names = self._first(path)
         for number, name in enumerate(names[:-1], 2):
             found = next((v for v in variables if v.name.casefold() == name.casefold()), None)
@@ -143,7 +143,7 @@ class RowPlanner:
         return None
 
     def _first(self, path: list[str]) -> tuple[list[Variable], list[str]]:
-        """The variables among which the first name of a path is looked for, and the path from there on."""
+        """Return the variables among which the first name of a path is looked for, and the path from there on."""
         lists = [*self._project.global_variables, *(s for a in self._project.applications for s in a.global_variables)]
         named: dict[str, list[Variable]] = {}
         for section in lists:
@@ -156,12 +156,12 @@ class RowPlanner:
         return own, path
 
     def _block(self, variable: Variable) -> Pou | None:
-        """The function block of which a variable is an instance."""
+        """Return the function block of which a variable is an instance."""
         name = variable.type.name.casefold() if isinstance(variable.type, DerivedType) else None
         return next((pou for pou in self._project.pous if pou.name.casefold() == name), None)
 
     def _members(self, variable: Variable) -> list[Variable]:
-        """The members of a structure."""
+        """Return the members of a structure."""
         type_ = variable.type
         if isinstance(type_, DerivedType):
             name = type_.name.casefold()
@@ -169,7 +169,7 @@ class RowPlanner:
         return type_.members if isinstance(type_, StructType) else []
 
     def _operand(self, action: ActionAssociation) -> PlannedRows:
-        """The row of an association that drives a variable, assigns to it, or counts with it."""
+        """Return the row of an association that drives a variable, assigns to it, or counts with it."""
         if action.target is None:
             return PlannedRows((action,), Outcome.KEPT)
         if not self._of_tia:
@@ -196,7 +196,7 @@ def _is_action(pou: Pou, name: str) -> bool:
 
 
 def _reason_against_rows(action: ActionAssociation, *, inverted: bool) -> str:
-    """The reason why no row expresses an association, whatever it executes; empty if there is none."""
+    """Return the reason why no row expresses an association, whatever it executes; empty if there is none."""
     if inverted or action.negated:
         return "it acts while the step is not active, which S7-GRAPH cannot express"
     if action.condition is not None:
@@ -215,7 +215,7 @@ def _reason_against_rows(action: ActionAssociation, *, inverted: bool) -> str:
 
 
 def _timed(found: PlannedRows, action: ActionAssociation) -> PlannedRows:
-    """The rows of the statements of an association, at the time that its qualifier means."""
+    """Return the rows of the statements of an association, at the time that its qualifier means."""
     qualifier = action.qualifier
     if not found.rows:
         return found
@@ -230,7 +230,7 @@ def _timed(found: PlannedRows, action: ActionAssociation) -> PlannedRows:
 
 
 def _assignments(body: Body) -> PlannedRows:
-    """The statements of a body as rows without a time; no rows where one of them is none."""
+    """Return the statements of a body as rows without a time; no rows where one of them is none."""
     if isinstance(body, StBody):
         parsed = parse_statements(body.text, Dialect.SCL)
         if parsed.problems:
@@ -286,7 +286,7 @@ def _assigns_operand(value: str) -> bool:
 
 
 def _path(tree: n.Expression) -> list[str] | None:
-    """The names of ``#a.b.c``; None for anything else."""
+    """Return the names of ``#a.b.c``; None for anything else."""
     names: list[str] = []
     while isinstance(tree, n.Member):
         names.append(tree.name.identifier)
@@ -385,7 +385,7 @@ class RowsWriter:
 
 
 def _bare(name: str) -> str:
-    """A name as other tools write it."""
+    """Return a name as other tools write it."""
     return name.replace("#", "").replace('"', "")
 
 

@@ -55,7 +55,7 @@ def seal_marks(root: etree._Element) -> None:
 
 
 def mark_of(element: etree._Element) -> AddedMark:
-    """The mark in the comments of an element; None without one."""
+    """Return the mark in the comments of an element; None without one."""
     for comment in element.iterchildren(etree.Comment):
         mark = _mark(comment)
         if mark is not None:
@@ -86,7 +86,7 @@ def _mark(comment: etree._Element) -> Any:
 
 
 def _digest(element: etree._Element) -> str:
-    """A digest of the content of an element, whatever its indentation and numbers."""
+    """Return a digest of the content of an element, whatever its indentation and numbers."""
     digest = hashlib.sha256()
     for each in element.iter(etree.Element):
         values = [(name, value) for name, value in sorted(attributes(each).items()) if name not in _NUMBERED]
@@ -106,7 +106,7 @@ def write_result(sections: etree._Element, type_: DataType) -> None:
 
 
 def bodies_with_result(pou: Pou) -> list[Body]:
-    """The bodies of a block; where it is a function with a result, that has the name of SimaticML in their texts."""
+    """Bodies of a block; where it is a function with a result, that has the name of SimaticML in their texts."""
     if pou.interface is None or pou.interface.return_type is None:
         return pou.bodies
     return [_with_result(body, pou.name) for body in pou.bodies]
@@ -140,7 +140,7 @@ _PARAMETERS = {
         **dict.fromkeys(("S_MORE", "S_ACTIVE", "ERR_FLT", "AUTO_ON", "TAP_ON", "TOP_ON", "MAN_ON"), "Bool"),
     },
 }
-"""The standard parameter set (S7-GRAPH V6, TIA Portal V14 SP1 to V21)."""
+"""Standard parameter set (S7-GRAPH V6, TIA Portal V14 SP1 to V21)."""
 _OPERATING = frozenset({"off_sq", "init_sq"})
 """A block with one of these has a parameter set of its own."""
 _BEHIND = {"Input": ("Base",), "Output": ("Base", "Input")}

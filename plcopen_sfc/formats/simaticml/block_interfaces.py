@@ -62,7 +62,7 @@ MEMBER_ATTRIBUTES = ("Version", "Remanence", "Accessibility", "Informative")
 """Attributes of ``Member`` itself; all others in `Variable.attributes` are in its ``AttributeList``."""
 _INFORMATIVE = frozenset({"UserVisible", "UserReadOnly", "UserDeletable", "Offset", "PaddedSize"})
 _SPELLED = frozenset({"elementary", "string", "array", "struct", "derived"})
-"""The kinds of types that TIA Portal spells; others are carried."""
+"""Kinds of types that TIA Portal spells; others are carried."""
 _INTEGERS = frozenset({"Offset", "PaddedSize"})
 _ADDABLE = frozenset({"Base", "Input", "Output", "Return"})
 _ELEMENTARY_TYPES: dict[str, ElementaryType] = {}
@@ -178,7 +178,7 @@ def _is_all_added(section: etree._Element) -> bool:
 
 
 def read_members(ctx: DocumentReading, element: etree._Element) -> Fields | None:
-    """The members of a data type, which are in the one section ``None``; None for any other structure."""
+    """Return the members of a data type, which are in the one section ``None``; None for any other structure."""
     for sections in children(element) if len(children(element)) == 1 and not element.attrib else ():
         ctx.note_schema(sections)
         found = children(sections)
@@ -351,7 +351,7 @@ def _attribute_list(element: etree._Element, fields: Fields, listed: dict[str, s
 
 
 def usual_form(name: str, value: str) -> tuple[str, dict[str, str]]:
-    """The element that gives a member the attribute `name`, and its marks, where nothing else is known."""
+    """Return the element that gives a member the attribute `name`, and its marks, where nothing else is known."""
     kind = "IntegerAttribute" if name in _INTEGERS else "BooleanAttribute"
     if kind == "BooleanAttribute" and value not in ("true", "false"):
         kind = "StringAttribute"
@@ -368,12 +368,12 @@ def _form(name: str, value: str, kept: dict[str, str]) -> tuple[str, dict[str, s
 
 
 def spelled_as(fields: Fields) -> str:
-    """The spelling that `write_type` gives to a type that was just read."""
+    """Return the spelling that `write_type` gives to a type that was just read."""
     return write_type(_light(fields))
 
 
 def spelling(type: DataType, kept: dict[str, str]) -> str:
-    """The spelling of the file as long as it is the same type, else that of TIA Portal."""
+    """Return the spelling of the file as long as it is the same type, else that of TIA Portal."""
     spelled = kept.get("Datatype")
     if spelled is not None and _without_members(type) == read_type(spelled):
         return spelled
@@ -406,10 +406,10 @@ def _without_members(type: DataType) -> object:
 
 
 def section_kinds(interface: Interface | None) -> set[SectionKind]:
-    """The kinds of sections that an interface has."""
+    """Return the kinds of sections that an interface has."""
     return {section.kind for section in interface.sections} if interface is not None else set()
 
 
 def usable(carried: Carried | None) -> dict[str, str]:
-    """The carried attributes of an object."""
+    """Return the carried attributes of an object."""
     return carried.attributes if carried is not None else {}

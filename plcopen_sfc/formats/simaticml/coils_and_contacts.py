@@ -40,7 +40,7 @@ from plcopen_sfc.model.project import Project
 
 _OPPOSITE = {"EQ": "NE", "NE": "EQ", "GT": "LE", "LE": "GT", "LT": "GE", "GE": "LT"}
 _POWER = "pre"
-"""The pin of a comparison at which power comes in."""
+"""Pin of a comparison at which power comes in."""
 
 
 def lacks_power(network: LogicNetwork) -> bool:
@@ -86,7 +86,7 @@ def _carries_power(network: LogicNetwork, pin: BlockVariable) -> bool:
 
 
 def _in_series(network: LogicNetwork, rail: LeftPowerRail, pin: BlockVariable) -> InputVariable | Block | None:
-    """The element at a pin that can be in a series: a variable, or a comparison at the rail without other consumers."""
+    """Element at a pin that can be in a series: a variable, or a comparison at the rail without other consumers."""
     wires = pin.input.connections if pin.input is not None else []
     node = next((node for node in network.nodes if len(wires) == 1 and node.id == wires[0].source), None)
     readers = sum(wire.source == node.id for other in network.nodes for wire in wires_of(other)) if node else 0
@@ -100,7 +100,7 @@ def _in_series(network: LogicNetwork, rail: LeftPowerRail, pin: BlockVariable) -
 
 
 def _unfold(network: LogicNetwork, rail: LeftPowerRail, box: Block, parts: list[InputVariable | Block | None]) -> None:
-    """A series instead of an AND box."""
+    """Replace an AND box by a series."""
     power = [Connection(source=rail.id)]
     for pin, part in zip(box.parameters.inputs, parts, strict=True):
         wires = pin.input.connections if pin.input is not None else []
@@ -138,7 +138,7 @@ _CALLS = (BlockCall.FUNCTION, BlockCall.FUNCTION_BLOCK)
 
 
 def types_of(project: Project, pou: Pou) -> dict[str, str]:
-    """The types of the variables of a block (``#name``) and of the tags (``"name"``), as TIA Portal spells them.
+    """Return the types of the variables of a block (``#name``) and of the tags (``"name"``), as TIA Portal spells them.
 
     Names are in lower case.
     """
@@ -243,7 +243,7 @@ def _is_value(node: OutputVariable, giver: InputVariable, types: Mapping[str, st
 
 
 def _type(text: str, types: Mapping[str, str]) -> str:
-    """The type of an operand; empty where it is not known."""
+    """Return the type of an operand; empty where it is not known."""
     name = f"#{_plain(text)}" if text.startswith("#") else text.lower()
     known = types.get(name) or types.get(f"#{name}", "")
     if known or text.startswith(("#", '"', "%")) or parse_operand(text) is None:

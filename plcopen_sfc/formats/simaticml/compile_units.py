@@ -58,7 +58,7 @@ UNIT = "SW.Blocks.CompileUnit"
 
 
 def read_units(ctx: DocumentReading, units: list[etree._Element], late: Fields) -> tuple[list[Fields | SfcBody], str]:
-    """The bodies of a block, and its language by them. `late`: what its attributes tell about its chart."""
+    """Return the bodies of a block, and its language by them. `late`: what its attributes tell about its chart."""
     bodies: list[Fields | SfcBody] = []
     languages: list[str] = []
     for unit in units:
@@ -105,13 +105,13 @@ def write_units(ctx: DocumentWriting, parent: etree._Element, body: Body) -> Non
 
 
 def block_language(languages: list[str]) -> str:
-    """The language of a block with networks in these: LAD and FBD blocks may have networks in SCL, not the reverse."""
+    """Language of a block with networks in these: LAD and FBD blocks may have networks in SCL, not the reverse."""
     graphical = (name for name in languages if name.removeprefix("F_") in ("LAD", "FBD"))
     return next(graphical, languages[0] if languages else "")
 
 
 def language_of(body: Body | None) -> str:
-    """The language of a body as TIA Portal calls it."""
+    """Return the language of a body as TIA Portal calls it."""
     if body is None:
         return ""
     kept = body.carried.attributes.get("ProgrammingLanguage") if body.carried is not None else None
@@ -173,7 +173,7 @@ def _read_unit(ctx: DocumentReading, unit: etree._Element, late: Fields) -> tupl
 def _add_unit(
     ctx: DocumentWriting, parent: etree._Element, thing: Element, language: str
 ) -> tuple[etree._Element, etree._Element]:
-    """A new compile unit with the texts of `thing`: its ``NetworkSource`` and itself."""
+    """Return a new compile unit with the texts of `thing`: its ``NetworkSource`` and itself."""
     unit = sub(parent, UNIT, {ID: "", "CompositionName": "CompileUnits"})
     values = sub(unit, "AttributeList")
     kept = dict(thing.carried.attributes) if thing.carried is not None else {}
@@ -251,7 +251,7 @@ def _body(ctx: DocumentReading, name: str, parts: list[etree._Element], own: Fie
 
 
 def _merged(fields: Fields, own: Fields) -> Fields:
-    """The fields of a program, with the texts of its compile unit."""
+    """Return the fields of a program, with the texts of its compile unit."""
     merged = {**fields, **own}
     if "carried" in fields and "carried" in own:
         one, other = fields["carried"], own["carried"]
@@ -282,7 +282,7 @@ def _chart(ctx: DocumentReading, element: etree._Element, own: Fields, late: Fie
 
 
 def misfit(error: ValidationError, file: str | None) -> StructureError:
-    """The warning for carried data that does not fit the model, as it may have been edited."""
+    """Return the warning for carried data that does not fit the model, as it may have been edited."""
     first = error.errors()[0]
     path = ".".join(map(str, first["loc"]))
     return StructureError(f"carried data does not fit the model at {path}: {first['msg']}", location=Location(file))

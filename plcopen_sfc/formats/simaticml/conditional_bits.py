@@ -52,7 +52,7 @@ def keep_bits_by_logic(network: LogicNetwork, bits: Collection[str]) -> None:
 
 
 def keep_bits_by_contacts(network: LogicNetwork, bits: Collection[str]) -> None:
-    """The same in a ladder: a branch of contacts behind the condition at EN, and one of the bit behind its NOT.
+    """Do the same in a ladder: a branch of contacts behind the condition at EN, and one of the bit behind its NOT.
 
     Values that contacts cannot express stay as they are, see `writes_bits_on_a_condition`.
     """
@@ -87,7 +87,7 @@ def writes_bits_on_a_condition(network: LogicNetwork) -> bool:
 
 
 def _boxes(network: LogicNetwork, bits: Collection[str]) -> list[tuple[Block, list[OutputVariable]]]:
-    """The boxes with a wired EN that do nothing but write bits, and the bits that each of them writes."""
+    """Return the boxes with a wired EN that do nothing but write bits, and the bits that each of them writes."""
     found = []
     for box in network.nodes:
         if not isinstance(box, Block) or box.type_name.upper() not in BOOLEAN | {"MOVE"}:
@@ -137,7 +137,7 @@ def _branches(
 
 
 def _operand(network: LogicNetwork, pin: BlockVariable) -> InputVariable | None:
-    """The variable at an input, if it is there for that alone."""
+    """Return the variable at an input, if it is there for that alone."""
     wires = pin.input.connections if pin.input is not None else []
     found = [node for node in network.nodes if any(node.id == wire.source for wire in wires)]
     if len(wires) != 1 or len(found) != 1 or pin.edge is not Edge.NONE or pin.storage is not Storage.NONE:
@@ -166,7 +166,7 @@ def _wired(pin: BlockVariable) -> bool:
 
 
 def _inputs(node: Node) -> list[InputPin]:
-    """Where wires end at an element."""
+    """Return the pins at which wires end at an element."""
     if isinstance(node, Block):
         pins = [variable.input for variable in (*node.parameters.inputs, *node.parameters.in_outs)]
         return [pin for pin in pins if pin is not None]

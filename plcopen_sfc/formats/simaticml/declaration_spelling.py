@@ -63,7 +63,7 @@ _VERSIONED = re.compile(r"(?:TON|TOF|TP|TONR|IEC|CTU|CTD|CTUD)_\w+|[RF]_TRIG")
 
 
 def read_type(text: str, members: list[Fields] | None = None) -> Fields:
-    """A data type from its spelling; `members` are those of its ``Struct``, however deep that is."""
+    """Read a data type from its spelling; `members` are those of its ``Struct``, however deep that is."""
     if text in _ELEMENTARY:
         return {"kind": "elementary", "name": _ELEMENTARY[text]}
     if text == "Struct":
@@ -84,7 +84,7 @@ def read_type(text: str, members: list[Fields] | None = None) -> Fields:
 
 
 def write_type(type: DataType) -> str:
-    """The spelling of TIA Portal for a data type."""
+    """Return the spelling of TIA Portal for a data type."""
     if isinstance(type, ElementaryType):
         return _SPELLED.get(type.name, "Variant")
     if isinstance(type, StringType):
@@ -100,12 +100,12 @@ def write_type(type: DataType) -> str:
 
 
 def version_of(type: DataType) -> str | None:
-    """The version that a declaration names of a type of the system; None: it names none."""
+    """Return the version that a declaration names of a type of the system; None: it names none."""
     return S7_VERSION if isinstance(type, DerivedType) and _VERSIONED.fullmatch(type.name) else None
 
 
 def struct_of(type: DataType) -> StructType | None:
-    """The structure whose members a declaration of this type lists."""
+    """Return the structure whose members a declaration of this type lists."""
     while isinstance(type, ArrayType):
         type = type.base
     return type if isinstance(type, StructType) else None
@@ -129,9 +129,9 @@ SECTIONS = {
     "Constant": SectionKind.CONSTANT,
     "Return": SectionKind.RETURN,
 }
-"""The sections of TIA Portal, in their order."""
+"""Sections of TIA Portal, in their order."""
 LAYOUT = "section_layout"
-"""The field of our comments that lists the sections in which the variables were."""
+"""Field of our comments that lists the sections in which the variables were."""
 _NAMES = {kind: name for name, kind in SECTIONS.items()}
 _ORDER = list(SECTIONS)
 _REMANENCE = "Remanence"
@@ -139,7 +139,7 @@ _RETAIN = "Retain"
 
 
 def section_name(section: VariableSection, *, static: bool = True) -> str | None:
-    """The name of TIA Portal for a section; None without a counterpart. `static`: the block has static variables."""
+    """Name of TIA Portal for a section; None without a counterpart. `static`: the block has static variables."""
     if holds_constants(section):
         return "Constant"
     return "Temp" if section.kind is SectionKind.LOCAL and not static else _NAMES.get(section.kind)
@@ -163,7 +163,7 @@ def are_usual_sections(sections: list[VariableSection], *, static: bool = True) 
 def merged_sections(
     sections: list[VariableSection], *, static: bool = True
 ) -> tuple[list[VariableSection], list[Fields]]:
-    """The sections that TIA Portal has for these, and the content of the comment about them."""
+    """Return the sections that TIA Portal has for these, and the content of the comment about them."""
     found: dict[str, VariableSection] = {}
     layout: list[Fields] = []
     for section in sections:
@@ -185,7 +185,7 @@ def _retained(variable: Variable, section: VariableSection) -> Variable:
 
 
 def restored_sections(sections: list[Any], layout: list[Fields]) -> list[Any]:
-    """The sections that `merged_sections` was given; variables that are new, or moved, go into the first of a kind."""
+    """Sections that `merged_sections` was given; variables that are new, or moved, go into the first of a kind."""
     pool = {variable["name"]: (variable, section["kind"]) for section in sections for variable in section["variables"]}
     found: list[Any] = []
     for entry in layout:
@@ -206,7 +206,7 @@ def restored_sections(sections: list[Any], layout: list[Fields]) -> list[Any]:
 
 
 def _kinds(kept: Fields) -> set[SectionKind]:
-    """The kinds of the sections of TIA Portal in which the variables of a section go, in blocks and in functions."""
+    """Kinds of the sections of TIA Portal in which the variables of a section go, in blocks and in functions."""
     section = VariableSection.model_validate(kept)
     names = (section_name(section), section_name(section, static=False))
     return {SECTIONS[name] for name in names if name is not None}

@@ -84,7 +84,7 @@ _WHOLE = "Exports of Openness start with <Document>; parts of them cannot be loa
 
 
 def no_document(root: etree._Element) -> tuple[str, str]:
-    """The error for XML that is no document: the kind of its root, and what to do."""
+    """Return the error for XML that is no document: the kind of its root, and what to do."""
     name = local(root)
     if name == _HARDWARE:
         return (
@@ -99,7 +99,7 @@ def no_document(root: etree._Element) -> tuple[str, str]:
 
 
 def no_object(kind: str) -> str:
-    """A description of an object of a document that is not read."""
+    """Return a description of an object of a document that is not read."""
     what = next((words for start, words in _KINDS if kind.startswith(start)), "none of the objects that can be read")
     return f"<{kind}> is {what}; it is kept as it is"
 
@@ -143,7 +143,7 @@ class LateDocument:
             self._root = None
 
     def object(self, element: etree._Element, place: int, *, keep_id: bool) -> ProjectObject:
-        """The object at `element`, which is child `place` of the root, unread."""
+        """Return the object at `element`, which is child `place` of the root, unread."""
         kind = local(element)
         if kind in POUS:
             return self._later(Pou, read_pou, element, place, keep_id=keep_id)
@@ -208,7 +208,7 @@ class LateDocument:
         return root
 
     def _context(self) -> DocumentReading:
-        """A context of its own for each object; the findings about the document are in one list."""
+        """Return a context of its own for each object; the findings about the document are in one list."""
         ctx = DocumentReading(self._ctx.version, file=self._ctx.file, lines=self._ctx.lines)
         ctx.of_tia, ctx.edited_copies = self._ctx.of_tia, self._ctx.edited_copies
         ctx.schemas, ctx.diagnostics = self._ctx.schemas, self._ctx.diagnostics
@@ -221,7 +221,7 @@ class LateDocument:
 
 
 _LOADED_LAST: WeakValueDictionary[str, LateDocument] = WeakValueDictionary()
-"""The document that was loaded last."""
+"""Document that was loaded last."""
 
 
 PRODUCT = TIA_PORTAL
@@ -233,7 +233,7 @@ SCHEMA = "schema "
 
 
 def find_version(root: etree._Element, *, file: str | None = None) -> TiaVersion:
-    """The version of TIA Portal that wrote a document. Raises `StructureError` and `UnknownVersionError`."""
+    """Return the version of TIA Portal that wrote a document. Raises `StructureError` and `UnknownVersionError`."""
     place = Location(file, root.sourceline if isinstance(root.sourceline, int) else None, None, f"/{local(root)}")
     if root.tag != "Document":
         message, hint = no_document(root)
@@ -252,7 +252,7 @@ def find_version(root: etree._Element, *, file: str | None = None) -> TiaVersion
 
 
 def _version_by_schemas(root: etree._Element) -> TiaVersion:
-    """The first version with the schemas of a document that does not name its version."""
+    """Return the first version with the schemas of a document that does not name its version."""
     used = dict(
         found for element in root.iter(etree.Element) if (found := schema_of(etree.QName(element).namespace or ""))
     )
@@ -326,7 +326,7 @@ _IDS_IN: Any = etree.XPath("//@ID")  # quicker than asking every element of a la
 
 
 def _list_for(kind: str) -> str | None:
-    """The field of `Project` in which objects of a kind are; None where it is no such object."""
+    """Return the field of `Project` in which objects of a kind are; None where it is no such object."""
     if kind in POUS:
         return "pous"
     if kind in DATA_BLOCKS:
@@ -335,7 +335,7 @@ def _list_for(kind: str) -> str | None:
 
 
 def _rank(kind: str) -> int:
-    """The place of a kind of object among others: objects that others need are first."""
+    """Return the place of a kind of object among others: objects that others need are first."""
     groups: tuple[tuple[str, ...], ...] = ((TAG_TABLE,), (DATA_TYPE,), tuple(DATA_BLOCKS), tuple(POUS))
     return next((rank for rank, group in enumerate(groups) if kind in group), len(groups))
 

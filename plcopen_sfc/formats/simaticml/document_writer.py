@@ -67,7 +67,7 @@ def _all_objects(root: etree._Element) -> list[etree._Element]:
 
 
 def _objects(element: etree._Element) -> list[etree._Element]:
-    """The objects directly in an object."""
+    """Return the objects directly in an object."""
     found: list[etree._Element] = []
     for child in element:
         if isinstance(child.tag, str):
@@ -96,7 +96,7 @@ _NATIVE = frozenset({"header", "pous", "data_blocks", "data_types", "tag_tables"
 def write_project(
     project: Project, version: TiaVersion, report: ConversionReport, options: WriteOptions
 ) -> etree._Element:
-    """The tree of the document for `project`; the outcome of each item goes into `report`."""
+    """Return the tree of the document for `project`; the outcome of each item goes into `report`."""
     root = _tree(project, version, report, options)
     if options.baseline is None:
         if not options.same:
@@ -110,12 +110,12 @@ def write_project(
 
 
 def _ids(project: Project) -> list[str]:
-    """The ids that the file has, where they are no running numbers."""
+    """Return the ids that the file has, where they are no running numbers."""
     return project.carried.attributes.get(IDS, "").split() if project.carried is not None else []
 
 
 def _tree(project: Project, version: TiaVersion, report: ConversionReport, options: WriteOptions) -> etree._Element:
-    """The tree with all ids still empty."""
+    """Return the tree with all ids still empty."""
     kept = project.carried.attributes if project.carried is not None else {}
     schemas = {kind: version.schema(kind) for kind in ("Interface", "Graph", "FlgNet", "StructuredText")}
     schemas["StatementList"] = version.statement_list
@@ -158,14 +158,14 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
 
 
 def added_objects(project: Project) -> list[DataBlock | TagTable]:
-    """The data blocks and tag tables that global variables and the values of enumerations become."""
+    """Return the data blocks and tag tables that global variables and the values of enumerations become."""
     return [*s7_types(project).tables(), *tag_tables_of(project), *data_blocks_of(project)]
 
 
 def _in_order(
     project: Project, added: Sequence[DataBlock | TagTable]
 ) -> list[Pou | DataBlock | DataTypeDeclaration | TagTable]:
-    """The objects in the order of the file, else those that others need first; those that are `added` among them."""
+    """Objects in the order of the file, else those that others need first; those that are `added` among them."""
     things: list[Pou | DataBlock | DataTypeDeclaration | TagTable]
     tables = [thing for thing in added if isinstance(thing, TagTable)]
     blocks = [thing for thing in added if isinstance(thing, DataBlock)]
@@ -185,7 +185,7 @@ _LAST = 1 << 32
 
 
 def _document_info(ctx: DocumentWriting, root: etree._Element, header: FileHeader) -> None:
-    """The frame of a document that TIA Portal wrote; it needs none to import a file."""
+    """Write the frame of a document that TIA Portal wrote; it needs none to import a file."""
     if header.product != PRODUCT:
         if any(value for name, value in header.model_dump(exclude_defaults=True).items()):
             finish(ctx, root, Project(header=header), frozenset())

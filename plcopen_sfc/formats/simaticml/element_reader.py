@@ -49,18 +49,18 @@ class DocumentReading:
         self.file = file
         self.lines = lines
         self.schemas: dict[str, int] = {}
-        """The schema numbers that the file uses, by kind."""
+        """Schema numbers that the file uses, by kind."""
         self.diagnostics: list[Diagnostic] = []
         self.of_tia = True
         """True if the project is one of TIA Portal, by its header."""
         self.trusting = True
         """True while fields in comments are read."""
         self.types: dict[str, str] = {}
-        """The types of the variables of the block being read, as TIA Portal spells them, by ``#name``."""
+        """Types of the variables of the block being read, as TIA Portal spells them, by ``#name``."""
         self.constants: frozenset[str] = frozenset()
-        """The constants of that block, as its texts name them, in lower case."""
+        """Constants of that block, as its texts name them, in lower case."""
         self.edited_copies: set[str] = set()
-        """The tag tables that were written as copies and edited since, in lower case."""
+        """Tag tables that were written as copies and edited since, in lower case."""
         self.place: list[str] = []
         """Names of the objects around the one being read, for messages."""
 
@@ -89,15 +89,15 @@ _LOCAL: dict[str, str] = {}
 
 
 ADDED = "added"
-"""The field in our comments that marks an element as no part of the project."""
+"""Field in our comments that marks an element as no part of the project."""
 
 
 ASSOCIATION = "association"
-"""The field in our comments that holds an action association which rows express in another way, or not at all."""
+"""Field in our comments that holds an action association which rows express in another way, or not at all."""
 
 
 def local(element: XmlNode) -> str:
-    """The local name of an element, "" for a comment or processing instruction."""
+    """Return the local name of an element, "" for a comment or processing instruction."""
     tag: Any = element.tag
     name = _LOCAL.get(tag)
     if name is None:
@@ -114,14 +114,14 @@ _KNOWN_NAMES = 4096
 
 
 def children(element: N) -> list[N]:
-    """The child elements, without comments."""
+    """Return the child elements, without comments."""
     if isinstance(element, ET.Element):
         return list(element)  # type: ignore[arg-type]  # elements hold those of their own kind, here and below
     return [child for child in element if isinstance(child.tag, str)]  # type: ignore[misc]
 
 
 def child_named(element: N, name: str) -> N | None:
-    """The first child of this local name."""
+    """Return the first child of this local name."""
     for child in element:
         if local(child) == name:
             return child  # type: ignore[return-value]
@@ -129,12 +129,12 @@ def child_named(element: N, name: str) -> N | None:
 
 
 def attributes(element: XmlNode) -> dict[str, str]:
-    """A copy of the attributes of `element`, from which a reader takes them one by one."""
+    """Return a copy of the attributes of `element`, from which a reader takes them one by one."""
     return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
 
 
 def carried(fields: Fields) -> Fields:
-    """The carried part of an object being read, created when it is needed."""
+    """Return the carried part of an object being read, created when it is needed."""
     found: Fields | None = fields.get("carried")
     if found is None:
         found = fields["carried"] = {"data": [], "attributes": {}, "elements": []}
@@ -153,7 +153,7 @@ def carry_attribute(fields: Fields, name: str, value: str) -> None:
 
 
 def opaque_body(*elements: etree._Element) -> Fields:
-    """A body that is kept as it is."""
+    """Return a body that is kept as it is."""
     content = "".join(neutral(markup(element)) for element in elements)
     return {"language": "opaque", "source": "simaticml", "content": content}
 
@@ -247,7 +247,7 @@ def read_comments(ctx: DocumentReading, element: etree._Element, fields: Fields)
 
 
 def first_line(error: Exception) -> str:
-    """The message of an error, in one line."""
+    """Return the message of an error, in one line."""
     if isinstance(error, ValidationError):
         first = error.errors()[0]
         return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
@@ -305,18 +305,18 @@ _OBJECT = {"ID", "CompositionName"}
 
 
 def whole_number(text: str | None) -> int | None:
-    """A whole number; None where it is missing or none, or not written plainly."""
+    """Return a whole number; None where it is missing or none, or not written plainly."""
     if text is None or not text.isascii() or not text.isdigit() or str(int(text)) != text:
         return None
     return int(text)
 
 
 def plain_text(element: etree._Element | None) -> str | None:
-    """The text of a plain attribute; None for one that is marked, or is more than text."""
+    """Return the text of a plain attribute; None for one that is marked, or is more than text."""
     if element is None or element.attrib or len(element):
         return None
     return element.text or ""
 
 
 TRUTHS = {"true": True, "false": False}
-"""The Booleans of SimaticML."""
+"""Booleans of SimaticML."""

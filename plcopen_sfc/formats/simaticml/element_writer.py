@@ -49,29 +49,29 @@ class DocumentWriting:
         self.project = project
         self.version = version
         self.schemas = schemas
-        """The schema numbers to write, by kind; 0: no namespace."""
+        """Schema numbers to write, by kind; 0: no namespace."""
         self.report = report
         self.options = options
         self.s7_types = s7_types(project)
-        """The types that TIA Portal has for those of the project."""
+        """Types that TIA Portal has for those of the project."""
         self.culture = project.language or "en-US"
-        """The language of texts without one."""
+        """Language of texts without one."""
         self.place: list[str] = []
         self.types: dict[str, str] = {}
-        """The types of the variables of the block being written (``#name``) and of tags, as TIA Portal spells them."""
+        """Types of the variables of the block being written (``#name``) and of tags, as TIA Portal spells them."""
         self.constants: frozenset[str] = frozenset()
-        """The constants of that block, as its texts name them (``#name``), in lower case."""
+        """Constants of that block, as its texts name them (``#name``), in lower case."""
         source = options.source if options.same else b""
         self.keeps_sections = bool(source) and LAYOUT.encode() not in source
         """True if the sections of interfaces are those of a file of TIA Portal, which are written as they are."""
         self.actions_told: set[str] = set()
-        """The actions of that block whose outcome the report lists already at their steps."""
+        """Actions of that block whose outcome the report lists already at their steps."""
         self.body_name = ""
-        """The name of the body being written, as `Pou.named_bodies` gives it."""
+        """Name of the body being written, as `Pou.named_bodies` gives it."""
 
     @cached_property
     def called_actions(self) -> frozenset[int]:
-        """The ids of the actions that a step has or a program calls."""
+        """Ids of the actions that a step has or a program calls."""
         return called_actions(self.project)
 
     def note(self, outcome: Outcome, what: str, name: str = "", why: str = "") -> None:
@@ -83,7 +83,7 @@ class DocumentWriting:
         self.note(Outcome.KEPT, what, name)
 
     def root(self, kind: str, name: str, parent: etree._Element | None = None) -> etree._Element:
-        """The root `name` of a part in the namespace of `kind`."""
+        """Return the root `name` of a part in the namespace of `kind`."""
         number = self.schemas.get(kind, self.version.schema(kind))
         if number == 0:
             return etree.Element(name) if parent is None else etree.SubElement(parent, name)
@@ -94,7 +94,7 @@ class DocumentWriting:
 
 
 def sub(parent: N, name: str, attributes: dict[str, str] | None = None) -> N:
-    """A new child of `parent`, in the namespace of `parent`."""
+    """Return a new child of `parent`, in the namespace of `parent`."""
     tag = _tag_beside(parent.tag, name)
     if isinstance(parent, ET.Element):
         return ET.SubElement(parent, tag, attributes or {})  # type: ignore[return-value]  # of its kind
@@ -109,12 +109,12 @@ def _tag_beside(tag: str, name: str) -> str:
 
 
 def flag(value: bool) -> str:
-    """A truth as SimaticML writes it."""
+    """Return a truth as SimaticML writes it."""
     return "true" if value else "false"
 
 
 def languages(ctx: DocumentWriting, text: Text) -> dict[str, str]:
-    """A text by language."""
+    """Return a text by language."""
     return text.texts if isinstance(text, MultilingualText) else {ctx.culture: plain(text)}
 
 
@@ -143,7 +143,7 @@ def write_object_text(ctx: DocumentWriting, parent: etree._Element, role: str, t
 
 
 def verbatim(ctx: DocumentWriting, carried: Carried | None) -> etree._Element | None:
-    """The element as it was in the file that an object was read from, if it was kept."""
+    """Return the element as it was in the file that an object was read from, if it was kept."""
     for data in carried.data if carried is not None else ():
         if data.name == VERBATIM:
             return etree.fromstring(concrete(data.content, ctx.schemas), _parser())

@@ -45,7 +45,7 @@ class DamagedError(NotUnderstoodError):
 
 @dataclass(slots=True)
 class _Pin:
-    """The content of a pin: wires into it, an operand, or nothing. `is_output`: a wire starts there."""
+    """Content of a pin: wires into it, an operand, or nothing. `is_output`: a wire starts there."""
 
     is_output: bool
     connections: list[Fields] = field(default_factory=list)
@@ -59,12 +59,12 @@ class _Part:
     label: str | None = None
 
     def take(self, name: str) -> _Pin | None:
-        """A pin, which is read with that."""
+        """Return a pin, and mark it as read."""
         return self.pins.pop(name, None)
 
 
 def read_flgnet(element: XmlNode, texts: dict[str, str] | None = None) -> list[Fields]:
-    """The nodes of a network. Raises `NotUnderstoodError` where the model cannot express all of it.
+    """Return the nodes of a network. Raises `NotUnderstoodError` where the model cannot express all of it.
 
     `texts` gets the texts of the operands by their numbers.
     """
@@ -98,7 +98,7 @@ def read_flgnet(element: XmlNode, texts: dict[str, str] | None = None) -> list[F
 
 @dataclass
 class _Network:
-    """The elements of a network by their numbers; operands and targets of jumps are taken as wires name them."""
+    """Elements of a network by their numbers; operands and targets of jumps are taken as wires name them."""
 
     operands: dict[str, str] = field(default_factory=dict)
     targets: dict[str, str] = field(default_factory=dict)
@@ -138,7 +138,7 @@ def _label_name(owner: XmlNode) -> str:
 
 
 def _inverter(number: int, coil: Fields) -> Fields:
-    """A NOT before a coil whose input is negated; the coil is wired to it."""
+    """Return a NOT before a coil whose input is negated; the coil is wired to it."""
     variable = {"name": "IN", "input": coil["input"]}
     coil["input"] = {"connections": [{"source": number, "pin": "OUT"}]}
     return {
@@ -188,7 +188,7 @@ def _wire(wire: XmlNode, net: _Network) -> bool:
 
 _TWO = 2
 JUMP_PIN = "label"
-"""The pin of a jump that has its target."""
+"""Pin of a jump that has its target."""
 
 
 def _taken(net: _Network, number: str) -> str:
@@ -221,7 +221,7 @@ def _connection(parts: dict[str, _Part], number: str, pin: str) -> Fields:
 
 
 def known_part(element: XmlNode) -> StandardBlock | None:
-    """The standard block that a ``Part`` is; None for others and for calls."""
+    """Return the standard block that a ``Part`` is; None for others and for calls."""
     if local(element) != "Part":
         return None
     name = element.get("Name", "")
@@ -277,7 +277,7 @@ def _result(number: str, part: _Part, name: str) -> Fields:
 
 
 def _leaving(number: str, part: _Part, name: str) -> Fields:
-    """A jump or return."""
+    """Return a jump or return."""
     inlet = part.take("in")
     if name not in ("Jump", "Return") or len(part.element.attrib) > _TWO or len(part.element) or part.pins:
         raise NotUnderstoodError("a jump or return of another form")

@@ -80,7 +80,7 @@ class _Draft:
     kind: str = ""
     uid: str = ""
     number: int = -1
-    """The id of the element, or one below all ids where the element is none of the network."""
+    """Id of the element, or one below all ids where the element is none of the network."""
     is_inverted: bool = False
     """True if the input of a coil is negated."""
 
@@ -132,7 +132,7 @@ class _Writer:
         self.access: dict[tuple[int, str], str] = {}
 
     def _source(self, number: int, pin: str | None) -> tuple[int, str | None]:
-        """Where a wire starts, with the name that TIA Portal gives the pin."""
+        """Return the source of a wire, with the name that TIA Portal gives the pin."""
         draft = self.by_node.get(number)
         return (number, _s7_pin(draft.node, pin)) if draft is not None else (number, None)
 
@@ -180,7 +180,7 @@ class _Writer:
                 end.operand = node.expression
 
     def uid(self) -> str:
-        """The next ``UId``."""
+        """Return the next ``UId``."""
         self.next += 1
         return str(self.next - 1)
 
@@ -285,7 +285,7 @@ class _Writer:
             sub(element, "Negated", {"Name": "in"})
 
     def _template_values(self, draft: _Draft, node: Block, kept: dict[str, str]) -> dict[str, str]:
-        """The template values of a box: the number of its inputs, and their type."""
+        """Return the template values of a box: the number of its inputs, and their type."""
         values = {key: value for key, value in kept.items() if key not in _NO_TEMPLATES}
         block = _standard(node)
         if not values and block is not None and block.name in _TIMERS:
@@ -307,7 +307,7 @@ class _Writer:
         return values
 
     def _type_of(self, inputs: list[_End]) -> str:
-        """The type of the values that a box compares or computes: that of a known variable, else of a literal."""
+        """Type of the values that a box compares or computes: that of a known variable, else of a literal."""
         texts = [end.operand for end in inputs if end.operand is not None]
         texts += [self.inputs[s].expression for end in inputs for s, _ in end.sources if s in self.inputs]
         known = [self.types[text.lower()] for text in texts if text.lower() in self.types]
@@ -376,7 +376,7 @@ class _Writer:
 
 RAIL_KEY = -1
 JOIN = -2
-"""The first id of the ORs that are put where wires meet; the following go down."""
+"""First id of the ORs that are put where wires meet; the following go down."""
 
 
 def _draft(node: Node) -> _Draft:
@@ -405,7 +405,7 @@ def _draft(node: Node) -> _Draft:
 
 
 def _standard(node: Block) -> StandardBlock | None:
-    """The standard block that a block is, if it has the name that IEC 61131-3 gives it."""
+    """Return the standard block that a block is, if it has the name that IEC 61131-3 gives it."""
     if PART_NAME in _kept(node.carried) or (node.call is not None and node.call.value in _CALL_NAMES):
         return None
     block = standard_block(node.type_name)
@@ -413,7 +413,7 @@ def _standard(node: Block) -> StandardBlock | None:
 
 
 def _s7_pin(node: Node, pin: str | None) -> str:
-    """The name of TIA Portal for a pin."""
+    """Return the name of TIA Portal for a pin."""
     if not isinstance(node, Block):
         return "out"
     if pin in ("EN", "ENO"):
@@ -436,7 +436,7 @@ def _outlet(node: Block, variable: BlockVariable) -> _End:
 
 
 def _in_operand_order(draft: _Draft) -> list[_End]:
-    """The pins in the order of their operands: an edge memory is behind the operand that is watched."""
+    """Return the pins in the order of their operands: an edge memory is behind the operand that is watched."""
     return sorted(draft.ends, key=lambda end: end.name == "bit")
 
 

@@ -64,7 +64,7 @@ _WIDER = {
     "Word": "DWord LWord",
     "DWord": "LWord",
 }
-"""The types that hold all values of a type; TIA Portal V19 help, "Implicit conversion"."""
+"""Types that hold all values of a type; TIA Portal V19 help, "Implicit conversion"."""
 _BITS = frozenset({"Byte", "Word", "DWord", "LWord"})
 _WORD_BOXES = {"AND": "And", "OR": "Or", "XOR": "Xor"}
 _COMPARING = frozenset({"GT", "GE", "EQ", "LE", "LT", "NE"})
@@ -97,7 +97,7 @@ class _Typing:
         return self.problem
 
     def _result(self, block: Block) -> str | None:
-        """The type of the output of a box, which gets its types."""
+        """Return the type of the output of a box, which gets its types."""
         if block.id not in self.results:
             self.results[block.id] = None
             self.results[block.id] = self._typed(block)
@@ -173,7 +173,7 @@ class _Typing:
                     holder.expression = f"16#{int(holder.expression.replace('_', '')):X}"
 
     def _type_of(self, pin: BlockVariable) -> str | None:
-        """The type of the value at an input; None for numbers, which may be of several, and for unknown types."""
+        """Type of the value at an input; None for numbers, which may be of several, and for unknown types."""
         if pin.input is None:
             return None
         if pin.input.expression is not None:
@@ -211,7 +211,7 @@ NOT_TRANSLATED = "NOT_TRANSLATED"
 def drawn_condition(
     read: Callable[[Condition], NetworkExpression], condition: Condition, result: str, also: Sequence[str] = ()
 ) -> FbdBody | LdBody | str:
-    """The network that ends in the coil `result`, or why there is none. `also`: expressions that must be TRUE too."""
+    """Network that ends in the coil `result`, or why there is none. `also`: expressions that must be TRUE too."""
     found = read(condition)
     if found.tree is None or found.obstacles:
         return "; ".join(problem.message for problem in found.obstacles) or "it is no expression"
@@ -230,19 +230,19 @@ def _operand_of(tree: n.Expression) -> n.Expression:
 
 
 def untranslated_name(label: str) -> str:
-    """The undeclared variable in place of the condition of the step or transition `label`."""
+    """Return the undeclared variable in place of the condition of the step or transition `label`."""
     return re.sub(r"\W+", "_", f"{NOT_TRANSLATED}_{label}").strip("_")
 
 
 def untranslated_body(result: str, label: str) -> LdBody:
-    """A network that does not compile: its contact is a variable that nothing declares."""
+    """Return a network that does not compile: its contact is a variable that nothing declares."""
     contact = Contact(id=1, variable=f"#{untranslated_name(label)}", input=InputPin(connections=[Connection(source=0)]))
     coil = Coil(id=2, variable=result, input=InputPin(connections=[Connection(source=1)]))
     return LdBody(networks=[LogicNetwork(nodes=[LeftPowerRail(id=0), contact, coil])])
 
 
 def condition_body(condition: Expression, result: str) -> FbdBody | LdBody | None:
-    """The network that ends in the coil `result`; None where there is none for the expression."""
+    """Return the network that ends in the coil `result`; None where there is none for the expression."""
     parsed = parse_expression(condition.text, Dialect.SCL)
     if parsed.tree is None or parsed.problems:
         return None
@@ -266,7 +266,7 @@ def condition_body(condition: Expression, result: str) -> FbdBody | LdBody | Non
 
 
 def _inverter(number: int, sources: list[Connection]) -> Block:
-    """An inverted value in FBD: an AND box with TRUE, whose first input is negated."""
+    """Return an inverted value in FBD: an AND box with TRUE, whose first input is negated."""
     first = BlockVariable(name="IN1", input=InputPin(connections=sources), negated=True)
     second = BlockVariable(name="IN2", input=InputPin(expression="TRUE"))
     outputs = [BlockVariable(name="OUT", output=OutputPin())]
@@ -347,7 +347,7 @@ class ConditionWriter:
 
 
 def empty_network(result: str) -> LdBody:
-    """The network that LAD shows for no condition: the rail leads to the coil."""
+    """Return the network that LAD shows for no condition: the rail leads to the coil."""
     coil = Coil(id=1, variable=result, input=InputPin(connections=[Connection(source=0)]))
     return LdBody(networks=[LogicNetwork(nodes=[LeftPowerRail(id=0), coil])])
 

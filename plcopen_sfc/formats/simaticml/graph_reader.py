@@ -55,9 +55,9 @@ USUAL_CATEGORIES = (
     [*_SUPERVISIONS, *((name, number, None, None) for name, number in _CATEGORIES.items() if name in _FIRST)],
     [*_SUPERVISIONS, *((name, number, None, None) for name, number in _CATEGORIES.items())],
 )
-"""The alarm categories (name, id, display class, text) that TIA Portal writes: up to Graph v2, and from v4 on."""
+"""Alarm categories (name, id, display class, text) that TIA Portal writes: up to Graph v2, and from v4 on."""
 ALL_CATEGORIES = 4
-"""The number of the schema of GRAPH that has all of them."""
+"""Number of the schema of GRAPH that has all of them."""
 CONNECTIONS = "Connections"
 """Carried attribute of a sequence: the order of its connections, where it is not the one that our writer gives."""
 
@@ -77,20 +77,20 @@ class _ChartReader:
         self._connections: list[tuple[Fields, etree._Element]] = []
         self._named: list[tuple[str, str, etree._Element]] = []
         self._networks: dict[int, Fields] = {}
-        """The conditions of the networks, for the transitions whose source is kept instead."""
+        """Conditions of the networks, for the transitions whose source is kept instead."""
         self._told: set[int] = set()
-        """The transitions of which a comment of this package keeps the condition, whether it counts or not."""
+        """Transitions of which a comment of this package keeps the condition, whether it counts or not."""
         self._excluded: dict[int, Fields] = {}
-        """The steps that a comment of this package excludes, as the file has them."""
+        """Steps that a comment of this package excludes, as the file has them."""
         self._unwritten: set[int] = set()
-        """The actions that only comments of this package hold."""
+        """Actions that only comments of this package hold."""
         self._edited: list[int] = []
-        """The steps whose rows were edited."""
+        """Steps whose rows were edited."""
         self._elements: dict[int, etree._Element] = {}
-        """The elements of the steps of which comments keep something."""
+        """Elements of the steps of which comments keep something."""
 
     def new_id(self) -> int:
-        """The next id."""
+        """Return the next id."""
         self._last += 1
         return self._last
 
@@ -208,7 +208,7 @@ class _ChartReader:
         read_comments(self.ctx, element, sequence)
 
     def _known(self, sequence: Fields, element: etree._Element, name: str) -> list[etree._Element]:
-        """The children `name` without those that our writer added; any other child is kept."""
+        """Return the children `name` without those that our writer added; any other child is kept."""
         shell = _shell(element)
         found: list[etree._Element] = []
         for child in children(element):
@@ -310,7 +310,7 @@ class _ChartReader:
         return edited
 
     def _note(self, comment: etree._Element) -> Fields:
-        """The fields in a comment between the rows."""
+        """Return the fields in a comment between the rows."""
         holder = etree.Element("Actions")
         holder.append(copy.deepcopy(comment))
         fields: Fields = {}
@@ -340,7 +340,7 @@ class _ChartReader:
         _keep_shell(step, shell)
 
     def _condition(self, element: etree._Element) -> Fields | None:
-        """The condition of a transition, interlock or supervision; None for the empty network of LAD."""
+        """Return the condition of a transition, interlock or supervision; None for the empty network of LAD."""
         body = read_flgnet_body(self.ctx, element)
         if body["language"] == "LD" and body["networks"] and "carried" not in body:
             nodes = body["networks"][0]["nodes"]
@@ -383,11 +383,11 @@ class _ChartReader:
 
 
 RESULT_OF = {"Transition": "TrCoil", "Interlock": "IlCoil", "Supervision": "SvCoil"}
-"""The coil in which the network of each of them ends."""
+"""Coil in which the network of each of them ends."""
 _OWN_TYPES = ("G7_StepPlus", "G7_TransitionPlus")
 """Prefixes of the types of the members that TIA Portal declares for steps and transitions."""
 _EMPTY = 2
-"""The elements of an empty network of LAD: the power rail and the coil."""
+"""Elements of an empty network of LAD: the power rail and the coil."""
 
 
 _LISTS = ("Steps", "Transitions", "Branches", CONNECTIONS)
@@ -437,7 +437,7 @@ def _replace_condition(ctx: DocumentReading, element: etree._Element, fields: Fi
 
 
 def _shell(element: etree._Element) -> etree._Element:
-    """An empty element for the parts of `element` that are not understood."""
+    """Return an empty element for the parts of `element` that are not understood."""
     return etree.Element(element.tag, nsmap=element.nsmap)  # type: ignore[arg-type]  # lxml-stubs: str keys only
 
 
@@ -481,5 +481,5 @@ def _category(element: etree._Element) -> Fields | None:
 
 
 def carried_order(links: str) -> dict[str, int]:
-    """The place of each connection in the order of the file."""
+    """Return the place of each connection in the order of the file."""
     return {link: place for place, link in enumerate(links.split())}

@@ -59,7 +59,7 @@ from plcopen_sfc.model.sfc import (
 from plcopen_sfc.report import Outcome
 
 _ALL_CATEGORIES = 4
-"""The schema version from which on all categories are written."""
+"""Schema version from which on all categories are written."""
 
 
 def write_graph(ctx: DocumentWriting, root: etree._Element, chart: SfcNetwork) -> None:
@@ -69,7 +69,7 @@ def write_graph(ctx: DocumentWriting, root: etree._Element, chart: SfcNetwork) -
 
 @dataclass
 class _Connections:
-    """The branches and connections of a sequence."""
+    """Branches and connections of a sequence."""
 
     links: list[SequenceLink]
     branches: list[tuple[Symbol, dict[str, str]]]
@@ -159,7 +159,7 @@ class _ChartWriter:
                 element.extend(list(holder[0]))
 
     def _sequences(self) -> list[tuple[Sequence, list[Transition]]]:
-        """The sequences with their transitions; steps and transitions of none go into the last one."""
+        """Return the sequences with their transitions; steps and transitions of none go into the last one."""
         sequences = list(self.chart.sequences) or [Sequence(steps=[step.id for step in self.chart.steps])]
         member = {number: index for index, sequence in enumerate(sequences) for number in sequence.steps}
         lost = [step.id for step in self.chart.steps if step.id not in member]
@@ -253,7 +253,7 @@ class _ChartWriter:
                 self.ctx.note(Outcome.TRANSLATED, "end of the sequence", f"step {step.name}", why)
 
     def _free_name(self, stem: str, number: int) -> str:
-        """A name that no step, transition or variable of the block has."""
+        """Return a name that no step, transition or variable of the block has."""
         name = f"{stem}{number}"
         while name.casefold() in self.names:
             name += "_"
@@ -409,7 +409,7 @@ _SYMBOL = ("id", "kind", "inputs", "outputs", "local_id", "name", "position", "w
 
 
 def _numbers(given: Iterable[tuple[int, int | None]]) -> dict[int, int]:
-    """The number of each thing: its own where nothing before it has it, else the next free one."""
+    """Return the number of each thing: its own where nothing before it has it, else the next free one."""
     pairs = list(given)
     numbers: dict[int, int] = {}
     taken: set[int] = set()
@@ -426,7 +426,7 @@ def _numbers(given: Iterable[tuple[int, int | None]]) -> dict[int, int]:
 
 
 def _branches_of(links: list[SequenceLink]) -> set[int]:
-    """The numbers of the branches that connections name."""
+    """Return the numbers of the branches that connections name."""
     return {ref.number for link in links for ref in (link.source, link.target) if ref is not None and ref.kind == "B"}
 
 
@@ -449,7 +449,7 @@ def _set_attributes(element: etree._Element, name: str, carried: Carried | None)
 
 
 def _below(element: etree._Element, name: str) -> etree._Element | None:
-    """The child or grandchild `name`."""
+    """Return the child or grandchild `name`."""
     inner = [*children(element), *(part for child in children(element) for part in children(child))]
     return next((child for child in inner if local(child) == name), None)
 

@@ -42,7 +42,7 @@ _NAMES = {language: name for name, language in _LANGUAGES.items()}
 
 
 def read_network(ctx: DocumentReading, element: etree._Element) -> Fields:
-    """The fields of a `LogicNetwork`. Raises `NotUnderstoodError` where the model cannot express all of it.
+    """Return the fields of a `LogicNetwork`. Raises `NotUnderstoodError` where the model cannot express all of it.
 
     Parts that our writer would write differently are kept besides it as they are.
     """
@@ -68,13 +68,13 @@ def read_network(ctx: DocumentReading, element: etree._Element) -> Fields:
 
 @lru_cache(maxsize=512)
 def _remembered(text: bytes) -> bytes:
-    """The fields of a network and the result of `_beside`, as bytes: many are equal, each gets its own objects."""
+    """Fields of a network and the result of `_beside`, as bytes: many are equal, each gets its own objects."""
     net, fields, hints = _read_text(text)
     return marshal.dumps((fields, _beside(net, fields, hints)))
 
 
 def _read_text(text: bytes) -> tuple[XmlNode, Fields, dict[str, str]]:
-    """The elements of a network, its fields, and the hints of its operands."""
+    """Return the elements of a network, its fields, and the hints of its operands."""
     net = parse_program(text)
     texts: dict[str, str] = {}
     nodes = read_flgnet(net, texts)
@@ -82,7 +82,7 @@ def _read_text(text: bytes) -> tuple[XmlNode, Fields, dict[str, str]]:
 
 
 def _beside(net: XmlNode, fields: Fields, hints: dict[str, str]) -> dict[str, str] | None:
-    """The extension data besides `fields` from which `net` is written again; None where that is impossible."""
+    """Return the extension data besides `fields` from which `net` is written again; None where that is impossible."""
     if net.attrib or not fields["nodes"]:
         return None
     copy = ET.Element(str(net.tag))
@@ -139,7 +139,7 @@ def _nodes(flgnet: etree._Element) -> object:
 
 
 def read_flgnet_body(ctx: DocumentReading, owner: etree._Element) -> Fields:
-    """The body of an element of GRAPH that has its language as an attribute and one ``FlgNet``, or none."""
+    """Return the body of an element of GRAPH that has its language as an attribute and one ``FlgNet``, or none."""
     language = owner.get("ProgrammingLanguage", "")
     flgnet = child_named(owner, "FlgNet")
     fields: Fields = {"language": _LANGUAGES.get(language, "LD"), "networks": []}

@@ -36,7 +36,7 @@ _MOST = 100_000
 
 
 def read_elements(type: Fields, elements: list[etree._Element]) -> Fields | None:
-    """The value of an array whose elements have these start values; None where they hold more, or do not fit.
+    """Return the value of an array whose elements have these start values; None where they hold more, or do not fit.
 
     An element without a value of its own has the default of its type: it is a value without text.
     """
@@ -91,7 +91,7 @@ def write_elements(parent: etree._Element, type: DataType, value: Value) -> bool
 
 
 def _texts(value: ArrayValue) -> list[tuple[str | None, int]] | None:
-    """The values of an array, each with its number of repetitions."""
+    """Return the values of an array, each with its number of repetitions."""
     found: list[tuple[str | None, int]] = []
     for item in value.items:
         repetitions = item.repetitions or "1"
@@ -104,13 +104,13 @@ def _texts(value: ArrayValue) -> list[tuple[str | None, int]] | None:
 
 
 def _ranges(bounds: list[tuple[str, str]]) -> list[tuple[int, int]] | None:
-    """The bounds of an array; None where they are not plain numbers."""
+    """Return the bounds of an array; None where they are not plain numbers."""
     found = [(int(lower), int(upper)) for lower, upper in bounds if _BOUND.fullmatch(lower) and _BOUND.fullmatch(upper)]
     return found if len(found) == len(bounds) and all(lower <= upper for lower, upper in found) else None
 
 
 def _place(path: str, ranges: list[tuple[int, int]]) -> int | None:
-    """The place of an element among all: the last index counts first."""
+    """Return the place of an element among all: the last index counts first."""
     indices = path.split(",")
     place = 0
     if len(indices) != len(ranges):
@@ -127,7 +127,7 @@ def _path(place: int, ranges: list[tuple[int, int]]) -> str:
 
 
 def _indices(place: int, ranges: list[tuple[int, int]]) -> Iterator[str]:
-    """The indices of an element, the last first."""
+    """Yield the indices of an element, the last first."""
     for lower, upper in reversed(ranges):
         place, rest = divmod(place, upper - lower + 1)
         yield str(lower + rest)
@@ -149,7 +149,7 @@ def has_nested(element: XmlNode) -> bool:
 
 
 def read_nested(element: XmlNode) -> Value | None:
-    """The value of a member with its parts; None where it has none, or they do not fit."""
+    """Return the value of a member with its parts; None where it has none, or they do not fit."""
     try:
         return assembled(_entries(element, ()), _type_of(element), {})
     except PathError:
@@ -157,7 +157,7 @@ def read_nested(element: XmlNode) -> Value | None:
 
 
 def _inner(element: N) -> Iterator[N]:
-    """The members that a member lists, of its structure or of its type."""
+    """Yield the members that a member lists, of its structure or of its type."""
     for child in children(element):
         if local(child) == "Member":
             yield child
@@ -167,7 +167,7 @@ def _inner(element: N) -> Iterator[N]:
 
 
 def _type_of(element: XmlNode) -> DataType:
-    """The type of a member, with the members that it lists in place of the name of a type."""
+    """Return the type of a member, with the members that it lists in place of the name of a type."""
     type_: DataType = _TYPES.validate_python(read_type(element.get("Datatype", "")))
     members = [Variable(name=each.get("Name", ""), type=_type_of(each)) for each in _inner(element)]
     return _with_members(type_, members) if members else type_
@@ -180,7 +180,7 @@ def _with_members(type_: DataType, members: list[Variable]) -> DataType:
 
 
 def _entries(element: XmlNode, around: tuple[str | int, ...]) -> Iterator[tuple[Path, str]]:
-    """The start values in a member. `around`: names on the way to it, and how many indices the arrays there have."""
+    """Start values in a member. `around`: names on the way to it, and how many indices the arrays there have."""
     type_ = read_type(element.get("Datatype", ""))
     ranks: tuple[int, ...] = ()
     while type_["kind"] == "array":
@@ -202,7 +202,7 @@ def _entries(element: XmlNode, around: tuple[str | int, ...]) -> Iterator[tuple[
 
 
 def _placed(way: tuple[str | int, ...], text: str) -> Path:
-    """A way with the indices of a ``Subelement``."""
+    """Return a way with the indices of a ``Subelement``."""
     if not _INDICES.fullmatch(text):
         raise PathError("the path of an element is no list of indices")
     indices = [int(index) for index in text.split(",")]
@@ -245,7 +245,7 @@ def write_nested(element: etree._Element, type_: DataType, value: Value | None, 
 
 
 def _find(element: etree._Element, path: Path, types: Mapping[str, DataType]) -> tuple[etree._Element, str]:
-    """The member at the end of a way, and the indices of its element."""
+    """Return the member at the end of a way, and the indices of its element."""
     indices: list[str] = []
     for part in path:
         if isinstance(part, tuple):

@@ -30,13 +30,13 @@ from plcopen_sfc.model.variables import Interface, SectionKind
 from plcopen_sfc.report import ConversionReport, Outcome
 
 RAIL = 0
-"""The id of the power rail; those of other elements are their ``UId``, which begin at 21."""
+"""Id of the power rail; those of other elements are their ``UId``, which begin at 21."""
 RESULTS = ("TrCoil", "IlCoil", "SvCoil")
-"""The coils in which the networks of transitions, interlocks and supervisions end."""
+"""Coils in which the networks of transitions, interlocks and supervisions end."""
 COILS = {"Coil": "none", "SCoil": "set", "RCoil": "reset"}
 CARDINALITIES = ("Card", "card")
 CONVERT = "Convert"
-"""The box of all conversions: its types tell which one it is."""
+"""Box of all conversions: its types tell which one it is."""
 COUNTED = ("A", "O", "X")
 """Boxes whose only template value is the number of their inputs."""
 LISTS = ("AutomaticTyped", "Invisible")
@@ -52,7 +52,7 @@ CALLS = {"FB": "functionblock", "FC": "function"}
 
 @lru_cache(maxsize=1024)
 def part_block(name: str) -> StandardBlock | None:
-    """The standard block that TIA Portal calls `name`, spelled just so."""
+    """Return the standard block that TIA Portal calls `name`, spelled just so."""
     block = standard_block(name, Tool.S7)
     if block is None or s7_name(block) != name:
         return None
@@ -60,20 +60,20 @@ def part_block(name: str) -> StandardBlock | None:
 
 
 def converting_block(source: str, target: str) -> StandardBlock | None:
-    """The conversion that a ``Convert`` is between these types, which it spells just so; None where it is another."""
+    """Conversion that a ``Convert`` is between these types, which it spells just so; None where it is another."""
     if S7_CONVERTED.get(source.upper()) != source or S7_CONVERTED.get(target.upper()) != target or source == target:
         return None
     return standard_block(f"{source}_TO_{target}".upper())
 
 
 def s7_name(block: StandardBlock) -> str:
-    """The name of TIA Portal for a standard block."""
+    """Return the name of TIA Portal for a standard block."""
     names = block.tools.get(Tool.S7)
     return names.name if names is not None else block.name
 
 
 def model_pin(block: StandardBlock | None, pin: str) -> str:
-    """The name of a pin in the model: that of IEC 61131-3 for a standard block."""
+    """Return the name of a pin in the model: that of IEC 61131-3 for a standard block."""
     if pin in ("en", "eno"):
         return pin.upper()
     return _standard_pin(block.name, pin) if block is not None else pin
@@ -89,7 +89,7 @@ def _standard_pin(block_name: str, pin: str) -> str:
 
 
 def template_type(name: str) -> str:
-    """The type of a ``TemplateValue`` of this name."""
+    """Return the type of a ``TemplateValue`` of this name."""
     return "Cardinality" if name in CARDINALITIES else "Type"
 
 
@@ -168,14 +168,14 @@ def _parsed(piece: Piece, dialect: Dialect) -> Parsed[Any]:
 
 
 def _value(node: n.Node, instances: Mapping[str, Variable]) -> n.Node:
-    """The variable itself for its output ``Q1``."""
+    """Return the variable itself for its output ``Q1``."""
     if isinstance(node, n.Member) and isinstance(node.base, n.Name) and node.name.identifier.upper() in ("Q1", "Q"):
         return node.base if node.base.identifier.casefold() in instances else node
     return node
 
 
 def _otherwise_used(tree: n.Node, instances: Mapping[str, Variable]) -> Iterator[str]:
-    """The instances of which a text uses more than their output."""
+    """Yield the instances of which a text uses more than their output."""
     nodes = list(walk(tree))
     fine = {id(node.base) for node in nodes if isinstance(node, n.Member) and _value(node, instances) is not node}
     members = {id(node.name) for node in nodes if isinstance(node, n.Member | n.Argument)}
@@ -219,7 +219,7 @@ def put_standard_blocks(project: Project) -> None:
 
 
 def _standard_of_others(block: Block, own: Collection[str]) -> StandardBlock | None:
-    """The standard block that a box is, with its pins renamed; None for calls of blocks of the project."""
+    """Return the standard block that a box is, with its pins renamed; None for calls of blocks of the project."""
     standard = standard_block(block.type_name)
     parameters = (*block.parameters.inputs, *block.parameters.outputs)
     is_native = any(p.carried is not None and "Type" in p.carried.attributes for p in parameters)

@@ -31,12 +31,12 @@ CONSTANTS = {"LocalConstant": "#", "GlobalConstant": ""}
 
 
 def quoted(name: str, *, always: bool = False) -> str:
-    """A name as SCL writes it: in quotes where it is no plain identifier."""
+    """Return a name as SCL writes it: in quotes where it is no plain identifier."""
     return name if not always and _PLAIN.fullmatch(name) else f'"{name}"'
 
 
 def read_operand(access: XmlNode) -> str:
-    """The text of an ``Access``. Raises `NotUnderstoodError`."""
+    """Return the text of an ``Access``. Raises `NotUnderstoodError`."""
     scope = access.get("Scope", "")
     inner = children(access)
     if len(inner) != 1:
@@ -58,7 +58,7 @@ def read_operand(access: XmlNode) -> str:
 
 
 def read_path(element: XmlNode, *, globally: bool) -> str:
-    """The path of ``Component`` children: ``a.b[1].%X0``; the first name of a global one is in quotes."""
+    """Return the path of ``Component`` children: ``a.b[1].%X0``; the first name of a global one is in quotes."""
     parts: list[str] = []
     for child in children(element):
         if local(child) == "Address":  # informative: where the symbol lies
@@ -80,7 +80,7 @@ def read_path(element: XmlNode, *, globally: bool) -> str:
 
 
 def _read_details(component: XmlNode) -> str:
-    """The text behind the name of a ``Component``: indices and a slice."""
+    """Return the text behind the name of a ``Component``: indices and a slice."""
     left = attributes(component)
     del left["Name"]
     bits = left.pop("SliceAccessModifier", None)
@@ -96,7 +96,7 @@ _WIDTHS = {"": "Bool", "X": "Bool", "B": "Byte", "W": "Word", "D": "DWord", "L":
 
 
 def read_address(element: XmlNode) -> str:
-    """The text of an absolute address: ``%I0.1``. Raises `NotUnderstoodError`."""
+    """Return the text of an absolute address: ``%I0.1``. Raises `NotUnderstoodError`."""
     area, kind = element.get("Area", ""), element.get("Type", "")
     offset = element.get("BitOffset", "")
     width = {name: letter for letter, name in _WIDTHS.items() if letter != "X"}.get(kind)
@@ -181,7 +181,7 @@ def _parse_path(text: str) -> tuple[PathPart, ...]:
 
 
 def _parse_indices(text: str, position: int) -> tuple[tuple[str, ...], int]:
-    """The indices of an array from behind ``[``, and the place behind ``]``; () where they are no operands."""
+    """Return the indices of an array from behind ``[``, and the place behind ``]``; () where they are no operands."""
     indices: list[str] = []
     depth, start = 0, position
     for place in range(position, len(text)):
@@ -240,7 +240,7 @@ def write_operand(
 
 
 def literal_type(value: str, kind: str) -> str:
-    """The type of a literal; of a number `kind`, if a number can be of that."""
+    """Return the type of a literal; of a number `kind`, if a number can be of that."""
     if value.upper() in ("TRUE", "FALSE"):
         return "Bool"
     if value.startswith("'"):
@@ -293,7 +293,7 @@ def _is_first_schema(element: XmlNode) -> bool:
 
 
 def hint_details(hint: str) -> dict[str, str]:
-    """The details in a hint by name; empty if it has none, or is damaged."""
+    """Return the details in a hint by name; empty if it has none, or is damaged."""
     try:
         found = json.loads(hint) if hint.startswith("{") else {}
     except ValueError:
@@ -320,7 +320,7 @@ _PLACE_OF_SYMBOL = {"Area", "Type", "BlockNumber", "BitOffset"}
 
 
 def operand_hints(element: XmlNode, texts: Mapping[str, str]) -> dict[str, str]:
-    """The hints of the operands of a network, as carried attributes. `texts` are theirs by number."""
+    """Return the hints of the operands of a network, as carried attributes. `texts` are theirs by number."""
     found: dict[str, str] = {}
     instances: list[XmlNode] = []
     pins: dict[str, str] | None = None
@@ -342,24 +342,24 @@ def operand_hints(element: XmlNode, texts: Mapping[str, str]) -> dict[str, str]:
 
 
 class Hints:
-    """The hints of a network that is being written."""
+    """Hints of a network that is being written."""
 
     def __init__(self, carried: Mapping[str, str]) -> None:
         self._found = {name: hint for name, hint in carried.items() if name.startswith((HINT, _AT))}
 
     def at(self, text: str, part: int, pin: str) -> str | None:
-        """The hint for the operand `text` at a pin of a part."""
+        """Return the hint for the operand `text` at a pin of a part."""
         if not self._found:
             return None
         hint = self._found.get(f"{_AT}{part}.{pin} {text}")
         return hint if hint is not None else self._found.get(HINT + text)
 
     def of(self, text: str) -> str | None:
-        """The hint for an instance."""
+        """Return the hint for an instance."""
         return self._found.get(HINT + text)
 
     def index(self, text: str) -> str | None:
-        """The hint for an index of an array."""
+        """Return the hint for an index of an array."""
         return self._found.get(HINT + _INDEX + text)
 
 
@@ -369,7 +369,7 @@ def is_hint(name: str) -> bool:
 
 
 def _pins(element: XmlNode) -> dict[str, str]:
-    """The part and pin of each operand."""
+    """Return the part and pin of each operand."""
     found: dict[str, str] = {}
     for wire in (wire for group in children(element) if local(group) == "Wires" for wire in children(group)):
         ends = children(wire)
@@ -397,7 +397,7 @@ def _hint(access: XmlNode) -> str:
 
 
 def _place(symbol: XmlNode) -> str:
-    """The place of a symbol, where an element gives it for information."""
+    """Return the place of a symbol, where an element gives it for information."""
     address = child_named(symbol, "Address")
     if address is None:
         return ""

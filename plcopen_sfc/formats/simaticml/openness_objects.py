@@ -70,7 +70,7 @@ TAG_TABLE = "SW.Tags.PlcTagTable"
 TAG = "SW.Tags.PlcTag"
 CONSTANT = "SW.Tags.PlcUserConstant"
 ROLES = {TAG: "Tags", CONSTANT: "UserConstants"}
-"""The collections of objects; those of a document are in none."""
+"""Collections of objects; those of a document are in none."""
 SETTINGS = {
     "AcknowledgeErrorsRequired": "acknowledge_errors_required",
     "LockOperatingMode": "lock_operating_mode",
@@ -184,7 +184,7 @@ def _renamed(ctx: DocumentWriting, pou: Pou) -> dict[str, str]:
 
 
 def _chart_names(chart: SfcNetwork) -> dict[int, str]:
-    """The names of steps and transitions by id."""
+    """Return the names of steps and transitions by id."""
     return {step.id: step.name for step in chart.steps} | {t.id: t.name for t in chart.transitions}
 
 
@@ -360,7 +360,7 @@ def _write_constant(ctx: DocumentWriting, parent: etree._Element, constant: Vari
 
 
 def _start(ctx: DocumentReading, element: etree._Element, fields: Fields) -> dict[str, etree._Element]:
-    """The attributes of an object by name; its name and number are read."""
+    """Return the attributes of an object by name; its name and number are read."""
     holder = child_named(element, "AttributeList")
     values: dict[str, etree._Element] = {}
     for child in children(holder) if holder is not None else ():
@@ -413,7 +413,7 @@ def _take(values: dict[str, etree._Element], name: str) -> str | None:
 
 
 def _object_list(element: etree._Element, fields: Fields, *expected: str) -> list[etree._Element]:
-    """The objects of an object: its title and comment are read, the `expected` ones returned, others kept."""
+    """Return the objects of an object: its title and comment are read, the `expected` ones returned, others kept."""
     holder = child_named(element, "ObjectList")
     found: list[etree._Element] = []
     for child in children(holder) if holder is not None else ():

@@ -83,13 +83,13 @@ def _names_its_version(root: etree._Element) -> bool:
 
 
 def _parts(root: etree._Element) -> Iterator[etree._Element]:
-    """The parts in interfaces and network sources."""
+    """Yield the parts in interfaces and network sources."""
     for holder in root.iter(*_HOLDERS):
         yield from holder.iterchildren(etree.Element)
 
 
 def _unknown(part: etree._Element, version: TiaVersion, place: Location) -> Diagnostic:
-    """A part that has no schema: misspelled, in no namespace, or newer than anything known."""
+    """Return a part that has no schema: misspelled, in no namespace, or newer than anything known."""
     name = etree.QName(part)
     kind = _ROOTS.get(name.localname)
     if kind is None:
@@ -111,7 +111,7 @@ def _too_new(kind: str, number: int, version: TiaVersion, place: Location) -> Di
 
 
 def _lenient(finding: Diagnostic) -> Diagnostic:
-    """A warning for an attribute or object that is not known: other versions than those seen may have it."""
+    """Return a warning for an attribute or object that is not known: other versions than those seen may have it."""
     holder, _, name = (finding.location.path or "").rpartition("/")
     unknown = holder.endswith("/AttributeList") and "[" not in name
     unknown = unknown or (holder.endswith("/ObjectList") and name.partition("[")[0].startswith("SW."))
@@ -213,7 +213,7 @@ def _needs_of_part(part: etree._Element, kind: str, version: TiaVersion) -> list
 
 
 def _way(top: etree._Element, element: etree._Element) -> tuple[int, ...]:
-    """The way down from `top` to an element in it."""
+    """Return the way down from `top` to an element in it."""
     way: list[int] = []
     while element is not top:
         parent = element.getparent()
@@ -225,19 +225,19 @@ def _way(top: etree._Element, element: etree._Element) -> tuple[int, ...]:
 
 
 def _at(top: etree._Element, way: tuple[int, ...]) -> etree._Element:
-    """The element at the end of a way."""
+    """Return the element at the end of a way."""
     for place in way:
         top = top[place]
     return top
 
 
 def _index(version: TiaVersion) -> int:
-    """The place of a version among those that are known."""
+    """Return the place of a version among those that are known."""
     return VERSIONS.index(version) if version in VERSIONS else len(VERSIONS) - 1
 
 
 def _in_schema(part: etree._Element, uri: str) -> etree._Element:
-    """A copy of a part in another namespace."""
+    """Return a copy of a part in another namespace."""
     copied = copy.deepcopy(part)
     own = etree.QName(part).namespace
     for element in copied.iter(etree.Element):
@@ -260,7 +260,7 @@ def _need(element: etree._Element, version: TiaVersion) -> VersionNeed:
 
 
 def _path(element: etree._Element) -> str:
-    """The path of the model object that an element belongs to."""
+    """Return the path of the model object that an element belongs to."""
     names: list[str] = []
     for node in (element, *element.iterancestors()):
         local = etree.QName(node).localname

@@ -35,7 +35,7 @@ _BEFORE_START = re.compile(rb">\s+<(?!/)")
 
 
 def parse_program(text: bytes) -> ET.Element:
-    """The tree of a text that `program_text` gave: of a document, so its entities and nesting have been looked at.
+    """Tree of a text that `program_text` gave: of a document, so its entities and nesting have been looked at.
 
     Raises `NotUnderstoodError` for processing instructions, which such a tree does not have.
     """
@@ -46,7 +46,7 @@ def parse_program(text: bytes) -> ET.Element:
 
 UID = "UId"
 FIRST = 21
-"""The first number that TIA Portal gives."""
+"""First number that TIA Portal gives."""
 NUMBERS = "UId numbers"
 """Carried attribute: the numbers of the file, in the order in which we give ours."""
 
@@ -66,7 +66,7 @@ def shortened(numbers: list[str], usual: list[str]) -> str:
 
 
 def lengthened(text: str, usual: list[str]) -> list[str]:
-    """The numbers of a short form; the `usual` ones where there are not as many."""
+    """Return the numbers of a short form; the `usual` ones where there are not as many."""
     count = len(usual)
     found: list[str] = []
     for run in text.split():
@@ -91,7 +91,7 @@ _LONGEST = 12
 
 
 def numbers_of(root: XmlNode) -> list[str]:
-    """The numbers of the elements below `root`, which must be whole numbers; rising."""
+    """Return the numbers of the elements below `root`, which must be whole numbers; rising."""
     return [str(number) for number in sorted({int(str(element.get(UID))) for element in _numbered(root)})]
 
 
@@ -119,11 +119,11 @@ def _numbered(root: XmlNode) -> list[XmlNode]:
 
 
 Key = tuple[str, ...]
-"""The place of an element in a network: that of a part among the parts, or the pin that an operand is wired to."""
+"""Place of an element in a network: that of a part among the parts, or the pin that an operand is wired to."""
 
 
 def numbers_like(given: XmlNode, written: XmlNode) -> list[str] | None:
-    """The numbers of `given` in the order of those of `written`; None where the two do not mean the same.
+    """Return the numbers of `given` in the order of those of `written`; None where the two do not mean the same.
 
     Mostly they are the same to the letter, or have other words in them; only what is left takes long to compare.
     """
@@ -157,12 +157,12 @@ def is_identical(one: XmlNode, other: XmlNode) -> bool:
 
 
 def _significant_text(text: str | None, element: XmlNode) -> str:
-    """The text at the start of an element; blanks before other elements mean nothing."""
+    """Return the text at the start of an element; blanks before other elements mean nothing."""
     return (text or "").strip() if len(element) else text or ""
 
 
 def _words(net: XmlNode) -> list[tuple[str, ...]]:
-    """The names, attributes and texts of the elements of a network, without numbers, in no order."""
+    """Return the names, attributes and texts of the elements of a network, without numbers, in no order."""
     found: list[tuple[str, ...]] = []
     for element in net.iter():
         marks = [f"{name}={value}" for name, value in sorted(attributes(element).items()) if not _is_uid(name, value)]
@@ -176,7 +176,7 @@ def _is_uid(name: str, value: str) -> bool:
 
 
 def _described(net: XmlNode) -> dict[Key, tuple[str, str]] | None:
-    """The number and the content of each numbered element by its place; None for a network that is built otherwise."""
+    """Number and the content of each numbered element by its place; None for a network that is built otherwise."""
     found: dict[Key, tuple[str, str]] = {}
     operands: dict[str, str] = {}
     places: dict[str, int] = {}
@@ -227,7 +227,7 @@ def _end(end: XmlNode, places: dict[str, int], operands: dict[str, str]) -> tupl
 
 
 def _content(element: XmlNode) -> str:
-    """The content of an element, without numbers."""
+    """Return the content of an element, without numbers."""
     marks = sorted(
         (key, value) for key, value in attributes(element).items() if key != UID or local(element) in _NESTED
     )

@@ -37,13 +37,13 @@ from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.sfc import SfcNetwork
 
 WRITTEN = "written"
-"""The field in our comments that holds the digest. Files of older versions of this package have none."""
+"""Field in our comments that holds the digest. Files of older versions of this package have none."""
 INSTEAD = "instead"
-"""The field in our comments that holds the fields of a step which its rows express in another way."""
+"""Field in our comments that holds the fields of a step which its rows express in another way."""
 
 
 def condition_digest(element: etree._Element, result: str) -> str:
-    """The digest of the network of a transition, interlock or supervision, which ends in the coil `result`."""
+    """Return the digest of the network of a transition, interlock or supervision, which ends in the coil `result`."""
     network = child_named(element, "FlgNet")
     if network is None:
         return _digest([])
@@ -51,13 +51,13 @@ def condition_digest(element: etree._Element, result: str) -> str:
 
 
 def rows_digest(actions: etree._Element) -> str:
-    """The digest of the rows of a step; the empty row at the end does not count."""
+    """Return the digest of the rows of a step; the empty row at the end does not count."""
     rows = [row for row in children(actions) if local(row) == "Action" and (len(row) or row.attrib)]
     return _digest([row_fields(row) for row in rows])
 
 
 def member_digests(element: etree._Element) -> dict[str, str]:
-    """The digests of the type and of the start value of a member, by the fields that hold them."""
+    """Return the digests of the type and of the start value of a member, by the fields that hold them."""
     starts: list[Any] = []
     for value in element.iter("{*}StartValue"):
         owners = value.iterancestors("{*}Member", "{*}Subelement")
@@ -66,7 +66,7 @@ def member_digests(element: etree._Element) -> dict[str, str]:
 
 
 def interface_digest(element: etree._Element) -> str:
-    """The digest of the members of a data type."""
+    """Return the digest of the members of a data type."""
     return _digest(_structure(element))
 
 
@@ -78,7 +78,7 @@ def warn_of_edit(ctx: DocumentReading, what: str, element: etree._Element) -> No
 
 
 def counting_fields(ctx: DocumentReading, kept: Fields, digests: dict[str, str], element: etree._Element) -> Fields:
-    """The fields in a comment at `element` without those whose native form was edited. `digests`: the present ones."""
+    """Fields in a comment at `element` without those whose native form was edited. `digests`: the present ones."""
     written = kept.pop(WRITTEN, None)
     if not isinstance(written, dict):
         return kept
@@ -97,7 +97,7 @@ def counting_fields(ctx: DocumentReading, kept: Fields, digests: dict[str, str],
 
 
 def _named_in(type_: Any, place: list[str]) -> set[str]:
-    """The types that a kept type is made of, in lower case; an enumeration is named after the `place` that has it."""
+    """Types that a kept type is made of, in lower case; an enumeration is named after the `place` that has it."""
     if not isinstance(type_, dict):
         return set()
     names = {str(type_.get("name", "")).casefold()}
@@ -110,7 +110,7 @@ _SHOWN = {"type": "type", "initial": "start value"}
 
 
 def edited_fields(kept: Fields, actions: etree._Element) -> list[str]:
-    """The fields of a step of which the rows count, as they are no longer as they were written.
+    """Return the fields of a step of which the rows count, as they are no longer as they were written.
 
     `kept`: the fields in the comment at the rows.
     """
@@ -175,7 +175,7 @@ def forget_edited_times(chart: Fields, networks: dict[int, Fields], sourced: Con
 
 
 def _expression(element: etree._Element, network: etree._Element, result: str) -> str | None:
-    """The expression of a network; None where it holds more, or something that is not understood."""
+    """Return the expression of a network; None where it holds more, or something that is not understood."""
     try:
         networks = [LogicNetwork.model_validate({"nodes": read_flgnet(network)})]
     except (NotUnderstoodError, ValidationError):
@@ -189,7 +189,7 @@ def _expression(element: etree._Element, network: etree._Element, result: str) -
 
 
 def _structure(network: XmlNode) -> list[Any]:
-    """The elements of a network, numbered in the order in which they come."""
+    """Return the elements of a network, numbered in the order in which they come."""
     numbers: dict[str, int] = {}
     found: list[Any] = []
     for each in network.iter():

@@ -38,7 +38,7 @@ GRAPH_QUALIFIERS = frozenset(
     | {Qualifier.ON, Qualifier.OFF, Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR}
     | {Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF}
 )
-"""The qualifiers that GRAPH has."""
+"""Qualifiers that GRAPH has."""
 NEAREST = {
     Qualifier.R0: Qualifier.R,
     Qualifier.SD: Qualifier.D,
@@ -55,7 +55,7 @@ _LEXEMES = re.compile(
     |(?:\#?"[^"]*"|\#?[^\W\d]\w*(?:\#[\w.+-]+)?)(?:\.(?:"[^"]*"|%?\w+)|\[[^\[\]\n]*\])*|\d[\w.\#]*|%\w+(?:\.\d)?|.""",
     re.VERBOSE | re.DOTALL,
 )
-"""The tokens of a row: an operand is one token, however long its path is."""
+"""Tokens of a row: an operand is one token, however long its path is."""
 _CALL_ROW = re.compile(r'CALL\s+("[^"]+"|#?[^\s,(]+)(?:\s*,\s*("[^"]+"|#?[^\s,(]+))?\s*(?:\((.*)\))?\s*', re.DOTALL)
 _PARAMETER = re.compile(r"\s*([^\W\d]\w*)\s*(:=|=>)\s*(.*\S)\s*")
 _QUALIFIERS = frozenset(q.value for q in Qualifier) - {"None", "CALL"}
@@ -104,7 +104,7 @@ def write_row(element: etree._Element, action: ActionAssociation, blocks: Mappin
 
 
 def layout_of(row: etree._Element) -> str | None:
-    """The blanks between the tokens of a row, each behind its token; None for a row of several lines."""
+    """Return the blanks between the tokens of a row, each behind its token; None for a row of several lines."""
     found: list[int] = []
     tokens = [token.get("Text", "") for token in children(row)]
     for token in tokens[:-1]:
@@ -127,7 +127,7 @@ def _laid_out(tokens: list[str], layout: str) -> list[str]:
 
 
 def row_fields(element: etree._Element) -> Fields:
-    """The fields of an association for a row."""
+    """Return the fields of an association for a row."""
     left = attributes(element)
     qualifier, event = left.pop("Qualifier", ""), left.pop("Event", "")
     interlock = TRUTHS.get(left.pop("Interlock", "false"))
@@ -189,7 +189,7 @@ def _tokens(action: ActionAssociation, callee: str) -> list[str]:
 
 
 def _call_statement(found: re.Match[str]) -> Fields | None:
-    """A call row as a statement of SCL, which calls a function block by its instance."""
+    """Return a call row as a statement of SCL, which calls a function block by its instance."""
     callee, instance, listed = found[1], found[2], found[3]
     parameters = []
     for line in (listed or "").splitlines():
@@ -206,7 +206,7 @@ def _call_statement(found: re.Match[str]) -> Fields | None:
 
 
 def _call_tokens(called: str, arguments: str, callee: str) -> list[str]:
-    """The tokens of a call, laid out as the editor does: a parameter on each line."""
+    """Return the tokens of a call, laid out as the editor does: a parameter on each line."""
     named = [callee, ",", called] if callee else [called]
     tokens = ["CALL", " ", *named, " ", "\n", " " * _INDENT, "("]
     for number, argument in enumerate(_split(arguments)):
@@ -220,7 +220,7 @@ def _call_tokens(called: str, arguments: str, callee: str) -> list[str]:
 
 
 def _split(arguments: str) -> list[str]:
-    """The arguments of a call: split at commas outside of strings and brackets."""
+    """Return the arguments of a call: split at commas outside of strings and brackets."""
     parts, depth, quote, start = [], 0, "", 0
     for place, letter in enumerate(arguments):
         if quote:

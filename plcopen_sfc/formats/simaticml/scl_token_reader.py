@@ -9,7 +9,7 @@ from plcopen_sfc.formats.simaticml.network_operands import read_address
 
 
 def scl_text(element: XmlNode) -> str:
-    """The text of a ``StructuredText`` as TIA Portal shows it."""
+    """Return the text of a ``StructuredText`` as TIA Portal shows it."""
     return _children(element)
 
 

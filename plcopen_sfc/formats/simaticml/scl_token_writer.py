@@ -62,14 +62,14 @@ def write_code(ctx: DocumentWriting, source: etree._Element, body: StBody) -> No
 
 
 def read_code(element: etree._Element, names: InterfaceNames) -> Fields:
-    """The text of a ``StructuredText``, and its tokens as markup where we would write others.
+    """Return the text of a ``StructuredText``, and its tokens as markup where we would write others.
 
     Raises `NotUnderstoodError`. `names` as in `write_text`.
     """
     program = parse_program(program_text(element))
     fields: Fields = {"text": scl_text(program)}
     copy = ET.Element(program.tag)
-    hints = {name: hint for name, hint in _hints(program).items() if not names.says(name, hint)}
+    hints = {name: hint for name, hint in _hints(program).items() if not names.implies(name, hint)}
     write_text(copy, fields["text"], names, _culture(program), hints)
     short = ""
     if not is_identical(program, copy):
@@ -118,13 +118,13 @@ _TYPES = "types of "
 
 
 def _culture(element: XmlNode) -> str:
-    """The language of the first comment that has one."""
+    """Return the language of the first comment that has one."""
     text = next((part for part in element.iter() if local(part) == "MultiLanguageText"), None)
     return text.get("Lang", "") if text is not None else ""
 
 
 def _numbers(program: ET.Element) -> list[str] | None:
-    """The numbers of a program in the order of its elements; None where they are no whole numbers that rise."""
+    """Return the numbers of a program in the order of its elements; None where they are no whole numbers that rise."""
     found = [part.get(UID, "") for part in program.iter() if part is not program]
     rising = are_numbers(found) and all(int(one) < int(next_) for one, next_ in pairwise(found))
     return found if rising else None
@@ -168,7 +168,7 @@ class InterfaceNames:
     types: Mapping[str, str]
     constants: frozenset[str] = frozenset()
 
-    def says(self, hint: str, value: str) -> bool:
+    def implies(self, hint: str, value: str) -> bool:
         """True if a hint adds nothing."""
         return value == _LOCAL and hint.removeprefix(HINT).lower() in self.constants
 
@@ -238,7 +238,7 @@ class _Writer:
         self.position = end
 
     def _take(self, parent: XmlNode) -> Token | Comment:
-        """The next item; the blanks before it are written."""
+        """Return the next item; the blanks before it are written."""
         item = self.items[self.index]
         self._blanks(parent, item.span[0])
         self.index += 1
@@ -363,7 +363,7 @@ class _Writer:
                     break
 
     def _call(self, parent: XmlNode, start: int, scope: str, path: str) -> None:
-        """The call of an instance, or of a block of the user by its name."""
+        """Write the call of an instance, or of a block of the user by its name."""
         is_block = scope == "GlobalVariable" and "." not in path
         user_type = self.types.get(path.lower(), "").startswith('"')
         is_instance = is_block and self.hints.get(CALL + path) == "FB"

@@ -1,4 +1,4 @@
-"""The connections of a GRAPH sequence as records, and which of them S7-GRAPH allows.
+"""Connections of a GRAPH sequence as records, and which of them S7-GRAPH allows.
 
 Where it allows none, steps and transitions are put between. The connections that TIA Portal refuses were found by
 importing into it (V20); nesting follows what its editor can draw.
@@ -19,7 +19,7 @@ _LETTERS = {"StepRef": "S", "TransitionRef": "T", "BranchRef": "B"}
 _NAMES = {letter: name for name, letter in _LETTERS.items()}
 _NODE = re.compile(r"([STB])(-?\d+)(?:\.(-?\d+))?")
 END = "end"
-"""The end of a sequence in the order of connections."""
+"""End of a sequence in the order of connections."""
 
 
 @dataclass(frozen=True)
@@ -151,11 +151,11 @@ class Legaliser:
 
     @property
     def added(self) -> InsertedElements:
-        """The elements inserted so far."""
+        """Elements inserted so far."""
         return InsertedElements(tuple(self._steps), tuple(self._transitions), tuple(self._never))
 
     def links(self, links: Iterable[SequenceLink], dead_ends: Iterable[int]) -> list[SequenceLink]:
-        """The connections that mean the same, as far as S7-GRAPH has such. `dead_ends`: steps that nothing follows."""
+        """Connections that mean the same, as far as S7-GRAPH has such. `dead_ends`: steps that nothing follows."""
         found: list[SequenceLink] = []
         for link in links:
             source, target = kind_of(link.source, self._types), kind_of(link.target, self._types)
@@ -303,18 +303,18 @@ def is_contractible(links: list[SequenceLink], added: frozenset[ElementRef]) -> 
 
 _LAST = 1
 _PAIR = 2
-"""The elements that are inserted: a transition before the end of a sequence, else a step and a transition."""
+"""Elements that are inserted: a transition before the end of a sequence, else a step and a transition."""
 
 
 def kind_of(ref: ElementRef | None, types: Mapping[int, str]) -> str:
-    """The letter of a step or transition, the type of a branch, "" for the end of a sequence."""
+    """Return the letter of a step or transition, the type of a branch, "" for the end of a sequence."""
     if ref is None:
         return ""
     return types.get(ref.number, "?") if ref.kind == "B" else ref.kind
 
 
 def connection_problems(links: list[SequenceLink], types: Mapping[int, str]) -> list[str]:
-    """The connections that S7-GRAPH does not allow, in words."""
+    """Return the connections that S7-GRAPH does not allow, in words."""
     found: list[str] = []
     entered: dict[ElementRef, int] = {}
     left: dict[ElementRef, int] = {}
@@ -334,7 +334,7 @@ def connection_problems(links: list[SequenceLink], types: Mapping[int, str]) -> 
 
 
 _Context = tuple[tuple[int, int], ...]
-"""The simultaneous branches around an element: number and path of each."""
+"""Simultaneous branches around an element: number and path of each."""
 
 
 class _Nesting:
@@ -384,7 +384,7 @@ class _Nesting:
         return found
 
     def _joined(self, ref: ElementRef, contexts: list[_Context]) -> tuple[_Context, str]:
-        """The context behind `ref`, and the problems with it."""
+        """Return the context behind `ref`, and the problems with it."""
         if kind_of(ref, self.types) != "SimEnd":
             same = len(set(contexts)) == 1
             return contexts[0], "" if same else f"paths of different simultaneous branches meet ({ref})"

@@ -41,12 +41,12 @@ BRANCHES = {
 
 @dataclass
 class Topology:
-    """The structure of the sequences of a block; symbols by the elements that they show."""
+    """Structure of the sequences of a block; symbols by the elements that they show."""
 
     symbols: dict[ElementRef, Fields] = field(default_factory=dict)
     jumps: list[Fields] = field(default_factory=list)
     paths: dict[int, list[tuple[int, int]]] = field(default_factory=dict)
-    """The paths of each divergence: index and id of the consumer."""
+    """Paths of each divergence: index and id of the consumer."""
     blocks: list[Fields] = field(default_factory=list)
 
 
@@ -55,7 +55,7 @@ CARDINALITY = "Cardinality"
 
 
 def added_in(element: etree._Element) -> set[ElementRef]:
-    """The steps and transitions of ``Sequence`` that our writer inserted; none if they have been built on."""
+    """Return the steps and transitions of ``Sequence`` that our writer inserted; none if they have been built on."""
     found: set[ElementRef] = set()
     for owner in element.iterfind("{*}Steps/{*}Step"):
         bare = not any(len(row) or row.attrib for row in owner.iterfind("{*}Actions/{*}Action"))
@@ -97,10 +97,10 @@ class TopologyReader:
         self.added: set[ElementRef] = set()
         """Steps and transitions that are none of the chart: see `topology_rules`."""
         self.counts: list[tuple[Fields, int, etree._Element]] = []
-        """The number of paths that the file gives for each branch."""
+        """Number of paths that the file gives for each branch."""
 
     def new_id(self) -> int:
-        """An id that nothing in the chart has."""
+        """Return an id that nothing in the chart has."""
         number: int = self._new_id()  # type: ignore[operator]  # a plain callable
         return number
 
@@ -212,7 +212,7 @@ _STEPS = frozenset({SymbolKind.STEP, SymbolKind.MACRO_STEP})
 
 
 class TopologyWriter:
-    """The branches and connections of a chart."""
+    """Branches and connections of a chart."""
 
     def __init__(self, chart: SfcNetwork, drawing: Drawing, steps: dict[int, int], transitions: dict[int, int]) -> None:
         self.symbols = {symbol.id: symbol for symbol in drawing.symbols}
@@ -241,7 +241,7 @@ class TopologyWriter:
         return numbers
 
     def _paths(self, branch: Symbol) -> dict[int, int]:
-        """The paths of a divergence: in the order of their priority, then as drawn."""
+        """Return the paths of a divergence: in the order of their priority, then as drawn."""
         found: list[tuple[int, int, int, int]] = []
         for place, symbol in enumerate(self.symbols.values()):
             for pin in symbol.inputs:
@@ -257,7 +257,7 @@ class TopologyWriter:
         return {number: index for index, (*_, number) in enumerate(found)}
 
     def branches(self) -> Iterator[tuple[Symbol, dict[str, str]]]:
-        """Every branch with the attributes of its element."""
+        """Yield every branch with the attributes of its element."""
         for symbol in self.symbols.values():
             if symbol.kind in _TYPES:
                 count = str(len(self.paths[symbol.id]) if symbol.id in self.paths else len(symbol.inputs))
@@ -267,13 +267,13 @@ class TopologyWriter:
                 yield symbol, attributes
 
     def types(self) -> dict[int, str]:
-        """The type of each branch by its number."""
+        """Return the type of each branch by its number."""
         return {
             self.numbers[symbol.id]: _TYPES[symbol.kind] for symbol in self.symbols.values() if symbol.kind in _TYPES
         }
 
     def links(self) -> list[SequenceLink]:
-        """Every connection, in the order of the symbols that they lead to."""
+        """Return every connection, in the order of the symbols that they lead to."""
         found: list[SequenceLink] = []
         leaving: set[int] = set()
         for symbol in self.symbols.values():

@@ -35,12 +35,12 @@ TAGS = "PLC tags"
 
 
 def new_document(version: str) -> Project:
-    """A document without objects, of a version of TIA Portal (empty: the usual)."""
+    """Return a document without objects, of a version of TIA Portal (empty: the usual)."""
     return Project(dialect=Dialect.SCL, header=FileHeader(product=PRODUCT, version=version or DEFAULT.name))
 
 
 def standard_folder(thing: ProjectObject) -> str:
-    """The folder for an object that has none yet."""
+    """Return the folder for an object that has none yet."""
     if isinstance(thing, TagTable):
         return TAGS
     return TYPES if isinstance(thing, DataTypeDeclaration) else BLOCKS
@@ -61,7 +61,7 @@ _INFORMATIVE = frozenset(
 
 
 def normalize(data: bytes, style: XmlStyle, *, file: str | None = None) -> bytes:
-    """The document `data` in `style`, without the parts that an import ignores. Normalising it again changes nothing.
+    """Document `data` in `style`, without the parts that an import ignores. Normalising it again changes nothing.
 
     Raises `FormatError` for data that is no document of TIA Portal Openness.
     """
@@ -108,7 +108,7 @@ _KINDS = {
 
 
 def _version(project: Project, options: WriteOptions) -> TiaVersion:
-    """The version to write."""
+    """Return the version to write."""
     given = options.version or (project.header.version if project.header.product == PRODUCT else "")
     return version_like(given) or DEFAULT
 
@@ -150,7 +150,7 @@ class SimaticmlCodec(FolderCodec):
         exchange(project, Markup.SIMATICML, markup_of(project))
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
-        """The lines of the objects in the file `content`, with the variables, steps and transitions of blocks.
+        """Return the lines of the objects in the file `content`, with the variables, steps and transitions of blocks.
 
         They are by the paths that the report gives them.
         """
@@ -177,7 +177,7 @@ class SimaticmlCodec(FolderCodec):
         exchange(project, Markup.SIMATICML, markup_of(project))
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-        """The tree of the document for `project`."""
+        """Return the tree of the document for `project`."""
         version = _version(project, options)
         if markup_of(project) is not Markup.SIMATICML:
             project = project.model_copy(deep=True)
@@ -189,7 +189,7 @@ class SimaticmlCodec(FolderCodec):
         return _STYLE
 
     def normalize(self, data: bytes) -> bytes:
-        """The document without the parts that an import ignores."""
+        """Return the document without the parts that an import ignores."""
         return normalize(data, _STYLE)
 
     def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
@@ -199,11 +199,11 @@ class SimaticmlCodec(FolderCodec):
         return validate(content, file=file)
 
     def standard_folder(self, thing: ProjectObject) -> str:
-        """Where TIA Portal puts an object of this kind."""
+        """Return the folder in which TIA Portal puts an object of this kind."""
         return standard_folder(thing)
 
     def new_document(self, version: str) -> Project:
-        """A document of TIA Portal without objects."""
+        """Return a document of TIA Portal without objects."""
         return new_document(version)
 
     def added_objects(self, project: Project) -> Sequence[ProjectObject]:

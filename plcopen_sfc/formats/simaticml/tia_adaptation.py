@@ -78,7 +78,7 @@ def _shift_logic(chart: SfcNetwork) -> None:
 
 
 def _wires(thing: Any) -> Iterator[Connection]:
-    """All wires in an element of a network, a condition or a symbol."""
+    """Yield all wires in an element of a network, a condition or a symbol."""
     if isinstance(thing, Connection):
         yield thing
     elif isinstance(thing, Model):
@@ -121,7 +121,7 @@ def _mark_constants(project: Project) -> None:
 
 
 def user_constants(project: Project) -> list[str]:
-    """The names of the user constants that enumerations and constant global variables become."""
+    """Return the names of the user constants that enumerations and constant global variables become."""
     tables = tag_tables_of(project)
     names = [each.name for each in s7_types(project).constants]
     return [*names, *(constant.name for table in tables for constant in table.constants)]
@@ -136,7 +136,7 @@ def mark_constants(thing: StBody | LogicNetwork, text: str, names: Iterable[str]
 
 
 def network_text(network: LogicNetwork) -> str:
-    """The texts of a network, one after the other."""
+    """Return the texts of a network, one after the other."""
     return str(network.model_dump(include={"nodes"}))
 
 
@@ -193,7 +193,7 @@ def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: Convers
 
 
 def _connected(chart: SfcNetwork) -> list[list[int]]:
-    """The steps that are connected with each other, each group in the order of the chart."""
+    """Return the steps that are connected with each other, each group in the order of the chart."""
     group = {step.id: step.id for step in chart.steps}
 
     def root(step: int) -> int:

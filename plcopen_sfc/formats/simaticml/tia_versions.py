@@ -1,4 +1,4 @@
-"""The versions of TIA Portal, and which schema versions each of them writes.
+"""Versions of TIA Portal, and which schema versions each of them writes.
 
 Sources: the schemas that TIA Portal installs (each lists its includes), and exports of V14 SP1 to V21.
 """
@@ -13,7 +13,7 @@ NAMESPACE = "http://www.siemens.com/automation/Openness/SW/"
 _VERSIONED = re.compile(re.escape(NAMESPACE) + r"(?:NetworkSource/)?(\w+)/v(\d+)")
 _NEUTRAL = re.compile(r"urn:simaticml:(\w+)")
 LANGUAGES = ("Graph", "FlgNet", "StructuredText", "StatementList")
-"""The roots of programs; their namespaces are below ``NetworkSource``."""
+"""Roots of programs; their namespaces are below ``NetworkSource``."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class TiaVersion:
     statement_list: int
 
     def schema(self, kind: str) -> int:
-        """The number of the schema of `kind`: ``Interface``, or one of `LANGUAGES`."""
+        """Return the number of the schema of `kind`: ``Interface``, or one of `LANGUAGES`."""
         return {
             "Interface": self.interface,
             "Graph": self.graph,
@@ -54,20 +54,20 @@ schema of the version. The first schema of SCL shares that of V15: V14 SP1 has n
 """
 
 SCHEMAS = {kind: frozenset(v.schema(kind) for v in VERSIONS) - {0} for kind in ("Interface", *LANGUAGES)}
-"""The numbers of the schemas of each kind. There is no version 3 of GRAPH, and no version 1 of interfaces."""
+"""Numbers of the schemas of each kind. There is no version 3 of GRAPH, and no version 1 of interfaces."""
 
 DEFAULT = VERSIONS[-2]
-"""The version to write if none is given: V20, which V20 and everything newer imports."""
+"""Version to write if none is given: V20, which V20 and everything newer imports."""
 
 
 def version_named(name: str) -> TiaVersion | None:
-    """The version of this name, as ``Engineering/@version`` spells it."""
+    """Return the version of this name, as ``Engineering/@version`` spells it."""
     return next((version for version in VERSIONS if version.name == name), None)
 
 
 @lru_cache(maxsize=256)
 def version_like(name: str) -> TiaVersion | None:
-    """The version of this name; one that came later, or between two that are known, is as the one before it.
+    """Return the version of this name; one that came later, or between two that are known, is as the one before it.
 
     None for a name that is no version of TIA Portal, and for those before V14 SP1, whose format was another.
     """
@@ -85,12 +85,12 @@ def _place_in_time(name: str) -> tuple[int, int, int] | None:
 
 
 def first_with(kind: str, number: int) -> TiaVersion | None:
-    """The first version that has schema `number` of `kind`, or a later one."""
+    """Return the first version that has schema `number` of `kind`, or a later one."""
     return next((version for version in VERSIONS if version.schema(kind) >= number), None)
 
 
 def namespace(kind: str, number: int) -> str:
-    """The namespace of `kind` in schema version `number`."""
+    """Return the namespace of `kind` in schema version `number`."""
     below = "NetworkSource/" if kind in LANGUAGES else ""
     return f"{NAMESPACE}{below}{kind}/v{number}"
 
@@ -107,5 +107,5 @@ def neutral(markup: str) -> str:
 
 
 def concrete(markup: str, schemas: dict[str, int]) -> str:
-    """The reverse of `neutral`; `schemas` are the numbers to write."""
+    """Return the reverse of `neutral`; `schemas` are the numbers to write."""
     return _NEUTRAL.sub(lambda found: namespace(found[1], schemas.get(found[1], 1)), markup)
