@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from plcopen_sfc.languages.binding import BoundText, texts_in
+from plcopen_sfc.languages.binding.text_sites import Role, TextKind
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.pieces import Reading, Role
 from plcopen_sfc.languages.networks.graph import wires_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
@@ -149,7 +149,7 @@ class _TimeRead:
 
 def _reads_of_times(text: BoundText) -> Iterator[_TimeRead]:
     """The reads of times in a text, each as often as it is there; all its names where it cannot be read."""
-    if text.piece.reading is Reading.FOREIGN:
+    if text.text_site.reading is TextKind.FOREIGN:
         return
     for tree in _trees(text):
         compared: set[int] = set()
@@ -174,7 +174,7 @@ def _last_name(node: n.Expression) -> str:
 def _trees(text: BoundText) -> Iterator[n.Expression | n.Statement]:
     """The trees of a text, and those of the edges and times of IEC 60848 in a condition (``3s/X5``)."""
     terms = TermTexts()
-    read = terms.read(text.piece.text) if isinstance(text.piece.holder, Expression) else ""
+    read = terms.read(text.text_site.text) if isinstance(text.text_site.holder, Expression) else ""
     if not terms.edges and not terms.timers:
         yield from text.trees
         return

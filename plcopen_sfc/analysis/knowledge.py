@@ -6,11 +6,11 @@ import re
 
 from plcopen_sfc.analysis.formulas import Domain, Knowledge, ValueKind
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.languages.names.declarations import Declaration, Kind, inside
-from plcopen_sfc.languages.names.pieces import Site
-from plcopen_sfc.languages.names.references import named
-from plcopen_sfc.languages.names.resolving import Resolver
-from plcopen_sfc.languages.names.uses import dialect_of
+from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.name_sites import named
+from plcopen_sfc.languages.binding.name_uses import dialect_of
+from plcopen_sfc.languages.binding.symbols import Declaration, Kind, inside
+from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES, TIME_RANGES, LiteralKind, LiteralValue, literal_value

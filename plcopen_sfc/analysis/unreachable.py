@@ -16,7 +16,7 @@ from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import names_in, texts_in
-from plcopen_sfc.languages.names.declarations import inside
+from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.networks.values import inverted
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, walk

@@ -21,11 +21,11 @@ from plcopen_sfc.conversion.parts import PROGRAM_CALL, UNDECLARED, Part, duratio
 from plcopen_sfc.conversion.start_values import StartValues
 from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.formats.task_schedules import schedule_of
+from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.binding.name_uses import Occurrence
+from plcopen_sfc.languages.binding.text_sites import Role, text_sites
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
-from plcopen_sfc.languages.names import Names
-from plcopen_sfc.languages.names.pieces import Role, pieces
-from plcopen_sfc.languages.names.uses import Occurrence
 from plcopen_sfc.languages.networks.graph import without_places
 from plcopen_sfc.languages.s7_globals import is_retained
 from plcopen_sfc.languages.st import nodes as n
@@ -105,7 +105,7 @@ class _Reader:
         for pou in self.project.pous:
             self._pou(pou)
         add_kept(self.whole, self.project, self.addresses)
-        drawn = [piece.text for piece in pieces(self.project) if isinstance(piece.holder, Block)]
+        drawn = [text_site.text for text_site in text_sites(self.project) if isinstance(text_site.holder, Block)]
         self.whole.boxes = frozenset(map(plain_name, drawn))
         names = Names(self.project)
         self._calls_of_programs(names)
@@ -113,7 +113,7 @@ class _Reader:
             name = occurrence.reference.name
             if name.casefold() in _RESULTS | self.global_names or standard_block(name) is not None:
                 continue
-            part = self.whole.add(UNDECLARED, name, occurrence.piece.report_path)
+            part = self.whole.add(UNDECLARED, name, occurrence.text_site.report_path)
             part.tell("name", Meaning.of(name))
             part.is_called = _is_call(occurrence)
         return self.whole
@@ -123,11 +123,11 @@ class _Reader:
         programs = {pou.name.casefold(): pou for pou in self.project.pous if pou.kind is PouKind.PROGRAM}
         found: set[tuple[str, str]] = set()
         for occurrence in names.occurrences(*programs) if programs and self._is_of_codesys else ():
-            declaration, caller = occurrence.meaning.declaration, occurrence.piece.site.pou
+            declaration, caller = occurrence.meaning.declaration, occurrence.text_site.site.pou
             program = programs[occurrence.reference.name.casefold()]
-            place = (occurrence.piece.report_path, program.name)
+            place = (occurrence.text_site.report_path, program.name)
             is_named = declaration is not None and declaration.holder is program and caller not in (None, program)
-            if is_named and place not in found and not isinstance(occurrence.piece.holder, ForeignData):
+            if is_named and place not in found and not isinstance(occurrence.text_site.holder, ForeignData):
                 found.add(place)
                 part = self.whole.add(PROGRAM_CALL, " ".join(place), f"{place[0]} / {PROGRAM_CALL} {program.name}")
                 part.tell("program", Meaning.of(program.name.casefold(), program.name))
@@ -406,5 +406,5 @@ def _values(project: Project, sections: Iterable[VariableSection]) -> dict[str, 
 
 def _is_call(occurrence: Occurrence) -> bool:
     """True for the name of a function or a block, where it is called."""
-    holder = occurrence.piece.holder
+    holder = occurrence.text_site.holder
     return occurrence.reference.role is Role.ACTION and not isinstance(holder, ActionAssociation | Step)

@@ -13,11 +13,11 @@ from plcopen_sfc.conversion.meaning import Meaning
 from plcopen_sfc.conversion.parts import UNDECLARED_TYPE, Part
 from plcopen_sfc.formats.codesys import codesys_names as codesys
 from plcopen_sfc.formats.iectext.text_source import unwrapped
+from plcopen_sfc.languages.binding.text_sites import Role, TextSite, text_sites
 from plcopen_sfc.languages.declarations.inheritance import inheritance
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.declarations.names import is_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.pieces import Piece, Role, pieces
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.families import family
 from plcopen_sfc.model.base import Carried, ForeignData
@@ -98,15 +98,15 @@ def add_kept(whole: Part, project: Project, tool: Dialect) -> None:
                 name = named.group(1)
                 part = whole.add("property", f"{pou.name}.{name}", f"{pou.report_path} / property {name}")
                 part.tell("code", Meaning.of(" ".join(text.split()).casefold(), "its text"))
-    types: dict[str, Piece] = {}
-    for piece in pieces(project):
-        if isinstance(piece.holder, ForeignData):
-            _add_data(whole, piece, tool)
-        elif piece.role is Role.TYPE and isinstance(piece.holder, DerivedType | Block | DataBlock):
-            types.setdefault(piece.text.replace('"', ""), piece)
+    types: dict[str, TextSite] = {}
+    for text_site in text_sites(project):
+        if isinstance(text_site.holder, ForeignData):
+            _add_data(whole, text_site, tool)
+        elif text_site.role is Role.TYPE and isinstance(text_site.holder, DerivedType | Block | DataBlock):
+            types.setdefault(text_site.text.replace('"', ""), text_site)
     declared = {thing.name.casefold() for thing in (*project.pous, *project.data_types)}
     declared |= {name.rpartition(".")[2].casefold() for _, name in chain.from_iterable(texts)}
-    used = [(name, piece.report_path) for name, piece in types.items()]
+    used = [(name, text_site.report_path) for name, text_site in types.items()]
     for name, path in (*used, *_bases(project)):
         if name.rpartition(".")[2].casefold() not in declared and not _has(project.dialect, name):
             declared.add(name.rpartition(".")[2].casefold())
@@ -131,9 +131,9 @@ def _bases(project: Project) -> Iterator[tuple[str, str]]:
             yield name, pou.report_path
 
 
-def _add_data(whole: Part, piece: Piece, tool: Dialect) -> None:
+def _add_data(whole: Part, text_site: TextSite, tool: Dialect) -> None:
     """Add data of CODESYS that the model only carries, where it is executed."""
-    data: ForeignData = piece.holder
+    data: ForeignData = text_site.holder
     kind = data.name.removeprefix(codesys.PREFIX)
     if kind == data.name or family(tool) is not Dialect.CODESYS:
         return
@@ -141,7 +141,7 @@ def _add_data(whole: Part, piece: Piece, tool: Dialect) -> None:
         return
     named = _NAME.search(data.content)
     label = f"{kind} {named[1]}" if named is not None else kind
-    path = f"{piece.report_path} / {label}" if piece.report_path else label
+    path = f"{text_site.report_path} / {label}" if text_site.report_path else label
     whole.add("property" if kind == "property" else "data of the tool", path, path).tell(
         "code", Meaning.of(data.content)
     )

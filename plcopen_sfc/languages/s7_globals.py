@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import groupby
 
+from plcopen_sfc.languages.binding import Kind, Names
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names import Kind, Names
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.languages.translation.addresses import translated_address
 from plcopen_sfc.model.base import Carried, ForeignData
@@ -137,7 +137,7 @@ def called_actions(project: Project) -> frozenset[int]:
     found: set[int] = set()
     for each in Names(project).occurrences(*(action.name for action in actions)) if actions else ():
         declaration = each.meaning.declaration
-        if isinstance(each.piece.holder, Carried | ForeignData | TreeNode):
+        if isinstance(each.text_site.holder, Carried | ForeignData | TreeNode):
             continue
         if declaration is not None and declaration.kind is Kind.ACTION:
             found.add(id(declaration.holder))

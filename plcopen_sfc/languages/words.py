@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
 from plcopen_sfc.model.types import Elementary
 
@@ -49,3 +50,21 @@ def is_plain(name: str) -> bool:
 def needs_quotes(name: str) -> bool:
     """Whether a name stands in quotes in SCL wherever it is used."""
     return not is_plain(name) or name.upper() in TRANSLATED_KEYWORDS
+
+
+def objection(name: str, dialect: Dialect) -> str:
+    """Why `name` cannot be a name in `dialect` (IEC 61131-3 ed. 3, 6.1.2); empty if it can.
+
+    Letters of any alphabet are taken, as tools do. In SCL a name can be anything, in quotes; it is given without.
+    """
+    if dialect is Dialect.SCL:
+        printable = bool(name.strip()) and name.isprintable() and '"' not in name
+        return "" if printable else "a name has no quotes and no control characters in it"
+    if not is_plain(name):
+        return "a name consists of letters, digits and underscores, and starts with no digit"
+    if name.upper() in IEC_KEYWORDS:
+        return "it is a keyword"
+    if "__" in name or name.endswith("_"):
+        # tools take them, the standard does not: those that exist already stay as they are
+        return "" if dialect is not Dialect.IEC else "underscores stand alone and not at the end of a name"
+    return ""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from plcopen_sfc.languages.names.declarations import Declaration, Kind
-from plcopen_sfc.languages.names.uses import Names, Occurrence
+from plcopen_sfc.languages.binding.name_uses import Names, Occurrence
+from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 
 
 def visible_clashes(names: Names, declaration: Declaration, uses: Sequence[Occurrence], new: str) -> Iterator[str]:
@@ -14,7 +14,7 @@ def visible_clashes(names: Names, declaration: Declaration, uses: Sequence[Occur
     beside = list(_beside(names, declaration, new))
     yield from (f"there is a {other} already" for other in beside)
     for use in uses if not beside else ():
-        meaning = names.resolver.meaning(replace(use.reference, name=new), use.piece)
+        meaning = names.resolver.meaning(replace(use.reference, name=new), use.text_site)
         candidates = (meaning.declaration,) if meaning.declaration is not None else meaning.candidates or ()
         for other in candidates:
             if other != declaration and not _is_hidden(declaration, other):

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.binding.symbols import inside
+from plcopen_sfc.languages.binding.text_sites import Site, TextKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
-from plcopen_sfc.languages.names.declarations import inside
-from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
 from plcopen_sfc.languages.s7_globals import blocks_of_variables
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.st import parse_condition, parse_statements
@@ -73,22 +73,24 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
         if pou.kind is PouKind.FUNCTION
     }
     globals_ = _Globals(s7_types(project), frozenset(_global_names(project)), functions, blocks_of_variables(project))
-    texts = [piece for piece in pieces(project) if piece.is_program_text and not _names_a_step(piece)]
+    texts = [
+        text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
+    ]
     renames = kept_names(project) if target is Dialect.SCL else _names_of_results(project, source, target)
     while True:  # a later text may need a name that an earlier one has used
         known = len(renames)
-        results = [_translated(piece, target, renames, project, globals_) for piece in texts]
+        results = [_translated(text_site, target, renames, project, globals_) for text_site in texts]
         if len(renames) == known:
             break
     found: list[TranslatedText] = []
-    for piece, result in zip(texts, results, strict=True):
-        changed = result.text != piece.text
+    for text_site, result in zip(texts, results, strict=True):
+        changed = result.text != text_site.text
         if changed:
-            piece.put(result.text)
-        found.append(TranslatedText(piece.report_path, changed, result.notes))
-    for piece in pieces(project):
-        if piece.reading is Reading.DECLARATIONS and not isinstance(piece.key, int):
-            setattr(piece.holder, piece.key, None)
+            text_site.put(result.text)
+        found.append(TranslatedText(text_site.report_path, changed, result.notes))
+    for text_site in text_sites(project):
+        if text_site.reading is TextKind.DECLARATIONS and not isinstance(text_site.key, int):
+            setattr(text_site.holder, text_site.key, None)
     found += _rename_steps(project, renames, target)
     _rename_declarations(project, renames, target)
     if Dialect.SCL in (source, target) and source is not target:
@@ -129,14 +131,16 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     """
     known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {})
     found: list[TranslatedText] = []
-    for piece in [piece for piece in pieces(project) if piece.is_program_text and not _names_a_step(piece)]:
-        if family(target) is Dialect.CODESYS and "**" not in piece.text:
+    for text_site in [
+        text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
+    ]:
+        if family(target) is Dialect.CODESYS and "**" not in text_site.text:
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
-        result = _translated(piece, target, Renames(), project, known)
+        result = _translated(text_site, target, Renames(), project, known)
         is_lost = any(note.severity is not Severity.INFO for note in result.notes)
-        if is_lost or is_foreign(piece.text, piece.reading is Reading.STATEMENTS, project.dialect, target):
-            found.append(TranslatedText(piece.report_path, result.text != piece.text, result.notes))
-            piece.put(result.text)
+        if is_lost or is_foreign(text_site.text, text_site.reading is TextKind.STATEMENTS, project.dialect, target):
+            found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
+            text_site.put(result.text)
     return found
 
 
@@ -154,10 +158,10 @@ def _names_of_results(project: Project, source: Dialect, target: Dialect) -> Ren
     return Renames([*renames, *results])
 
 
-def _names_a_step(piece: Piece) -> bool:
+def _names_a_step(text_site: TextSite) -> bool:
     """Whether a text is the bare name of a step: the target of ON and OFF (S7-GRAPH)."""
-    holder = piece.holder
-    is_target = isinstance(holder, ActionAssociation) and piece.key == "target"
+    holder = text_site.holder
+    is_target = isinstance(holder, ActionAssociation) and text_site.key == "target"
     return is_target and holder.qualifier in (Qualifier.ON, Qualifier.OFF)
 
 
@@ -179,32 +183,34 @@ class _Globals:
     blocks: dict[str, str]
 
 
-def _translated(piece: Piece, target: Dialect, renames: Renames, project: Project, known: _Globals) -> Translated:
+def _translated(
+    text_site: TextSite, target: Dialect, renames: Renames, project: Project, known: _Globals
+) -> Translated:
     source = project.dialect
-    names = _locals(piece.site)
+    names = _locals(text_site.site)
     context = TranslationContext(
         locals=names,
-        types=_types(piece.site),
+        types=_types(text_site.site),
         enumerations=[d.name for d in project.data_types if isinstance(d.type, EnumType)],
         renames=renames,
-        steps=_steps(piece.site, source, target, renames, names),
+        steps=_steps(text_site.site, source, target, renames, names),
         s7_types=known.types,
         hidden=known.names,
-        actions=_parts_of(piece.site.pou),
+        actions=_parts_of(text_site.site.pou),
         functions=known.functions,
         blocks=known.blocks,
     )
-    if piece.site.transition is not None and (body := piece.text.rstrip()).endswith(";"):
+    if text_site.site.transition is not None and (body := text_site.text.rstrip()).endswith(";"):
         expression = parse_condition(body[:-1], source)  # ``Ready;`` would be a call among statements
         if not expression.problems:
             found = translate(expression, target, context)
             return replace(found, text=f"{found.text};")
-    if piece.reading is Reading.STATEMENTS:
-        statements = parse_statements(piece.text, source)
+    if text_site.reading is TextKind.STATEMENTS:
+        statements = parse_statements(text_site.text, source)
         # the body of a transition may be a condition
-        condition = parse_condition(piece.text, source) if statements.problems else None
+        condition = parse_condition(text_site.text, source) if statements.problems else None
         return translate(statements if condition is None or condition.problems else condition, target, context)
-    return translate(parse_condition(piece.text, source), target, context)
+    return translate(parse_condition(text_site.text, source), target, context)
 
 
 def _parts_of(pou: Pou | None) -> list[str]:

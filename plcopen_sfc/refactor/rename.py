@@ -6,21 +6,21 @@ as it is and is listed.
 
 from __future__ import annotations
 
+import html
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from plcopen_sfc.errors import Location, ModelError, check_argument
+from plcopen_sfc.languages.binding.name_sites import Reference
+from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, Use, the_one
+from plcopen_sfc.languages.binding.symbols import Declaration, Kind
+from plcopen_sfc.languages.binding.text_sites import Role, TextKind, TextSite
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
-from plcopen_sfc.languages.names.declarations import Declaration, Kind
-from plcopen_sfc.languages.names.markup import edit_markup, edit_tokens, is_tokens
-from plcopen_sfc.languages.names.pieces import Piece, Reading, Role
-from plcopen_sfc.languages.names.references import Reference
-from plcopen_sfc.languages.names.uses import Names, Occurrence, Use, the_one
-from plcopen_sfc.languages.names.words import objection
 from plcopen_sfc.languages.st.nodes import Quoting
-from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -171,30 +171,81 @@ class _Change:
 
 def _by_piece(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
     """The occurrences of each text, in the order of the text."""
-    pieces: dict[tuple[int, str | int], list[Occurrence]] = {}
+    text_sites: dict[tuple[int, str | int], list[Occurrence]] = {}
     for occurrence in found:
-        pieces.setdefault((id(occurrence.piece.holder), occurrence.piece.key), []).append(occurrence)
-    return [sorted(own, key=lambda occurrence: occurrence.reference.span) for own in pieces.values()]
+        text_sites.setdefault((id(occurrence.text_site.holder), occurrence.text_site.key), []).append(occurrence)
+    return [sorted(own, key=lambda occurrence: occurrence.reference.span) for own in text_sites.values()]
 
 
 def _text_changes(found: list[Occurrence], declaration: Declaration, new: str, dialect: Dialect) -> Iterator[_Change]:
     """The changes of a text in which `found` are all places that have the old name."""
-    piece = found[0].piece
+    text_site = found[0].text_site
     edits = [
-        Edit(*o.reference.span, _spelt(new, o.reference, piece, dialect)) for o in found if o.refers_to(declaration)
+        Edit(*o.reference.span, _spelt(new, o.reference, text_site, dialect)) for o in found if o.refers_to(declaration)
     ]
-    yield _Change(piece.holder, piece.key, piece.text, apply_edits(piece.text, edits))
-    markup: str | None = getattr(piece.holder, "markup", None)
+    yield _Change(text_site.holder, text_site.key, text_site.text, apply_edits(text_site.text, edits))
+    markup: str | None = getattr(text_site.holder, "markup", None)
     if markup is not None and is_tokens(markup):
         names = [new if occurrence.refers_to(declaration) else None for occurrence in found]
-        yield _Change(piece.holder, "markup", markup, edit_tokens(markup, declaration.name, names))
+        yield _Change(text_site.holder, "markup", markup, edit_tokens(markup, declaration.name, names))
     elif markup is not None:
-        yield _Change(piece.holder, "markup", markup, edit_markup(markup, piece.text, edits))
+        yield _Change(text_site.holder, "markup", markup, edit_markup(markup, text_site.text, edits))
 
 
-def _spelt(new: str, reference: Reference, piece: Piece, dialect: Dialect) -> str:
+def _spelt(new: str, reference: Reference, text_site: TextSite, dialect: Dialect) -> str:
     """The new name as it is written in a place: in SCL some need quotes, where it stands in program text."""
-    alone = piece.reading is Reading.NAME or reference.role is Role.TYPE
+    alone = text_site.reading is TextKind.NAME or reference.role is Role.TYPE
     if dialect is not Dialect.SCL or alone or reference.quoting in (Quoting.GLOBAL, Quoting.LOCAL_QUOTED):
         return new
     return f'"{new}"' if needs_quotes(new) else new
+
+
+_MARKUP = re.compile(
+    r"<!\[CDATA\[(?P<raw>.*?)\]\]>|<!--.*?-->|<[^>]*>|(?P<reference>&[^;]*;)|(?P<plain>[^<&])", re.DOTALL
+)
+
+
+def edit_markup(markup: str, text: str, edits: Iterable[Edit]) -> str | None:
+    """`markup` with the edits of `text`, which is what a person reads of it; None if it is not.
+
+    Blanks at both ends do not count. An edit that reaches over a tag goes to what stands before it.
+    """
+    characters: list[str] = []
+    places: list[tuple[int, int]] = []
+    for found in _MARKUP.finditer(markup):
+        if found["raw"] is not None:
+            characters += found["raw"]
+            places += [(i, i + 1) for i in range(*found.span("raw"))]
+        elif found["reference"] is not None or found["plain"] is not None:
+            character = html.unescape(found.group())
+            characters += character
+            places += [found.span()] * len(character)
+    shown = "".join(characters)
+    if shown.strip() != text.strip():
+        return None
+    shift = len(shown) - len(shown.lstrip()) - (len(text) - len(text.lstrip()))
+    moved = [Edit(places[start + shift][0], places[end + shift - 1][1], new) for start, end, new in edits]
+    return apply_edits(markup, moved)
+
+
+def edit_tokens(markup: str, name: str, new: list[str | None]) -> str | None:
+    """The ``StructuredText`` of TIA Portal with another name at some of the places that have `name`.
+
+    `new` has an item for each place of the text that has it, in their order: None where it stays. Gives None if the
+    tokens do not have as many.
+    """
+    places = [found for found in _NAME.finditer(markup) if html.unescape(found[1]).casefold() == name.casefold()]
+    if len(places) != len(new):
+        return None
+    edits = [
+        Edit(*place.span(1), html.escape(text)) for place, text in zip(places, new, strict=True) if text is not None
+    ]
+    return apply_edits(markup, edits)
+
+
+_NAME = re.compile(r'<(?!BooleanAttribute)\w+\b[^<>]*?\bName="([^"]*)"')
+
+
+def is_tokens(markup: str) -> bool:
+    """Whether a markup is the ``StructuredText`` of TIA Portal."""
+    return markup.lstrip().startswith("<StructuredText")

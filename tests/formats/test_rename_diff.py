@@ -11,7 +11,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.drawing import fits
-from plcopen_sfc.languages.names import Use
+from plcopen_sfc.languages.binding import Use
 from plcopen_sfc.model import (
     ActionAssociation,
     BodyCondition,

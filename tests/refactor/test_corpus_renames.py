@@ -12,13 +12,13 @@ import pytest
 import plcopen_sfc as sfc
 import plcopen_sfc.model as m
 from plcopen_sfc.errors import FormatError
-from plcopen_sfc.languages.names import Declaration, Kind, Names
-from plcopen_sfc.languages.names.pieces import NAMELESS, NAMING
+from plcopen_sfc.languages.binding import Declaration, Kind, Names
+from plcopen_sfc.languages.binding.text_sites import NAMELESS, NAMING
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.refactor.rename import RenameResult, rename
 from tests.corpus import corpus_files
 from tests.formats.simaticml.documents import real_documents
-from tests.languages.names.projects import meanings
+from tests.languages.binding.projects import meanings
 from tests.samples import ALL_PARAMS, NEW, label, lines_of, real_files
 from tests.sweeps import in_turn, some_of
 
@@ -126,8 +126,8 @@ def assert_only_lines_that_name_it(before: bytes, after: bytes, old: str, note: 
         if 'rewritten"' in line or 'added"' in line:  # a digest of what was written, which names the step
             continue
         assert NEW in new, note
-        pieces = re.split(re.escape(old), line, flags=re.IGNORECASE)
-        wanted = f"(?:{re.escape(old)}|{NEW})".join(re.escape(piece) for piece in pieces)
+        text_sites = re.split(re.escape(old), line, flags=re.IGNORECASE)
+        wanted = f"(?:{re.escape(old)}|{NEW})".join(re.escape(text_site) for text_site in text_sites)
         assert re.fullmatch(wanted, new, re.IGNORECASE), (note, line, new)
 
 
@@ -147,7 +147,7 @@ def assert_nothing_is_left(made: m.Project, old: str, result: RenameResult, note
         meaning = occurrence.meaning
         assert meaning.declaration is None or meaning.declaration.name != NEW, note
         doubts += meaning.doubt != "" and meaning.candidates is None
-        place = (id(occurrence.piece.holder), occurrence.piece.key)
+        place = (id(occurrence.text_site.holder), occurrence.text_site.key)
         explained[place] = explained.get(place, 0) + 1
     assert doubts <= len(result.undecided), note
     if old.isdigit():  # a member of TIA Portal, which numbers in the text are not

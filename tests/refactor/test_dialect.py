@@ -9,7 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.names.pieces import pieces
+from plcopen_sfc.languages.binding.text_sites import text_sites
 from plcopen_sfc.model import (
     ActionAssociation,
     Dialect,
@@ -50,7 +50,7 @@ def test_locals_get_their_sign_and_globals_their_quotes() -> None:
     project = mixer(Dialect.CODESYS, "Valve := Ready AND Start; // opens", "Valve", "Ready")
     translate_project(project, Dialect.SCL)
     assert project.dialect is Dialect.SCL
-    assert [piece.text for piece in pieces(project) if piece.is_program_text] == [
+    assert [text_site.text for text_site in text_sites(project) if text_site.is_program_text] == [
         '#Valve := #Ready AND "Start"; // opens',
         '#Fill.T > T#5s AND "Ready"',
     ]
@@ -84,7 +84,7 @@ def test_a_block_of_the_project_that_is_called_like_a_timer_stays_what_it_is() -
 def test_names_that_only_scl_can_write_are_renamed_where_they_are_declared_too() -> None:
     project = mixer(Dialect.SCL, '#"Füll stand" := TRUE;', "Füll stand")
     found = translate_project(project, Dialect.IEC)
-    (body, *_) = [piece.text for piece in pieces(project) if piece.is_program_text]
+    (body, *_) = [text_site.text for text_site in text_sites(project) if text_site.is_program_text]
     interface = project.pou("Mixer").interface
     assert interface is not None
     name = interface.variables()[0].name
@@ -96,7 +96,7 @@ def test_names_that_only_scl_can_write_are_renamed_where_they_are_declared_too()
 def test_what_does_not_parse_stays_and_is_noted() -> None:
     project = mixer(Dialect.CODESYS, "Valve := ;", "Valve")
     found = translate_project(project, Dialect.SCL)
-    assert next(pieces(project)).text == "Valve := ;"
+    assert next(text_sites(project)).text == "Valve := ;"
     (note,) = found[0].notes
     assert note.severity is Severity.ERROR
     assert not found[0].changed
@@ -116,14 +116,14 @@ def test_real_projects_go_to_scl_and_back(path: Path) -> None:
     except sfc.FormatError:
         pytest.skip("not a project")
     dialect = project.dialect
-    before = [(piece.path, piece.text) for piece in pieces(project) if piece.is_program_text]
+    before = [(text_site.path, text_site.text) for text_site in text_sites(project) if text_site.is_program_text]
     unread = [
         text.path
         for text in translate_project(project, Dialect.SCL)
         if any(n.severity is Severity.ERROR and "no actions" not in n.reason for n in text.notes)
     ]
     translate_project(project, dialect)
-    after = [(piece.path, piece.text) for piece in pieces(project) if piece.is_program_text]
+    after = [(text_site.path, text_site.text) for text_site in text_sites(project) if text_site.is_program_text]
     # a STRING without a length has 80 characters in CODESYS; SCL has to say so, and it stays said
     said = len([text for path, text in after if path.endswith(" / length") and text == "80"])
     after = [(path, text) for path, text in after if not (path.endswith(" / length") and text == "80")]

@@ -12,7 +12,7 @@ import plcopen_sfc
 import plcopen_sfc.model as m
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.refactor.rename import rename
-from tests.languages.names.projects import block, chart, enum, global_list, interface, pou, project, sfc, struct
+from tests.languages.binding.projects import block, chart, enum, global_list, interface, pou, project, sfc, struct
 from tests.samples import FIXTURES
 
 

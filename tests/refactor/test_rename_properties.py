@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, given, settings
 
 import plcopen_sfc.model as m
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.languages.names import Names
+from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.refactor.rename import rename
-from tests.languages.names.projects import chart, enum, interface, meanings, struct
+from tests.languages.binding.projects import chart, enum, interface, meanings, struct
 from tests.strategies import maybe, unique
 from tests.strategies import projects as odd_projects
 
@@ -145,7 +145,7 @@ def test_looking_for_uses_changes_nothing(made: m.Project) -> None:
     for declaration in names.declarations():
         for occurrence in names.uses(declaration):
             start, end = occurrence.reference.span
-            assert occurrence.piece.text[start:end].casefold() == declaration.name.casefold()
+            assert occurrence.text_site.text[start:end].casefold() == declaration.name.casefold()
             assert occurrence.use.line >= 1
     assert made == before
 

@@ -9,9 +9,9 @@ from functools import cached_property
 from plcopen_sfc.analysis.exclusivity import Truth, truth
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
 from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.binding.name_scopes import charts_inside
+from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.scopes import charts_inside
-from plcopen_sfc.languages.names.uses import dialect_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk

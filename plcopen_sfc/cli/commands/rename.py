@@ -8,7 +8,7 @@ from plcopen_sfc.api import load, save
 from plcopen_sfc.cli.diff import difference
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.folder_projects import edited_files
-from plcopen_sfc.languages.names import Use
+from plcopen_sfc.languages.binding import Use
 from plcopen_sfc.refactor.rename import RenameResult
 from plcopen_sfc.report import LOSSES, ConversionReport, Outcome
 

@@ -11,8 +11,8 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from plcopen_sfc.formats.matiec.matiec_names import matiec_name
+from plcopen_sfc.languages.binding.text_sites import TextKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations.kept import kept
-from plcopen_sfc.languages.names.pieces import Piece, Reading, pieces
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform, walk
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -222,9 +222,9 @@ def declare_globals(project: Project, report: ConversionReport) -> None:
     globals_ = _Globals(sections)
     if not globals_.by_name:
         return
-    for piece in list(pieces(project)):
-        if piece.is_program_text and piece.site.pou is not None:
-            _use(piece, globals_, project)
+    for text_site in list(text_sites(project)):
+        if text_site.is_program_text and text_site.site.pou is not None:
+            _use(text_site, globals_, project)
     for pou in project.pous:
         added = globals_.used.get(pou.name, {})
         if added and pou.kind is not PouKind.FUNCTION:
@@ -271,19 +271,19 @@ class _Resolver:
         return node
 
 
-def _use(piece: Piece, globals_: _Globals, project: Project) -> None:
-    pou = piece.site.pou
+def _use(text_site: TextSite, globals_: _Globals, project: Project) -> None:
+    pou = text_site.site.pou
     if pou is None:
         return
     own = frozenset(v.name.casefold() for v in pou.variables()) | frozenset(_steps(pou))
     used = globals_.used.setdefault(pou.name, {})
-    read = parse_statements if piece.reading is Reading.STATEMENTS else parse_expression
-    parsed = read(piece.text, project.dialect)
+    read = parse_statements if text_site.reading is TextKind.STATEMENTS else parse_expression
+    parsed = read(text_site.text, project.dialect)
     if parsed.problems:
         return
     tree = transform(parsed.tree, _Resolver(globals_, own, used))
     if tree is not parsed.tree:
-        piece.put(render(parsed, tree))
+        text_site.put(render(parsed, tree))
     for node in walk(tree):
         if isinstance(node, n.Name) and node.identifier.casefold() in globals_.by_name.keys() - own:
             used[node.identifier.casefold()] = None

@@ -12,7 +12,7 @@ from itertools import chain, count
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.matiec.matiec_pou import UNDECLARED_PREFIX
-from plcopen_sfc.languages.names import Names
+from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.words import IEC_KEYWORDS
 from plcopen_sfc.model.pou import PouKind
@@ -177,4 +177,4 @@ def _names(project: Project) -> Iterator[tuple[str, str]]:
     for occurrence in Names(project).undeclared():
         name = occurrence.reference.name
         if not is_of_library(name) and name.upper() not in Elementary.__members__:  # BOOL#TRUE
-            yield name, occurrence.piece.report_path
+            yield name, occurrence.text_site.report_path

@@ -13,11 +13,11 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 
+from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.text_sites import TextKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.il import CALLS
-from plcopen_sfc.languages.names.pieces import Piece, Reading, pieces
-from plcopen_sfc.languages.names.resolving import Resolver
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
@@ -145,25 +145,25 @@ def plain_comment(text: str) -> str:
 def fit_expressions(project: Project, report: ConversionReport) -> None:
     """Write what matiec spells otherwise in all texts of a project, and report what it has no words for."""
     resolver = Resolver(project, project.dialect)
-    for piece in list(pieces(project)):
-        if not piece.is_program_text:
+    for text_site in list(text_sites(project)):
+        if not text_site.is_program_text:
             continue
-        parsed = (parse_statements if piece.reading is Reading.STATEMENTS else parse_expression)(
-            piece.text, project.dialect
+        parsed = (parse_statements if text_site.reading is TextKind.STATEMENTS else parse_expression)(
+            text_site.text, project.dialect
         )
         if parsed.problems:
             continue
-        fitter = _ExpressionFitter(piece, resolver)
+        fitter = _ExpressionFitter(text_site, resolver)
         tree = transform(parsed.tree, fitter)
         if tree is not parsed.tree:
-            piece.put(render(parsed, tree))
+            text_site.put(render(parsed, tree))
         for what, why in dict.fromkeys(fitter.missing):
-            report.add(Outcome.NOT_EXECUTED, what, piece.report_path, f"{why}; the text does not compile there")
+            report.add(Outcome.NOT_EXECUTED, what, text_site.report_path, f"{why}; the text does not compile there")
 
 
 class _ExpressionFitter:
-    def __init__(self, piece: Piece, resolver: Resolver) -> None:
-        self.piece = piece
+    def __init__(self, text_site: TextSite, resolver: Resolver) -> None:
+        self.text_site = text_site
         self.resolver = resolver
         self.missing: list[tuple[str, str]] = []
         self.converter = OperandConverter(self._type, self.missing)
@@ -185,7 +185,7 @@ class _ExpressionFitter:
 
     def _literal(self, node: n.Literal) -> n.Node:
         text = node.text
-        if _LONG.match(text) and not isinstance(self.piece.holder, SimpleValue):  # its type is reported
+        if _LONG.match(text) and not isinstance(self.text_site.holder, SimpleValue):  # its type is reported
             self.missing.append(("literal", f"matiec has no {text}"))
         if text.startswith("'"):
             text = _LINE_FEED.sub(lambda found: "$0A" if found[1] in "Ll" else found[0], text)  # its C code is wrong
@@ -214,7 +214,7 @@ class _ExpressionFitter:
     def _type(self, value: n.Expression) -> str:
         if isinstance(value, n.Literal):
             return "REAL" if REAL_LITERAL.fullmatch(value.text) else "DINT" if value.text.isdigit() else ""
-        found = self.resolver.type_of(value, self.piece.site)
+        found = self.resolver.type_of(value, self.text_site.site)
         return found.name.value if isinstance(found, ElementaryType) else ""
 
 

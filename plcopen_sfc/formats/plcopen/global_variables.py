@@ -18,9 +18,9 @@ from dataclasses import dataclass, field
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import ADDED_FIELD, TEXTS_FIELD, SourceMarks, added_section, digest
+from plcopen_sfc.languages.binding.text_sites import Site, TextKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
 from plcopen_sfc.languages.s7_globals import is_retained
 from plcopen_sfc.languages.s7_results import is_void
 from plcopen_sfc.languages.st import nodes as n
@@ -370,14 +370,14 @@ class _Unqualifier:
         drawn = [body for body in bodies if isinstance(body, FbdBody | LdBody)]
         before = {id(body): body.model_dump(mode="json", exclude_none=True)["networks"] for body in drawn}
         texts = {id(body): body.text for body in bodies if isinstance(body, StBody)}
-        for piece in list(pieces(self._project)):
-            is_text = piece.is_program_text or piece.reading is Reading.INSTRUCTIONS
-            if not is_text or not self._mentions(piece.text):
+        for text_site in list(text_sites(self._project)):
+            is_text = text_site.is_program_text or text_site.reading is TextKind.INSTRUCTIONS
+            if not is_text or not self._mentions(text_site.text):
                 continue
-            if piece.language == "declaration" or piece.reading is Reading.INSTRUCTIONS:
-                self.left.append(piece.report_path)
-            elif (new := self._unqualified(piece)) != piece.text:
-                piece.put(new)
+            if text_site.language == "declaration" or text_site.reading is TextKind.INSTRUCTIONS:
+                self.left.append(text_site.report_path)
+            elif (new := self._unqualified(text_site)) != text_site.text:
+                text_site.put(new)
         for body in bodies:
             if isinstance(body, StBody) and body.text != texts[id(body)]:
                 kept = {"text": [texts[id(body)], digest(body.text)]}
@@ -390,8 +390,8 @@ class _Unqualifier:
         folded = text.casefold()
         return any(f"{name}." in folded for name in self._members)
 
-    def _unqualified(self, piece: Piece) -> str:
-        hidden = self._names_in(piece.site)
+    def _unqualified(self, text_site: TextSite) -> str:
+        hidden = self._names_in(text_site.site)
 
         def change(node: n.Node) -> n.Node:
             if not isinstance(node, n.Member) or not isinstance(node.base, n.Name):
@@ -400,16 +400,16 @@ class _Unqualifier:
             if member not in self._members.get(name, ()) or name in hidden:
                 return node
             if member in hidden or member in self._objects:
-                self.hidden.append((piece.report_path, print_node(node)))
+                self.hidden.append((text_site.report_path, print_node(node)))
                 return node
             return node.name
 
-        if piece.reading is Reading.STATEMENTS:
-            statements = parse_statements(piece.text, Dialect.CODESYS)
+        if text_site.reading is TextKind.STATEMENTS:
+            statements = parse_statements(text_site.text, Dialect.CODESYS)
             if not statements.problems:
                 return render(statements, transform(statements.tree, change))
-        condition = parse_condition(piece.text, Dialect.CODESYS)
-        return piece.text if condition.problems else render(condition, transform(condition.tree, change))
+        condition = parse_condition(text_site.text, Dialect.CODESYS)
+        return text_site.text if condition.problems else render(condition, transform(condition.tree, change))
 
     def _names_in(self, site: Site) -> set[str]:
         """The names that hide global ones."""

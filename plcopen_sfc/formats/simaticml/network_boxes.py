@@ -13,8 +13,8 @@ from typing import Any
 
 from plcopen_sfc.formats.simaticml.added_elements import RETURN
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
+from plcopen_sfc.languages.binding.text_sites import TextKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.pieces import Piece, Reading, pieces
 from plcopen_sfc.languages.networks.graph import wires_of
 from plcopen_sfc.languages.s7_results import RESULT
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_statements, render, transform, walk
@@ -101,10 +101,10 @@ def put_operands(project: Project, report: ConversionReport) -> None:
     """Make variables of the instances of flip-flops, and boxes with an instance of edges that have one."""
     own = {pou.name.upper() for pou in project.pous}
     flip_flops, edges = _FLIP_FLOPS - own, _EDGES - own
-    texts: dict[int, list[Piece]] = {}
-    for piece in pieces(project) if any(_instances(pou, flip_flops) for pou in project.pous) else ():
-        if piece.is_program_text and piece.site.pou is not None:
-            texts.setdefault(id(piece.site.pou), []).append(piece)
+    texts: dict[int, list[TextSite]] = {}
+    for text_site in text_sites(project) if any(_instances(pou, flip_flops) for pou in project.pous) else ():
+        if text_site.is_program_text and text_site.site.pou is not None:
+            texts.setdefault(id(text_site.site.pou), []).append(text_site)
     for pou in project.pous:
         _put_flip_flops(project, pou, _instances(pou, flip_flops), texts.get(id(pou), []), report)
     for _, _, body in project.bodies():
@@ -119,22 +119,24 @@ def _put_flip_flops(
     project: Project,
     pou: Pou,
     instances: Mapping[str, Variable],
-    texts: list[Piece],
+    texts: list[TextSite],
     report: ConversionReport,
 ) -> None:
     if not instances:
         return
-    texts = [piece for piece in texts if not (isinstance(piece.holder, Block) and piece.key == "instance")]
-    parsed = [(piece, _parsed(piece, project.dialect)) for piece in texts]
+    texts = [
+        text_site for text_site in texts if not (isinstance(text_site.holder, Block) and text_site.key == "instance")
+    ]
+    parsed = [(text_site, _parsed(text_site, project.dialect)) for text_site in texts]
     kept = {name for _, found in parsed for name in _otherwise_used(found.tree, instances)}
     for name in sorted(kept):
         why = "TIA Portal has no such function block, and the text uses it otherwise than a box could"
         report.add(Outcome.APPROXIMATED, "instance", f"POU {pou.name} / {instances[name].name}", why)
     changed = {name: variable for name, variable in instances.items() if name not in kept}
-    for piece, found in parsed:
+    for text_site, found in parsed:
         new = render(found, transform(found.tree, lambda node: _value(node, changed)))
-        if new != piece.text:
-            piece.put(new)
+        if new != text_site.text:
+            text_site.put(new)
     for _, owner, body in project.bodies():
         for block in _blocks(body) if owner is pou else ():
             if _name(block.instance) in changed:
@@ -161,10 +163,10 @@ def _name(instance: str | None) -> str:
     return (instance or "").removeprefix("#").strip('"').casefold()
 
 
-def _parsed(piece: Piece, dialect: Dialect) -> Parsed[Any]:
-    if piece.reading is Reading.STATEMENTS:
-        return parse_statements(piece.text, dialect)
-    return parse_condition(piece.text, dialect)
+def _parsed(text_site: TextSite, dialect: Dialect) -> Parsed[Any]:
+    if text_site.reading is TextKind.STATEMENTS:
+        return parse_statements(text_site.text, dialect)
+    return parse_condition(text_site.text, dialect)
 
 
 def _value(node: n.Node, instances: Mapping[str, Variable]) -> n.Node:

@@ -2,22 +2,40 @@
 
 `bind` gives the view of a body that checks, analysis and lowering ask: its statements, its name sites
 (`BoundBody.uses`), what it reads, writes and calls (`BoundBody.effects`), and what of it is not known. `texts_in` gives
-the texts of any other object of the model.
+the texts of any other object of the model. `Names` tells what a project declares and where it is used.
+
+`text_sites` has the places of the model that hold text, `name_sites` and `declaration_sites` the names in them;
+`symbols` are declarations, `name_scopes` where they are visible, `name_resolution` which of them a name means.
 """
 
-from plcopen_sfc.languages.binding.bodies import BoundBody, Unknown, bind, called_actions
-from plcopen_sfc.languages.binding.texts import BoundText, is_named_elsewhere, names_in, texts_in
+from plcopen_sfc.languages.binding.bound_bodies import (
+    BoundBody,
+    BoundText,
+    Unknown,
+    bind,
+    called_actions,
+    is_named_elsewhere,
+    names_in,
+    texts_in,
+)
+from plcopen_sfc.languages.binding.name_uses import Names, Use, find_uses
+from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path
 
 __all__ = [
     "ANYTHING",
     "BoundBody",
     "BoundText",
+    "Declaration",
     "Effects",
+    "Kind",
+    "Names",
     "Path",
     "Unknown",
+    "Use",
     "bind",
     "called_actions",
+    "find_uses",
     "is_named_elsewhere",
     "names_in",
     "texts_in",

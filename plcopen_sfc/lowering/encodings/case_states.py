@@ -15,11 +15,11 @@ from typing import NamedTuple
 from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.words import objection
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.languages.words import objection
 from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, equal, is_constant
 from plcopen_sfc.lowering.code.code_bodies import comment_lines
 from plcopen_sfc.lowering.code.code_declarations import Naming, integer

@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.binding.name_uses import Names
+from plcopen_sfc.languages.binding.symbols import Declaration
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.declarations import Declaration
-from plcopen_sfc.languages.names.uses import Names
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes
@@ -56,7 +56,7 @@ def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> t
     found: dict[Asked, None] = {}
     declarations: dict[int, Declaration] = {}
     for occurrence in names.occurrences(*steps):
-        if occurrence.piece.site.pou is pou:
+        if occurrence.text_site.site.pou is pou:
             continue
         step = steps[occurrence.reference.name.casefold()]
         if step.index not in declarations:

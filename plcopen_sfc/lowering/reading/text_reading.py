@@ -8,11 +8,11 @@ from functools import cached_property
 from typing import NamedTuple, NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.binding.name_resolution import Resolver, Untyped
+from plcopen_sfc.languages.binding.name_sites import named
+from plcopen_sfc.languages.binding.symbols import Kind
+from plcopen_sfc.languages.binding.text_sites import Role, Site
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.declarations import Kind
-from plcopen_sfc.languages.names.pieces import Role, Site
-from plcopen_sfc.languages.names.references import named
-from plcopen_sfc.languages.names.resolving import Resolver, Untyped
 from plcopen_sfc.languages.networks import (
     Helper,
     NetworkExpression,

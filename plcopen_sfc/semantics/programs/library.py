@@ -7,9 +7,9 @@ from itertools import product
 from typing import Any, Protocol, TypeGuard
 
 from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.languages.binding.name_scopes import Scopes, namespace_place, variables_in
+from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level
-from plcopen_sfc.languages.names.scopes import Scopes, namespace_place, variables_in
 from plcopen_sfc.model import types as m
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project, Tag

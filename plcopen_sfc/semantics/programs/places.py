@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.names.declarations import Level
+from plcopen_sfc.languages.binding.symbols import Level
 from plcopen_sfc.semantics.programs.code import Code, ranged
 from plcopen_sfc.semantics.programs.layouts import Direction, Field
 from plcopen_sfc.semantics.programs.linking import free_token

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import Location, SimulationError
-from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level
-from plcopen_sfc.languages.names.pieces import Role
-from plcopen_sfc.languages.names.resolving import preferred
+from plcopen_sfc.languages.binding.name_resolution import preferred
+from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level
+from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.nodes import Quoting

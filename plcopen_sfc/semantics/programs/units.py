@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, SimulationError
+from plcopen_sfc.languages.binding.symbols import Kind
 from plcopen_sfc.languages.declarations.kept import kept
-from plcopen_sfc.languages.names.declarations import Kind
 from plcopen_sfc.model import types as m
 from plcopen_sfc.model.body import Body, OpaqueBody, SfcBody
 from plcopen_sfc.model.pou import Method, Pou, PouKind

@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.languages.names import Kind, Names
+from plcopen_sfc.languages.binding import Kind, Names
 from plcopen_sfc.model.dialect import Dialect
 
 POUS = """
@@ -42,7 +42,7 @@ def test_a_name_is_the_same_thing_for_all(text: str, name: str, kind: Kind, valu
     first = next(
         found.meaning.declaration
         for found in Names(made).occurrences(name)
-        if found.piece.site.pou is main and found.piece.language == "ST" and found.reference.base is None
+        if found.text_site.site.pou is main and found.text_site.language == "ST" and found.reference.base is None
     )
     assert first is not None
     assert first.kind is kind

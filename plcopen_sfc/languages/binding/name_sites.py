@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il import CALLS, JUMPS, instructions
-from plcopen_sfc.languages.names.pieces import Piece, Reading, Role
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
@@ -41,30 +41,8 @@ class Reference:
     within: tuple[str, ...] = ()
 
 
-def references(piece: Piece, dialect: Dialect) -> Iterator[Reference]:
-    """Every name in the text of a piece."""
-    text = piece.text
-    if piece.reading is Reading.STATEMENTS:
-        yield from _in_statements(text, dialect)
-    elif piece.reading is Reading.EXPRESSION:
-        yield from _in_expression(text, piece.role, dialect)
-    elif piece.reading is Reading.INSTRUCTIONS:
-        yield from _in_instructions(text, dialect)
-    elif piece.reading is Reading.DECLARATIONS:
-        from plcopen_sfc.languages.names.declared import in_declarations  # noqa: PLC0415  # stands on this module
-
-        yield from in_declarations(text, dialect)
-    elif piece.reading is Reading.REPEATED:
-        from plcopen_sfc.languages.names.repeated import in_repeated_list  # noqa: PLC0415  # stands on this module
-
-        yield from in_repeated_list(text, dialect)
-    elif piece.reading is Reading.NAME:
-        yield Reference(text, (0, len(text)), piece.role)
-    else:
-        yield from unread(text, 0, "it stands in data that only another tool reads")
-
-
-def _in_statements(text: str, dialect: Dialect) -> Iterator[Reference]:
+def in_statements(text: str, dialect: Dialect) -> Iterator[Reference]:
+    """Yield every name in statements, or in the condition that the body of a transition may be."""
     parsed = parse_statements(text, dialect)
     condition = parse_condition(text, dialect) if parsed.problems else None  # of a transition, with nothing around it
     yield from in_tree(condition.tree if condition is not None and not condition.problems else parsed.tree, dialect)
@@ -170,7 +148,8 @@ def _in_literal(literal: n.Literal) -> Iterator[Reference]:
     yield named(n.Name(found[2], span=(start + found.start(2), start + found.end(2))), base=type_)
 
 
-def _in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference]:
+def in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference]:
+    """Yield every name in an expression; `role` is that of the last name of a path."""
     if _DURATION.fullmatch(text):
         return
     if role is Role.TYPE and dialect is Dialect.SCL:  # a name with any characters in it
@@ -188,7 +167,8 @@ _DURATION = re.compile(r"\s*(?:P[\dDT.]+[\dHMS.]*|[\d.]+ *(?:d|h|m|s|ms|us|ns))\
 """Durations that are no literals of the language: ``PT0.02S`` of CODESYS exports, ``10s``."""
 
 
-def _in_instructions(text: str, dialect: Dialect) -> Iterator[Reference]:
+def in_instructions(text: str, dialect: Dialect) -> Iterator[Reference]:
+    """Yield every name in instruction list, but for labels."""
     for instruction in instructions(text, dialect):
         if instruction.is_function:
             yield Reference(instruction.operator, instruction.operator_span, Role.ACTION)

@@ -6,8 +6,8 @@ import pytest
 
 import plcopen_sfc.model as m
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.languages.names import Names, find_uses
-from tests.languages.names.projects import (
+from plcopen_sfc.languages.binding import Names, find_uses
+from tests.languages.binding.projects import (
     block,
     chart,
     enum,

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc.model as m
+from plcopen_sfc.languages.binding import find_uses
 from plcopen_sfc.languages.edits import Edit
 from plcopen_sfc.languages.il import instructions
-from plcopen_sfc.languages.names import find_uses
-from plcopen_sfc.languages.names.markup import edit_markup
-from tests.languages.names.projects import block, interface, pou, project, struct
+from plcopen_sfc.refactor.rename import edit_markup
+from tests.languages.binding.projects import block, interface, pou, project, struct
 
 
 def pin(name: str, *sources: tuple[int, str | None], expression: str | None = None) -> m.BlockVariable:

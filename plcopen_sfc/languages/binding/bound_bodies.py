@@ -1,4 +1,4 @@
-"""Bodies of every language as their names tell: trees, name sites, effects, and what is not known of them."""
+"""Bodies and other texts as their names tell: trees, name sites, effects, and what is not known of them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from functools import cached_property, partial
 from typing import Any
 from weakref import ref
 
-from plcopen_sfc.languages.binding.charts import ChartTexts
-from plcopen_sfc.languages.binding.instructions import instruction_trees
+from plcopen_sfc.languages.binding.name_scopes import charts_inside
+from plcopen_sfc.languages.binding.name_sites import Reference
+from plcopen_sfc.languages.binding.name_uses import Names, references
+from plcopen_sfc.languages.binding.symbols import Declaration, Kind
+from plcopen_sfc.languages.binding.text_sites import TextKind, TextSite, text_sites_in
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.il import instructions
-from plcopen_sfc.languages.names.pieces import pieces_in
-from plcopen_sfc.languages.names.references import Reference, references
-from plcopen_sfc.languages.names.scopes import charts_inside
-from plcopen_sfc.languages.networks import Helper, body_statements
+from plcopen_sfc.languages.il import CALLS, JUMPS, STORING, instructions
+from plcopen_sfc.languages.networks import Helper, body_statements, chart_statements, condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements, walk
 from plcopen_sfc.languages.st.effects import Effects, calls, effects, path_of
@@ -25,6 +25,8 @@ from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBod
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +69,7 @@ class BoundBody:
     @cached_property
     def uses(self) -> tuple[Reference, ...]:
         """The name sites of the body, those in text that cannot be read too; none is in a comment or a string."""
-        return tuple(each for piece in pieces_in(self.body) for each in references(piece, self.dialect))
+        return tuple(each for text_site in text_sites_in(self.body) for each in references(text_site, self.dialect))
 
     @cached_property
     def effects(self) -> Effects:
@@ -167,3 +169,128 @@ def called_actions(body: Body | None, pou: Pou, dialect: Dialect) -> set[str]:
     called = {path[-1] for path in bound.effects.calls if len(path) == 1 or path[-2] in own}
     called |= {each.name.casefold() for each in bound.uses if each.unread}
     return called & {action.name.casefold() for action in pou.actions}
+
+
+_RESULT = n.Literal("0")
+
+
+def instruction_trees(text: str, dialect: Dialect) -> list[n.Expression | n.Statement]:
+    """Return a tree for each operand: what writes it, calls it or reads it. Values that are written are not known."""
+    trees: list[n.Expression | n.Statement] = []
+    for instruction in instructions(text, dialect):
+        operator = instruction.operator.upper()
+        operands = [operand.parsed.tree for operand in instruction.operands]
+        if operator in STORING:
+            trees += [n.Assignment(operand, _RESULT) for operand in operands]
+        elif operator in CALLS:
+            trees += [n.CallStatement(operand) for operand in operands]
+        elif instruction.is_function:
+            trees.append(n.Call(n.Name(instruction.operator), tuple(n.Argument(operand) for operand in operands)))
+        elif operator not in JUMPS:
+            trees += operands
+    return trees
+
+
+class ChartTexts:
+    """The texts of one chart, without those of the charts in it.
+
+    `trees` are its expressions and statements in no order, `bodies` the actions that are programmed in place.
+    `acting` is what naming something as an action does: it is written, or called.
+    """
+
+    def __init__(self, chart: SfcNetwork, dialect: Dialect) -> None:
+        self.chart = chart
+        self._dialect = dialect
+        self.trees: list[n.Expression | n.Statement] = []
+        self.bodies: list[Body] = []
+        self.unknown: list[str] = []
+        self.helpers: list[Helper] = []
+        self.acting = Effects()
+        logic = chart_statements(chart, dialect)
+        self.trees += logic.tree.statements
+        self.unknown += [problem.message for problem in logic.obstacles]
+        self.helpers += logic.helpers
+        self._conditions(chart)
+        self._actions(chart)
+
+    def _conditions(self, chart: SfcNetwork) -> None:
+        read = condition_reader(chart, self._dialect)
+        supervised = [each for step in chart.steps for each in (step.interlock, step.supervision) if each is not None]
+        conditions = [each.condition for each in chart.transitions]
+        conditions += [each.condition for _, each in chart.associations()] + [each.condition for each in supervised]
+        for condition in conditions:
+            if condition is not None:
+                found = read(condition)
+                self.trees += found.before if found.tree is None else (*found.before, found.tree)
+                self.unknown += [problem.message for problem in found.obstacles]
+                self.helpers += found.helpers
+
+    def _actions(self, chart: SfcNetwork) -> None:
+        for step in chart.steps:
+            for action in (step.entry_action, step.main_action, step.exit_action):
+                self._action(action)
+            self._values(step.min_time, step.max_time, step.warning_time)
+            if step.macro is not None and step.macro.body is not None and not isinstance(step.macro.body, SfcBody):
+                self.bodies.append(step.macro.body)
+        for _, association in chart.associations():
+            self._action(association.target)
+            self._action(association.body)
+            self._values(association.value, association.duration)
+            self._action(association.indicator)
+        for operation in (*chart.permanent_pre, *chart.permanent_post):
+            self._action(operation.body)
+
+    def _action(self, action: str | Body | None) -> None:
+        if isinstance(action, str) and action:
+            tree = parse_expression(action, self._dialect).tree
+            self.trees.append(tree)
+            acting = Effects(writes=frozenset({path_of(tree)}), calls=calls(n.CallStatement(tree)))
+            self.acting = Effects.all([self.acting, acting])
+        elif action is not None and not isinstance(action, str):
+            self.bodies.append(action)
+
+    def _values(self, *texts: str | None) -> None:
+        self.trees += [parse_expression(text, self._dialect).tree for text in texts if text]
+
+
+@dataclass(frozen=True)
+class BoundText:
+    """A text of the model."""
+
+    text_site: TextSite
+    dialect: Dialect
+
+    @cached_property
+    def trees(self) -> Sequence[n.Expression | n.Statement]:
+        """The expressions and statements of a program text; what cannot be read is `Unreadable` among them."""
+        text_site = self.text_site
+        if isinstance(text_site.holder, StBody | IlBody):
+            return bind(text_site.holder, self.dialect).trees
+        if text_site.reading is TextKind.STATEMENTS:
+            return parse_statements(text_site.text, self.dialect).tree.statements
+        return (parse_condition(text_site.text, self.dialect).tree,) if text_site.reading is TextKind.EXPRESSION else ()
+
+    @cached_property
+    def uses(self) -> Sequence[Reference]:
+        """The name sites of the text."""
+        return tuple(references(self.text_site, self.dialect))
+
+
+def texts_in(thing: Model, dialect: Dialect) -> Iterator[BoundText]:
+    """Yield every text in an object of the model that may name something."""
+    return (BoundText(text_site, dialect) for text_site in text_sites_in(thing))
+
+
+def names_in(thing: Model, dialect: Dialect) -> set[str]:
+    """Return the names (lower case) in the texts of an object of the model."""
+    return {use.name.casefold() for text in texts_in(thing, dialect) for use in text.uses}
+
+
+def is_named_elsewhere(pou: Pou, project: Project) -> bool:
+    """True if the text of another POU names this one, or may do so: ``Main.x``."""
+    declared = Declaration(Kind.POU, pou.name, (pou,))
+    return any(
+        (found.refers_to(declared) or found.may_refer_to(declared))
+        for found in Names(project).occurrences(pou.name)
+        if found.text_site.site.pou is not None and found.text_site.site.pou.name != pou.name
+    )

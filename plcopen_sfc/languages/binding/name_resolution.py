@@ -6,13 +6,19 @@ from collections.abc import Iterator, Sequence
 from enum import Enum
 from typing import Any
 
+from plcopen_sfc.languages.binding.name_scopes import (
+    Scopes,
+    declared_name,
+    head_of,
+    namespace_place,
+    object_of,
+    step_of,
+    variables_in,
+)
+from plcopen_sfc.languages.binding.name_sites import Reference, named
+from plcopen_sfc.languages.binding.symbols import NOTHING, Declaration, Kind, Level, Meaning, Named
+from plcopen_sfc.languages.binding.text_sites import Role, Site, TextSite, ValueOf
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names import placed
-from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level, Named
-from plcopen_sfc.languages.names.meaning import NOTHING, Meaning
-from plcopen_sfc.languages.names.pieces import Piece, Role, Site, ValueOf
-from plcopen_sfc.languages.names.references import Reference, named
-from plcopen_sfc.languages.names.scopes import Scopes, namespace_place, variables_in
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.nodes import Quoting
@@ -48,23 +54,23 @@ class Resolver:
         self.dialect = dialect
         self.scopes = Scopes(project)
 
-    def meaning(self, reference: Reference, piece: Piece) -> Meaning:
-        """What a name in a piece refers to."""
-        site = piece.site
+    def meaning(self, reference: Reference, text_site: TextSite) -> Meaning:
+        """What a name in a text site refers to."""
+        site = text_site.site
         if reference.unread:
             return Meaning(doubt=reference.unread)
         if reference.role is Role.PARAMETER:
-            return self._parameter_of_block(piece.owner, reference.name, site)
+            return self._parameter_of_block(text_site.owner, reference.name, site)
         if reference.role is Role.MEMBER:
-            return self._member_of_value(piece.owner, reference.name, site)
+            return self._member_of_value(text_site.owner, reference.name, site)
         if reference.role is Role.STEP:
-            return placed.step_of(self.scopes, piece.owner, reference.name, site)
+            return step_of(self.scopes, text_site.owner, reference.name, site)
         if reference.role is Role.OBJECT:
-            return placed.object_of(self.scopes, piece.owner)
+            return object_of(self.scopes, text_site.owner)
         if reference.role is Role.HEAD:
-            return placed.head_of(self.scopes, piece)
+            return head_of(self.scopes, text_site)
         if reference.declares:
-            own = placed.declared(self.scopes, reference, piece).declaration
+            own = declared_name(self.scopes, reference, text_site).declaration
             return Meaning(self.original(own)) if own is not None else NOTHING
         if reference.base is not None:
             return self.member(self.type_of(reference.base, site, reference.name), reference.name)
@@ -72,30 +78,30 @@ class Resolver:
             return self._parameter(self._callable(reference.callee, site), reference.name)
         meaning = self.lookup(reference, site)
         if meaning.declaration is None or meaning.declaration.kind is Kind.ENUM_VALUE:
-            return self._expected(reference, piece) or meaning
+            return self._expected(reference, text_site) or meaning
         return meaning
 
-    def _expected(self, reference: Reference, piece: Piece) -> Meaning | None:
+    def _expected(self, reference: Reference, text_site: TextSite) -> Meaning | None:
         """The value of the enumeration that is expected where the name stands."""
         if reference.expected is not None:
-            type_ = self.type_of(reference.expected, piece.site)
-        elif isinstance(piece.owner, ValueOf) and not reference.access:
-            type_ = self._type_of_value(piece.owner, piece.site)
+            type_ = self.type_of(reference.expected, text_site.site)
+        elif isinstance(text_site.owner, ValueOf) and not reference.access:
+            type_ = self._type_of_value(text_site.owner, text_site.site)
         else:
             return None
         level = self.scopes.enumeration(type_) if isinstance(type_, t.EnumType) else type_
         values = level.named(reference.name) if isinstance(level, Level) else ()
         return next((Meaning(value) for value in values if value.kind is Kind.ENUM_VALUE), None)
 
-    def levels(self, reference: Reference, piece: Piece) -> Sequence[Level]:
-        """The scopes in which a name in a piece is looked for, the first one first; () where that is not known."""
-        site = piece.site
+    def levels(self, reference: Reference, text_site: TextSite) -> Sequence[Level]:
+        """The scopes in which a name in a text site is looked for, the first one first; () where that is not known."""
+        site = text_site.site
         if reference.unread or reference.declares or reference.role in (Role.STEP, Role.OBJECT, Role.HEAD):
             return ()
         if reference.role is Role.PARAMETER:
-            return self._parameters(self._called_by_block(piece.owner, site))
+            return self._parameters(self._called_by_block(text_site.owner, site))
         if reference.role is Role.MEMBER:
-            return self._members(self._type_of_value(piece.owner, site))
+            return self._members(self._type_of_value(text_site.owner, site))
         if reference.base is not None:
             return self._members(self.type_of(reference.base, site, reference.name))
         if reference.callee is not None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any, get_args
 
 import plcopen_sfc.model
-from plcopen_sfc.languages.names.pieces import NAMELESS, NAMING
+from plcopen_sfc.languages.binding.text_sites import NAMELESS, NAMING
 from plcopen_sfc.model.base import Model
 
 EVERYWHERE = frozenset({"comment", "global_id", "object_id", "kind", "language"})

@@ -1,4 +1,4 @@
-"""Every place of a project in which program text can name something.
+"""Text sites: every place of the model in which program text can name something.
 
 The walk knows no format and no grammar: a table says of each field of the model how it is read. Fields that are not in
 it hold no names; a test holds that every text of the model is in one of the two tables.
@@ -34,7 +34,7 @@ from plcopen_sfc.model.project import (
 from plcopen_sfc.model.variables import AccessVariable, ConfigVariable, Interface, VariableSection
 
 
-class Reading(StrEnum):
+class TextKind(StrEnum):
     """How a text is read."""
 
     STATEMENTS = "statements"
@@ -49,9 +49,9 @@ class Reading(StrEnum):
 class Role(StrEnum):
     """What a name is used for, where that decides which of several things it means.
 
-    PARAMETER: a parameter of the block `Piece.owner`; MEMBER: a member of the value `Piece.owner`; STEP: a step of the
-    chart `Piece.owner`; OBJECT: the last of the nodes of the project tree `Piece.owner`, which stand in each other;
-    HEAD: what a text of declarations declares as a whole.
+    Where a name belongs to `TextSite.owner`: PARAMETER, of this block; MEMBER, of this value; STEP, of this chart;
+    OBJECT: the last of these nodes of the project tree, each inside the one before. HEAD: what a text of declarations
+    declares as a whole.
     """
 
     VALUE = "value"
@@ -85,7 +85,7 @@ class ValueOf:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Piece:
+class TextSite:
     """A text of the model: field or item `key` of `holder`.
 
     `path` says where it stands, the way a person would; `language` is that of the body or ``declaration``.
@@ -94,7 +94,7 @@ class Piece:
 
     holder: Any
     key: str | int
-    reading: Reading
+    reading: TextKind
     role: Role
     site: Site
     path: str
@@ -105,10 +105,10 @@ class Piece:
     @property
     def is_program_text(self) -> bool:
         """Whether it is an expression or statements, rather than a bare name, a type or the cycle of a task."""
-        if self.reading is Reading.STATEMENTS:
+        if self.reading is TextKind.STATEMENTS:
             return True
         plain = self.key == "type_name" or isinstance(self.holder, Task | TaskSettings)
-        return self.reading is Reading.EXPRESSION and self.role in (Role.VALUE, Role.ACTION) and not plain
+        return self.reading is TextKind.EXPRESSION and self.role in (Role.VALUE, Role.ACTION) and not plain
 
     @property
     def text(self) -> str:
@@ -124,22 +124,22 @@ class Piece:
             setattr(self.holder, self.key, text)
 
 
-_STATEMENTS = (Reading.STATEMENTS, Role.VALUE)
-_EXPRESSION = (Reading.EXPRESSION, Role.VALUE)
-_ACTION = (Reading.EXPRESSION, Role.ACTION)
-_TYPE = (Reading.EXPRESSION, Role.TYPE)
-_DECLARATIONS = (Reading.DECLARATIONS, Role.VALUE)
-_FOREIGN = (Reading.FOREIGN, Role.VALUE)
-_STEP = (Reading.NAME, Role.STEP)
+_STATEMENTS = (TextKind.STATEMENTS, Role.VALUE)
+_EXPRESSION = (TextKind.EXPRESSION, Role.VALUE)
+_ACTION = (TextKind.EXPRESSION, Role.ACTION)
+_TYPE = (TextKind.EXPRESSION, Role.TYPE)
+_DECLARATIONS = (TextKind.DECLARATIONS, Role.VALUE)
+_FOREIGN = (TextKind.FOREIGN, Role.VALUE)
+_STEP = (TextKind.NAME, Role.STEP)
 
-NAMING: dict[type[Model], dict[str, tuple[Reading, Role]]] = {
+NAMING: dict[type[Model], dict[str, tuple[TextKind, Role]]] = {
     b.StBody: {"text": _STATEMENTS},
-    b.IlBody: {"text": (Reading.INSTRUCTIONS, Role.VALUE)},
+    b.IlBody: {"text": (TextKind.INSTRUCTIONS, Role.VALUE)},
     b.OpaqueBody: {"content": _FOREIGN},
     Carried: {"elements": _FOREIGN},
     ForeignData: {"content": _FOREIGN},
     Expression: {"text": _EXPRESSION},
-    NamedCondition: {"name": (Reading.EXPRESSION, Role.TRANSITION)},
+    NamedCondition: {"name": (TextKind.EXPRESSION, Role.TRANSITION)},
     ActionAssociation: {"target": _ACTION, "value": _EXPRESSION, "duration": _EXPRESSION, "indicator": _EXPRESSION},
     s.Step: {
         "entry_action": _ACTION,
@@ -152,9 +152,9 @@ NAMING: dict[type[Model], dict[str, tuple[Reading, Role]]] = {
     s.Enclosure: {"activated_steps": _STEP},
     s.PartialChart: {"entry_step": _STEP, "exit_step": _STEP},
     ForcingOrder: {"steps": _STEP},
-    n.Block: {"type_name": (Reading.EXPRESSION, Role.ACTION), "instance": _EXPRESSION, "code": _STATEMENTS},
-    n.BlockVariable: {"name": (Reading.NAME, Role.PARAMETER)},
-    n.Connection: {"pin": (Reading.NAME, Role.PARAMETER)},
+    n.Block: {"type_name": (TextKind.EXPRESSION, Role.ACTION), "instance": _EXPRESSION, "code": _STATEMENTS},
+    n.BlockVariable: {"name": (TextKind.NAME, Role.PARAMETER)},
+    n.Connection: {"pin": (TextKind.NAME, Role.PARAMETER)},
     n.InputPin: {"expression": _EXPRESSION},
     n.OutputPin: {"expression": _EXPRESSION},
     n.InputVariable: {"expression": _EXPRESSION},
@@ -168,7 +168,7 @@ NAMING: dict[type[Model], dict[str, tuple[Reading, Role]]] = {
     t.EnumValue: {"value": _EXPRESSION},
     t.SimpleValue: {"text": _EXPRESSION},
     t.RepeatedValue: {"repetitions": _EXPRESSION},
-    t.MemberValue: {"member": (Reading.NAME, Role.MEMBER)},
+    t.MemberValue: {"member": (TextKind.NAME, Role.MEMBER)},
     t.DataTypeDeclaration: {"declaration": _DECLARATIONS},
     Interface: {"declaration": _DECLARATIONS},
     VariableSection: {"declaration": _DECLARATIONS},
@@ -179,7 +179,7 @@ NAMING: dict[type[Model], dict[str, tuple[Reading, Role]]] = {
     TaskSettings: {"interval": _EXPRESSION, "event": _EXPRESSION},
     DataBlock: {"type_name": _TYPE},
     PouInstance: {"name": _TYPE, "type_name": _TYPE},
-    TreeNode: {"name": (Reading.NAME, Role.OBJECT)},
+    TreeNode: {"name": (TextKind.NAME, Role.OBJECT)},
 }
 """The fields that hold names, and how they are read."""
 
@@ -250,25 +250,25 @@ def _below_path(path: str, label: str) -> str:
     return f"{path} / {label}" if path else label
 
 
-def pieces(project: Project) -> Iterator[Piece]:
+def text_sites(project: Project) -> Iterator[TextSite]:
     """Every text of `project` that may name something."""
     project.read_all()
     yield from _fields(project, _Where(Site(), "", "project"))
 
 
-def pieces_in(thing: Model) -> Iterator[Piece]:
+def text_sites_in(thing: Model) -> Iterator[TextSite]:
     """Every text in an object of the model that may name something, as if nothing were around it."""
     yield from _walk(thing, _Where(Site(), "", ""))
 
 
-def _walk(thing: Any, where: _Where) -> Iterator[Piece]:
+def _walk(thing: Any, where: _Where) -> Iterator[TextSite]:
     entering = _ENTERING.get(type(thing))
     if entering is not None:
         where = entering(thing, where)
     yield from _fields(thing, where)
 
 
-def _fields(thing: Model, where: _Where) -> Iterator[Piece]:
+def _fields(thing: Model, where: _Where) -> Iterator[TextSite]:
     naming = NAMING.get(type(thing), {})
     if isinstance(thing, LateElement):
         thing.read()
@@ -288,7 +288,7 @@ def _fields(thing: Model, where: _Where) -> Iterator[Piece]:
                     yield from _named(value, index, naming[key], where)
 
 
-def _named(holder: Any, key: str | int, how: tuple[Reading, Role], where: _Where) -> Iterator[Piece]:
+def _named(holder: Any, key: str | int, how: tuple[TextKind, Role], where: _Where) -> Iterator[TextSite]:
     reading, role = how
     owner = where.owner
     if isinstance(holder, n.Connection):
@@ -296,7 +296,7 @@ def _named(holder: Any, key: str | int, how: tuple[Reading, Role], where: _Where
         if not isinstance(owner, n.Block | n.VendorElement):
             return
     elif isinstance(holder, ForeignData) and isinstance(owner, VariableSection) and holder.name.endswith(_PARTS):
-        reading = Reading.REPEATED
+        reading = TextKind.REPEATED
     elif isinstance(holder, PouInstance) and key == "name" and holder.type_name:
         return  # a name of its own
     elif isinstance(holder, TreeNode):
@@ -306,7 +306,7 @@ def _named(holder: Any, key: str | int, how: tuple[Reading, Role], where: _Where
         role = Role.TYPE
     if not isinstance(key, int) and key not in _UNSAID:
         where = where.at(key.replace("_", " "))
-    yield Piece(holder, key, reading, role, where.site, where.path, where.language, owner, where.report_path)
+    yield TextSite(holder, key, reading, role, where.site, where.path, where.language, owner, where.report_path)
 
 
 _PARTS = "/mixedattrsvarlist"

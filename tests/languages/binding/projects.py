@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from plcopen_sfc import model as m
-from plcopen_sfc.languages.names import Names
+from plcopen_sfc.languages.binding import Names
 
 
 def variables(text: str) -> list[m.Variable]:

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.languages.binding.declaration_sites import in_declarations, in_repeated_list
+from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.name_sites import Reference, in_expression, in_instructions, in_statements, unread
+from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level, Meaning
+from plcopen_sfc.languages.binding.text_sites import Role, Site, TextKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level
-from plcopen_sfc.languages.names.meaning import Meaning
-from plcopen_sfc.languages.names.pieces import Piece, Reading, Role, Site, pieces
-from plcopen_sfc.languages.names.references import Reference, references
-from plcopen_sfc.languages.names.resolving import Resolver
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.nodes import Span
 from plcopen_sfc.model.base import Model
@@ -38,22 +38,41 @@ class Use:
         return f"{self.path}:{self.line}:{self.column}: {self.text}"
 
 
+def references(text_site: TextSite, dialect: Dialect) -> Iterator[Reference]:
+    """Every name in the text of a text site."""
+    text = text_site.text
+    if text_site.reading is TextKind.STATEMENTS:
+        yield from in_statements(text, dialect)
+    elif text_site.reading is TextKind.EXPRESSION:
+        yield from in_expression(text, text_site.role, dialect)
+    elif text_site.reading is TextKind.INSTRUCTIONS:
+        yield from in_instructions(text, dialect)
+    elif text_site.reading is TextKind.DECLARATIONS:
+        yield from in_declarations(text, dialect)
+    elif text_site.reading is TextKind.REPEATED:
+        yield from in_repeated_list(text, dialect)
+    elif text_site.reading is TextKind.NAME:
+        yield Reference(text, (0, len(text)), text_site.role)
+    else:
+        yield from unread(text, 0, "it stands in data that only another tool reads")
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Occurrence:
     """A name in a text of the project, and what it means there."""
 
-    piece: Piece
+    text_site: TextSite
     reference: Reference
     meaning: Meaning
 
     @property
     def use(self) -> Use:
         """The place, for people."""
-        text, start = self.piece.text, self.reference.span[0]
+        text, start = self.text_site.text, self.reference.span[0]
         line, column = Lines(text).place(start)
         return Use(
-            self.piece.path,
-            self.piece.language,
+            self.text_site.path,
+            self.text_site.language,
             self.reference.span,
             line,
             column,
@@ -73,7 +92,7 @@ class Occurrence:
             return declaration in meaning.candidates
         if self.reference.callee is not None:
             return declaration.kind in (Kind.VARIABLE, Kind.MEMBER)
-        return declaration.kind is not Kind.TRANSITION or self.piece.reading is Reading.FOREIGN
+        return declaration.kind is not Kind.TRANSITION or self.text_site.reading is TextKind.FOREIGN
 
 
 class Names:
@@ -83,53 +102,53 @@ class Names:
         self.project = project
         self.dialect = dialect_of(project)
         self.resolver = Resolver(project, self.dialect)
-        self._pieces: list[Piece] | None = None
+        self._text_sites: list[TextSite] | None = None
 
     def after_edits(self) -> Names:
         """The names of the project anew, after texts and names in it have changed but nothing else."""
         anew = Names(self.project)
-        anew._pieces = self._pieces
+        anew._text_sites = self._text_sites
         return anew
 
     def occurrences(self, *words: str) -> Iterator[Occurrence]:
         """Every place where one of `words` stands as a name, in upper or lower case, with what it means there."""
         keys = {word.casefold() for word in words}
-        for piece in self._all_pieces():
-            text = piece.text.casefold()
+        for text_site in self._all_sites():
+            text = text_site.text.casefold()
             if any(key in text for key in keys):
-                for reference in references(piece, self.dialect):
+                for reference in references(text_site, self.dialect):
                     if reference.name.casefold() in keys:
-                        yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
+                        yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
 
     def everything(self) -> Iterator[Occurrence]:
         """Every name in every text."""
-        for piece in self._all_pieces():
-            for reference in references(piece, self.dialect):
-                yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
+        for text_site in self._all_sites():
+            for reference in references(text_site, self.dialect):
+                yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
 
     def undeclared(self) -> Iterator[Occurrence]:
         """The names in program text that stand on their own and that nothing declares, each where it stands first."""
         found: set[str] = set()
         declared: set[tuple[Site, Role, str]] = set()
-        for piece in self._all_pieces():
-            if not piece.is_program_text:
+        for text_site in self._all_sites():
+            if not text_site.is_program_text:
                 continue
-            for reference in references(piece, self.dialect):
+            for reference in references(text_site, self.dialect):
                 name = reference.name.casefold()
                 is_member = reference.base is not None or reference.callee is not None
-                if is_member or name in found or (piece.site, reference.role, name) in declared:
+                if is_member or name in found or (text_site.site, reference.role, name) in declared:
                     continue
-                meaning = self.resolver.meaning(reference, piece)
+                meaning = self.resolver.meaning(reference, text_site)
                 if meaning.declaration is not None:
-                    declared.add((piece.site, reference.role, name))
+                    declared.add((text_site.site, reference.role, name))
                 elif not meaning.doubt:
                     found.add(name)
-                    yield Occurrence(piece, reference, meaning)
+                    yield Occurrence(text_site, reference, meaning)
 
-    def _all_pieces(self) -> list[Piece]:
-        if self._pieces is None:
-            self._pieces = list(pieces(self.project))
-        return self._pieces
+    def _all_sites(self) -> list[TextSite]:
+        if self._text_sites is None:
+            self._text_sites = list(text_sites(self.project))
+        return self._text_sites
 
     def uses(self, declaration: Declaration) -> list[Occurrence]:
         """Every use of a declaration."""
