@@ -21,7 +21,7 @@ from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.numbering import numbered_in_order
+from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -229,7 +229,8 @@ def verify(project: Project, kind: Format, back: Project, report: ConversionRepo
 
         take_over_drawings(project, back)
     if not kind.ids:
-        project, back = numbered_in_order(project), numbered_in_order(back)
+        project = numbered_in_order(project)
+        number_in_order(back)
     for difference in differences(project, back, ignore=frozenset({"drawing"})):
         why = f"{_short(difference.left)} comes back as {_short(difference.right)}"
         report.add(Outcome.DROPPED, "field", difference.path, why)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from plcopen_sfc.errors import ArgumentError, ModelError, nearest
+from plcopen_sfc.model.copying import deep_copy
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
@@ -43,6 +44,10 @@ class Checked(BaseModel, metaclass=_Constructor):
                 super().__setattr__(name, value)
             except ValidationError as error:
                 raise misfit(type(self), _called(self), error) from None
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        """Return a deep copy."""
+        return deep_copy(self, {} if memo is None else memo)
 
     def __repr__(self) -> str:
         """The class and what differs from the defaults: texts cut off, of lists the number of items."""

@@ -57,7 +57,7 @@ def differences(left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), 
         yield Difference(path, left, right)
     elif isinstance(left, Model | MarkupText | MultilingualText):
         labels = left.labels() if isinstance(left, SfcNetwork) else {}
-        for name in type(left).model_fields:
+        for name in type(left).__pydantic_fields__:
             if name not in ignore:
                 a, b = getattr(left, name), getattr(right, name)
                 if name in _UNORDERED and a and b and all(hasattr(thing, "id") for thing in (*a, *b)):

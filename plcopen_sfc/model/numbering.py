@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Connection, Node
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -18,20 +19,28 @@ def numbered_in_order(project: Project) -> Project:
     than their chart.
     """
     copy = project.model_copy(deep=True)
-    for thing in _models(copy):
+    number_in_order(copy)
+    return copy
+
+
+def number_in_order(project: Project) -> None:
+    """Number everything in `project` as `numbered_in_order` does in a copy."""
+    for thing in _models(project):
         if isinstance(thing, SfcNetwork):
             thing.drawing = None
             _number_chart(thing)
-        elif (nodes := getattr(thing, "nodes", None)) is not None:
+        elif (nodes := thing.__dict__.get("nodes")) is not None:
             _number_nodes(nodes)
-    return copy
 
 
 def _models(thing: Any) -> Iterator[Model]:
     if isinstance(thing, Model):
+        if isinstance(thing, LateElement):
+            thing.read()
         yield thing
-        for name in type(thing).model_fields:
-            yield from _models(getattr(thing, name))
+        for value in [*thing.__dict__.values()]:
+            if isinstance(value, Model | list):
+                yield from _models(value)
     elif isinstance(thing, list):
         for item in thing:
             yield from _models(item)
@@ -72,5 +81,6 @@ def _wires(thing: Any) -> list[Connection]:
     if isinstance(thing, list):
         return [wire for item in thing for wire in _wires(item)]
     if isinstance(thing, Model) and not hasattr(thing, "language"):
-        return [wire for name in type(thing).model_fields if name != "body" for wire in _wires(getattr(thing, name))]
+        names = (name for name in type(thing).__pydantic_fields__ if name != "body")
+        return [wire for name in names for wire in _wires(getattr(thing, name))]
     return []

@@ -77,7 +77,7 @@ class Bodies:
         """A condition, as a function that tells whether it is TRUE."""
         writer = self._writer()
         transitions = self._scope.unit.pou.transitions if self._scope.unit is not None else ()
-        transition = Transition.model_construct(id=0, condition=condition)
+        transition = Transition(id=0, condition=condition)
         try:
             read = condition_expression(
                 chart if chart is not None else SfcNetwork(),

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from plcopen_sfc.semantics.programs import types as t
@@ -78,9 +79,7 @@ class _Writer:
             "def load(v, s0, now):",
             *(f" {line}" for line in self.lines()),
         ]
-        made: dict[str, Any] = {}
-        exec(compile("\n".join(source), "<snapshot>", "exec"), made)  # noqa: S102  # numbers of slots, nothing else
-        return _Plan(made["store"], made["store_limited"], made["load"], self.counts)
+        return _Plan(*_functions("\n".join(source)), self.counts)
 
     def _frame(self, v: str, layout: Layout, leave_out: frozenset[int] = frozenset()) -> None:
         self.counts[layout] = len(layout.fields)
@@ -155,6 +154,14 @@ class _Writer:
     def lines(self) -> list[str]:
         """The lines of the statements."""
         return [line for load in self.loads or ["pass"] for line in load.split("\n")]
+
+
+@lru_cache(maxsize=4096)  # a comparison makes the same program more than once
+def _functions(source: str) -> tuple[_Store, _Store, _Load]:
+    """Return the functions with this source."""
+    made: dict[str, Any] = {}
+    exec(compile(source, "<snapshot>", "exec"), made)  # noqa: S102  # numbers of slots, nothing else
+    return made["store"], made["store_limited"], made["load"]
 
 
 def _is_plain(type_: Type) -> bool:

@@ -6,7 +6,8 @@ import re
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from types import FunctionType, TracebackType
+from functools import lru_cache
+from types import CodeType, FunctionType, TracebackType
 from typing import Any
 
 from plcopen_sfc.errors import Location, SimulationError
@@ -84,6 +85,15 @@ def free_token(key: str, plain: str, asking: str) -> str:
     return f"\x01{key}\x02{plain}\x04{asking}\x03"
 
 
+@lru_cache(maxsize=4096)  # a comparison translates the same program several times, with the same names
+def _code(source: str) -> CodeType:
+    """Return the code of the function that `source` defines."""
+    scratch: dict[str, Any] = {}
+    # what runs here was generated from a syntax tree; names and texts of the project never reach it as code
+    exec(compile(source, "<plc>", "exec"), scratch)  # noqa: S102
+    return next(value for value in scratch.values() if isinstance(value, FunctionType)).__code__
+
+
 class Linker:
     """All functions of a controller: they share one namespace, so that they can call each other."""
 
@@ -154,17 +164,14 @@ class Linker:
                 draft.linked = found
         return errors
 
-    def _compiled(self, source: str, draft: _Draft) -> Any:
-        scratch: dict[str, Any] = {}
+    def _compiled(self, source: str, draft: _Draft) -> CodeType:
         try:
-            # what runs here was generated from a syntax tree; names and texts of the project never reach it as code
-            exec(compile(source, draft.filename, "exec"), scratch)  # noqa: S102
+            return _code(source).replace(co_filename=draft.filename)
         except (SyntaxError, MemoryError, RecursionError) as error:
             raise SimulationError(
                 f"the text is too deeply nested to be simulated ({getattr(error, 'msg', error)})",
                 location=Location(path=draft.path),
             ) from None
-        return next(value for value in scratch.values() if isinstance(value, FunctionType)).__code__
 
     def place(self, traceback: TracebackType | None) -> Location | None:
         """The innermost place of a program text that an exception came through."""
