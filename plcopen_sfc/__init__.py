@@ -12,8 +12,7 @@ sfc.save(project, "line24.xml")
 from __future__ import annotations
 
 from functools import cache
-from importlib import import_module
-from importlib.resources import files
+from importlib import import_module, resources
 from typing import Any
 
 from plcopen_sfc.operations import Operation, provide
@@ -25,7 +24,7 @@ def _exports() -> dict[str, str]:
     """Return the modules of all public names, by the names: ``__init__.pyi`` has the list."""
     import ast  # noqa: PLC0415  # the version and the command line need no names
 
-    listed = ast.parse(files(__name__).joinpath("__init__.pyi").read_text(encoding="utf-8"))
+    listed = ast.parse(resources.files(__name__).joinpath("__init__.pyi").read_text(encoding="utf-8"))
     imports = [node for node in listed.body if isinstance(node, ast.ImportFrom)]
     return {alias.name: str(node.module) for node in imports for alias in node.names}
 

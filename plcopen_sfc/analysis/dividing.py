@@ -118,7 +118,7 @@ def divide(left: ProgramSystem, right: ProgramSystem, pairs: Sequence[Pair]) -> 
     for pair in pairs:
         kept = []
         for side, system, observation in zip(sides, (left, right), pair, strict=True):
-            kept.append(cone(side.parts, _names_of(observation.path) | _names_of(system.left_out_name)))
+            kept.append(cone(side.parts, _names_of(observation.path).union(*map(_names_of, system.not_followed))))
         shares.append(_Share(kept[0], kept[1], (pair,)))
     joined: list[_Share] = []
     for share in sorted(shares, key=lambda each: -each.size):

@@ -26,7 +26,7 @@ from plcopen_sfc.analysis.directed import DirectedSearch, Step
 from plcopen_sfc.analysis.dividing import divide, race
 from plcopen_sfc.analysis.domains import Domain
 from plcopen_sfc.analysis.limits import INTERRUPTED, SearchProgress, Watch, seconds
-from plcopen_sfc.analysis.pairing import connect, step_observations
+from plcopen_sfc.analysis.pairing import connect, heed_instability, step_observations
 from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, search
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
@@ -300,6 +300,8 @@ class _Compared:
         )
         if self.left_out is not None:
             right.leave_out(self.left_out)
+        heed_instability(left, right)
+        heed_instability(right, left)
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
         earlier.delay(begins=0, kept=count)
@@ -395,7 +397,8 @@ class _Compared:
         if any_untested(coverage) or (found.complete and found.dead) or interrupted:
             equal = VerdictKind.UNTESTED
             if found.complete:
-                reason = f"all inputs were tried, but {failed}" if failed else f"{', '.join(frozen)} kept their values"
+                ended = failed or ("; ".join(found.notes) if found.dead else "")
+                reason = f"all inputs were tried, but {ended}" if ended else f"{', '.join(frozen)} kept their values"
         if comparison.gap:
             equal = VerdictKind.UNTESTED
             reason = "; ".join(filter(None, (comparison.gap, reason)))

@@ -11,14 +11,15 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, UnstableChartError
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.semantics.profile import Evolution
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.watching import Watched, signal_of
 
-__all__ = ["connect", "output_pairs", "step_observations", "unpaired"]
+__all__ = ["connect", "heed_instability", "output_pairs", "step_observations", "unpaired"]
 
 _SEEN_OUTSIDE = frozenset({"output", "external"})
 
@@ -162,6 +163,22 @@ def step_observations(
         if flag is not None:
             recognised.append((path, own, Observation(flag)))
     return recognised
+
+
+def heed_instability(chart: ProgramSystem, code: ProgramSystem) -> None:
+    """Where code tells by a variable ``unstable`` that the chart would not become stable, end its scan as the chart's.
+
+    `lower` writes such a variable (German: ``instabil``), with a number where the name is taken.
+    """
+    searching = chart.profile.evolution is Evolution.UNTIL_STABLE and chart.instance.charts()
+    if not searching or code.instance.charts():
+        return
+    for name, each in code.variables.items():
+        if _UNSTABLE.fullmatch(name) and each.signal.kind is SignalKind.BOOL and not each.is_input:
+            code.leave_out(name, UnstableChartError)
+
+
+_UNSTABLE = re.compile(r"(unstable|instabil)(_?\d+)?", re.IGNORECASE)
 
 
 def _flag(system: ProgramSystem, text: str) -> Observation:

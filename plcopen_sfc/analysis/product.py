@@ -138,7 +138,7 @@ class Explored:
     lead to one. `complete`: all states were seen. `depth`: every input sequence of that many scans was tried. `reason`:
     why the search is not complete; `capped`: there are too many states. `notes`: what was not followed any further,
     because both end with an error there. `parts`: into how many the comparison was divided.
-    `dead`: every run ends with an error of both.
+    `dead`: every run ends where it is not followed any further.
     """
 
     states: int
@@ -286,7 +286,7 @@ def _search(
     _check_domains(tried)
     if not seen and notes:
         raise next(iter(notes.values()))  # nothing ever ran
-    dead = not closed and any(note.startswith(BOTH_FAIL) for note in notes)
+    dead = not closed and bool(notes)
     return Explored(len(seen), max(depths), complete=True, notes=tuple(notes), dead=dead)
 
 
@@ -311,14 +311,15 @@ def _scan(left: System, right: System, read: InputReader, *, first: bool) -> tup
 def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
     """Where two systems cannot be compared any further: why, and the error.
 
-    Both fail; or a chart never becomes stable or its orders contradict each other, which is a mistake of its author:
-    nobody can say what follows; or the user does not want to know what follows. Raises an error that says that a system
-    cannot be executed at all.
+    Both fail, or neither of them becomes stable; or orders of a chart contradict each other, which is a mistake of its
+    author: nobody can say what follows; or the user does not want to know what follows. That only one of them never
+    becomes stable is a difference. Raises an error that says that a system cannot be executed at all.
     """
     for failure in failures:
         if isinstance(failure, UnknownBehaviourError | UnknownFunctionError):
             raise failure
-        if isinstance(failure, UnstableChartError):
+    for failure in failures:
+        if isinstance(failure, UnstableChartError) and all(isinstance(each, _NOT_FOLLOWED) for each in failures):
             return "situations that never become stable are left out", failure
         if isinstance(failure, ForcingConflictError):
             return "situations in which forcing orders contradict each other are left out", failure
@@ -328,6 +329,9 @@ def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
     if first is not None and all(failures):
         return f"{BOTH_FAIL}: {first.message}", first
     return None
+
+
+_NOT_FOLLOWED = (UnstableChartError, ForcingConflictError, LeftOutError)
 
 
 def failure_of(system: System, read: InputReader, *, first: bool) -> SfcError | None:

@@ -111,8 +111,9 @@ class ProgramSystem:
         self._seen: tuple[Any, ...] | None = None
         self._initial = self._state()
         self._observe: Callable[[], tuple[Any, ...]] = tuple
-        self._left_out: Callable[[], tuple[Any, ...]] | None = None
-        self.left_out_name = ""
+        self.not_followed: dict[str, type[SfcError]] = {}
+        """By the names of variables, how a scan ends that leaves them TRUE."""
+        self._not_followed: Callable[[], tuple[Any, ...]] = tuple
 
     @property
     def inputs(self) -> dict[str, Signal]:
@@ -274,8 +275,8 @@ class ProgramSystem:
             not_free=self._not_free,
         )
         made.delay(begins=self._begins, kept=self._kept)
-        if self.left_out_name:
-            made.leave_out(self.left_out_name)
+        for name, kind in self.not_followed.items():
+            made.leave_out(name, kind)
         bits = {path: 1 << index for index, path in enumerate(made.steps)}
         made.observe([replace(each, bit=bits[each.path]) if each.bit else each for each in observations])
         return made
@@ -295,10 +296,10 @@ class ProgramSystem:
         charts = self.instance.charts()
         return len(charts) == len(self.subject.pou.bodies) == 1 and not charts[0][0]
 
-    def leave_out(self, name: str) -> None:
-        """Do not compare scans at whose end a variable is TRUE. Raises `ModelError` for an unknown name."""
-        self.left_out_name = name
-        self._left_out = self.instance.reader([name])
+    def leave_out(self, name: str, kind: type[SfcError] = LeftOutError) -> None:
+        """End scans that leave a variable TRUE with an error. Raises `ModelError` for an unknown name."""
+        self.not_followed[name] = kind
+        self._not_followed = self.instance.reader(list(self.not_followed))
         self._look_at([name])
 
     def _look_at(self, paths: Iterable[str]) -> None:
@@ -359,8 +360,9 @@ class ProgramSystem:
         if not first:
             self._controller.now += self.clock.scan_time
         self.instance.scan()
-        if self._left_out is not None and self._left_out()[0]:
-            raise LeftOutError(f"{self.left_out_name} = TRUE")
+        if self.not_followed and any(values := self._not_followed()):
+            name, kind = next(each for each, value in zip(self.not_followed.items(), values, strict=True) if value)
+            raise kind(f"{name} = TRUE")
 
     def pass_time(self, scans: int) -> None:
         """Let the time of some scans go by, in which nothing but clocks would go on."""

@@ -601,3 +601,24 @@ def test_flags_of_steps_are_never_freed() -> None:
         assert "C.X" in verdict.compared
         assert verdict.frozen == ()
         assert "object at 0x" not in str(verdict)
+
+
+@pytest.mark.parametrize("last", ["NOT a", "a AND b", "b"])
+def test_a_grafcet_that_never_becomes_stable_is_different_from_one_that_does(last: str) -> None:
+    never, resting = (ring_of_three(condition) for condition in ("a", last))
+    assert equivalent(never, resting, "grafcet").different
+    assert equivalent(resting, never, "grafcet").different
+    code = sfc.lower(resting, verify=False, profile="grafcet")
+    assert equivalent(never, code.pou, "grafcet", step_flags=code.step_flags).different
+    proof = equivalent(never, never, "grafcet")
+    assert proof.proven
+    assert "never become stable" in str(proof)
+
+
+def ring_of_three(last: str) -> sfc.SfcNetwork:
+    chart = sfc.SfcNetwork()
+    steps = [chart.add_step(str(number), initial=number == 1) for number in (1, 2, 3)]
+    for place, condition in enumerate(("a", "a", last)):
+        chart.add_transition(steps[place], steps[(place + 1) % 3], condition)
+    steps[2].actions = [ActionAssociation(id=12, kind="continuous", target="W")]
+    return chart

@@ -307,9 +307,22 @@ def test_a_chart_that_never_becomes_stable_is_not_followed() -> None:
             raise UnstableChartError("it goes on and on")
         return state, (False,)
 
-    found = search(unstable, lambda state, read: (state, (read("a"),)))
+    found = search(unstable, unstable)
     assert found.complete
     assert "never become stable" in found.notes[0]
+
+
+def test_that_only_one_never_becomes_stable_is_a_difference() -> None:
+    def unstable(state: Any, read: Read) -> tuple[Any, tuple[Any, ...]]:
+        if read("a"):
+            raise UnstableChartError("it goes on and on")
+        return state, (False,)
+
+    def resting(state: Any, read: Read) -> tuple[Any, tuple[Any, ...]]:
+        return state, (read("a"),)
+
+    for pair in ((unstable, resting), (resting, unstable)):
+        assert search(*pair).inputs == [{"a": True}]
 
 
 def test_a_text_ends_the_proof_only_where_it_is_used() -> None:
