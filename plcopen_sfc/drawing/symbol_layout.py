@@ -140,6 +140,7 @@ class _Layout:
     def priority(self, number: int) -> int | None:
         if not hasattr(self, "_priorities"):
             self._priorities = {t.id: t.priority for t in self.chart.transitions}
+        # a divergence in a divergence has the priority of its first transition; drawings from files may have loops here
         seen = {number}
         while self.symbols[number].kind is SymbolKind.SELECTION_DIVERGENCE and self.consumers.get(number):
             number = self.consumers[number][0]
@@ -174,6 +175,7 @@ class _Layout:
         if not numbers:
             return []
         inside = set(numbers)
+        # logic may have loops (a feedback), so no column is further left than there are elements
         depth = dict.fromkeys(numbers, 0)
         for number in reversed(numbers):
             for pin in input_pins_of(self.nodes[number]):

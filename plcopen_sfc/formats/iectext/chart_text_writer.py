@@ -411,6 +411,7 @@ def _explicit_ids(ids: list[int]) -> tuple[frozenset[int], list[int]]:
     unused: list[int] = []
     following = 0
     for one in ids:
+        # a file has gaps where its bars and blocks had numbers; a short one is listed once for the whole chart
         gap = list(range(following, one)) if following < one <= following + _MOST_GAPS else []
         if one == following or (gap and given.isdisjoint(gap)):
             unused += gap
@@ -419,6 +420,7 @@ def _explicit_ids(ids: list[int]) -> tuple[frozenset[int], list[int]]:
             explicit.add(one)
     taken = explicit | set(unused)
     numbers = (number for number in count() if number not in taken)
+    # the rule of the reader: ids are left out only if it gives each element the one it has
     fits = all(one in explicit or one == next(numbers) for one in ids)
     return (frozenset(explicit), unused) if fits and len(unused) <= _MOST_GAPS else (frozenset(ids), [])
 

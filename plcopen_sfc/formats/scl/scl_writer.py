@@ -71,6 +71,7 @@ def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
         pieces.append(WrittenBlock(("stray", ""), unreadable, apart=True))
     if plain(project.comment):
         pieces.append(WrittenBlock(("comment", ""), "\n".join(comment_lines(plain(project.comment), _SCL)), apart=True))
+    # the text is read back, and whatever differs goes into comments: no list of what SCL lacks can be incomplete
     written = WrittenBlock(("file", ""), blocks=tuple(pieces))
     back = read_source(SourceText(written.whole() + "\n", "utf-8")).project
     left = [] if back == project else list(changes(plain_fields(back), plain_fields(project), guarded=True))

@@ -221,8 +221,10 @@ def _timed(found: PlannedRows, action: ActionAssociation) -> PlannedRows:
         return found
     if qualifier not in _WHILE_ACTIVE and qualifier not in _ONCE:
         return PlannedRows(why=f"S7-GRAPH has {qualifier} for Boolean operands only, not for statements")
+
     event = action.event or AS_EVENTS.get(qualifier)
     rows = tuple(row.model_copy(update={"event": event, "interlock": action.interlock}) for row in found.rows)
+    # P1, P0 and events happen once in both; N and P are executed once more in the final scan of IEC 61131-3
     if qualifier in (Qualifier.P1, Qualifier.P0) or action.event is not None:
         return PlannedRows(rows, found.outcome, found.why)
     why = "S7-GRAPH does not execute an action once more after it has ended, as the final scan of IEC 61131-3 does"

@@ -107,7 +107,7 @@ def _branches(
     """Contacts instead of `box`: where power comes out if its value is TRUE; None where contacts cannot express it."""
     kind = box.type_name.upper()
     power = enable.input.connections if enable.input is not None else []
-    if kind in _COMPARISONS:
+    if kind in _COMPARISONS:  # in LAD a comparison is a contact: power comes in at `pre`, and it has no ENO
         box.parameters.inputs = [enable.model_copy(update={"name": "pre"}), *values]
         box.parameters.outputs = [pin for pin in box.parameters.outputs if pin.name.upper() != "ENO"]
         return [Connection(source=box.id, pin="OUT")]
@@ -116,7 +116,7 @@ def _branches(
     if kind == "XOR" or len(plain) != len(operands) or not plain:
         return None
     constant = _CONSTANTS.get(plain[0].expression.upper())
-    if constant is not None and kind == "MOVE" and not values[0].negated:
+    if constant is not None and kind == "MOVE" and not values[0].negated:  # TRUE: the power itself; FALSE: nothing
         contacts, branches = [], power if constant else []
     elif any(operand.expression.upper() in _CONSTANTS for operand in plain):
         return None

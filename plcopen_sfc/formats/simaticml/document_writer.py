@@ -78,6 +78,8 @@ def _objects(element: etree._Element) -> list[etree._Element]:
 def _pair(before: etree._Element, after: etree._Element, pairs: list[tuple[etree._Element, etree._Element]]) -> None:
     """Find the objects in `after` that are those of `before`; ids are not written yet."""
     old, new = _objects(before), _objects(after)
+    # ranges that are equal fix the order; edited objects lie between them and are paired by place and tag. Without
+    # autojunk, as many empty networks are equal
     matcher = SequenceMatcher(None, [_content(one) for one in old], [_content(one) for one in new], autojunk=False)
     for _, old_start, old_end, new_start, new_end in matcher.get_opcodes():
         for one, other in zip(old[old_start:old_end], new[new_start:new_end], strict=False):

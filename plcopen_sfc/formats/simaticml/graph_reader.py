@@ -112,6 +112,7 @@ class _ChartReader:
                 carry_element(chart, child)
         _keep_attributes(chart, element)
         self._structure()
+        # after all connections: a condition that counts ends the minimum times of the steps that its transition leaves
         self._forget_edited()
         self._check_names()
         read_comments(self.ctx, element, chart)
@@ -258,7 +259,7 @@ class _ChartReader:
             carry_attribute(fields, name, value)
         kept: Fields = {}
         read_comments(self.ctx, element, kept)
-        if fields["max_time"] is not None:
+        if fields["max_time"] is not None:  # a comment has only times that are no literal: this was set since
             kept.pop("max_time", None)
         if edited and not kept.get("exclude"):
             warn_of_edit(self.ctx, "the actions", element)

@@ -225,7 +225,7 @@ class _ChartWriter:
         types = writer.types()
         links = usual_order(with_competing_transitions_joined(without_joined_jumps(links, types), types), own)
         order = carried_order(_attributes(sequence.carried).get(CONNECTIONS, ""))
-        links.sort(key=lambda link: order.get(str(link), len(order)))
+        links.sort(key=lambda link: order.get(str(link), len(order)))  # stable: new connections stay in usual order
         used = _branches_of(links)
         alone = len(self.chart.sequences) < _TWO
         dissolved = drawn - used

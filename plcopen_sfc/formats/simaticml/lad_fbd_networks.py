@@ -90,7 +90,7 @@ def _beside(net: XmlNode, fields: Fields, hints: dict[str, str]) -> dict[str, st
         matter = write_flgnet(copy, LogicNetwork.model_validate({**fields, "carried": {"attributes": hints}}))
     except NotUnderstoodError:
         return None
-    kept = hints if matter else {}
+    kept = hints if matter else {}  # hints that agree with the usual form need not be kept
     if is_identical(net, copy):
         return kept
     numbers = numbers_like(net, copy)

@@ -208,7 +208,7 @@ def write_operand(
     hint: str | None = None,
     index: Callable[[str], str | None] | None = None,
 ) -> bool:
-    """Write an ``Access``; `kind` is the type of a number where it stands. Raises `NotUnderstoodError` for no operand.
+    """Write an ``Access``; `kind` is the type of a number at its pin. Raises `NotUnderstoodError` for no operand.
 
     `hint` adds what the text lacks (see `Hints`), `index` gives that of an index of an array. Returns True if they
     made a difference.
@@ -216,7 +216,7 @@ def write_operand(
     operand = parse_operand(text)
     if operand is None:
         raise NotUnderstoodError(f"{text} is no operand")
-    if hint in CONSTANTS and operand.path:
+    if hint in CONSTANTS and operand.path:  # the text of a constant looks like that of a variable
         constant = sub(parent, "Access", {"Scope": hint, **(attributes or {})})
         sub(constant, "Constant", {"Name": operand.path[0].name})
         return True

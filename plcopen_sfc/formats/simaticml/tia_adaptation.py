@@ -34,6 +34,7 @@ _WITH_TEXTS = (
 
 def adapt(project: Project, report: ConversionReport) -> None:
     """Give steps and transitions the numbers and names that S7-GRAPH requires, and texts their language."""
+    # standard blocks come first: the others know flip-flops, coils and calls by the names and pins they get there
     put_standard_blocks(project)
     put_operands(project, report)
     put_coils(project)
