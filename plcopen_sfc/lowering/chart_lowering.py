@@ -194,19 +194,29 @@ def lower(
     meant = as_executed(found, semantics)
     with collector_paused(), errors_of(found.project, found.pou, found.name):
         made = _constructed(found, meant, wanted, rules)
-    project, lowered_pou = _with(found, made.pou, made.blocks, made.data_types)
+    options = ProofOptions(accept_untested, searching) if verify else None
+    lowered = _lowered(found, made, rules, wanted.style, options, lang=lang)
+    return replace(lowered, faults=faults_of(meant, lowered)) if verify else lowered
+
+
+def _lowered(
+    chart: Subject, made: Constructed, rules: LoweringRules, style: Style, options: ProofOptions | None, *, lang: str
+) -> LoweredPou:
+    """Return the code in a copy of the project, compared with `chart` where there are `options`."""
+    project, pou = _with(chart, made.pou, made.blocks, made.data_types)
     if made.flags is not None:
         made.flags.put_into(project)
-    code = Subject(project, made.pou, found.name)
-    proof = _proof(found, code, made, semantics, wanted.style, **searching) if verify else None
-    if proof is not None:
-        with errors_of(found.project, found.pou, found.name):
-            refuse_untested(found.name, proof, accepted=accept_untested)
-    lowered = LoweredPou(
+    proof = None
+    if options is not None:
+        code = Subject(project, made.pou, chart.name)
+        proof = _proof(chart, code, made, rules.profile, style, **options.searching)
+        with errors_of(chart.project, chart.pou, chart.name):
+            refuse_untested(chart.name, proof, accepted=options.accept_untested)
+    return LoweredPou(
         project,
-        lowered_pou,
+        pou,
         made.construction,
-        wanted.style,
+        style,
         made.rules,
         made.why,
         proof,
@@ -215,14 +225,13 @@ def lower(
         made.left_out,
         made.step_flags,
         made.situation,
-        found.name,
+        chart.name,
         made.flags.following if made.flags is not None else "",
         made.step_numbers,
-        losses(found, [lowered_pou, *made.blocks], semantics, lang),
-        chart=found,
-        proof_options=ProofOptions(accept_untested, searching) if verify else None,
+        losses(chart, [pou, *made.blocks], rules.profile, lang),
+        chart=chart,
+        proof_options=options,
     )
-    return replace(lowered, faults=faults_of(meant, lowered)) if verify else lowered
 
 
 class _Wanted(NamedTuple):

@@ -236,6 +236,7 @@ def construct(
     source = _read(pou, chart, dialect, rules, project)
     rules = with_usual_input(rules, style, source, surroundings)
     if isinstance(source, GraphSource):
+        # variables of G7_StepPlus and the like are types that only a GRAPH block can declare
         pou = without_step_data(pou)
     chosen, language, why = choose(source, construction, rules, style=style, language=language)
     code = _code(source, dialect, rules, language, project)
@@ -247,6 +248,7 @@ def construct(
         _fill(maker, chosen, style)
     else:
         plain = plain_chart(source) if style is Style.CLASSIC else source
+        # step bits are the rule of evolution of GRAFCET already; several CASEs are refused
         kinds = _CHAINS if plain.grafcet is None else _CHAINS | _GRAFCET_CHAINS
         maker = kinds[chosen](plain, code, _memory(code, language), rules, surroundings)
         if plain.grafcet is not None:

@@ -93,6 +93,7 @@ class _Replacing:
                     f"{step.value}.{asked.value} is not lowered yet: the code does not keep it",
                     location=Location(path=self._path),
                 )
+            # a comparison such as ``step_number = 2`` needs parentheses among other operators
             alone = _OPERAND.fullmatch(flag) is not None or len(tokens) == 3
             parts += [text[end : step.span[0]], flag if alone else f"({flag})"]
             end = asked.span[1]
@@ -109,11 +110,13 @@ def with_actions(
     """
     inner = replace(rules, init=None, stop=None, reset_actions=False, flags="local", modes=frozenset())
     pou, data_types, body = made.pou, list(made.data_types), made.pou.body
+    # a chart of an action may need more than one CASE although the outer one needs one
     parts = made.construction in (Construction.CASE, Construction.REGIONS)
     construction = Construction.AUTO if parts else made.construction
     flags = _by_name(made.step_flags)
     done: set[str] = set()
     calling = [body]
+    # a chart that is called by the code of another chart, and so on; charts that nothing calls stay as they are
     while calling:
         called = called_actions(calling.pop(), pou, dialect)
         for action in list(pou.actions):
@@ -122,6 +125,7 @@ def with_actions(
                 continue
             done.add(key)
             if isinstance(action.body, SfcBody):
+                # `construct` lowers the body of a POU
                 alone = pou.model_copy(update={"bodies": [action.body]})  # as if it were the body
                 chart = action.body.chart
                 # types that are new have their names already

@@ -67,6 +67,7 @@ def compared_while_operated(
     operated = [name for name in operating if name not in fixed]
     if not operated:
         return compared(fixed=fixed, cap=cap, runs=runs)
+    # the quick one first: a difference at rest is found in seconds, and its trace is the easiest to read
     at_rest = compared(fixed={**operating, **fixed}, cap=min(cap, _AT_REST), runs=1)
     if at_rest.different or at_rest.interrupted:
         return at_rest
@@ -145,6 +146,7 @@ def prove(
 
         def compared(**narrowed: Any) -> Verdict:
             if limit is not None:
+                # the limit is for all searches together
                 searching["limit"] = max(start + limit - monotonic(), _LEAST_LIMIT)
             return equivalent(
                 chart,
@@ -246,6 +248,7 @@ def _with_inputs(subject: Subject, names: Mapping[str, str]) -> Subject:
     inputs = [Variable(name=name, type=BOOL) for key, name in names.items() if key not in declared]
     for section in interface.sections:
         if section.kind is SectionKind.LOCAL:
+            # as locals they would keep their start values, and the proof would not reach what they do
             inputs += [v for v in section.variables if v.name.casefold() in names]
             section.variables = [v for v in section.variables if v.name.casefold() not in names]
     interface.sections.append(VariableSection(kind=SectionKind.INPUT, variables=inputs))

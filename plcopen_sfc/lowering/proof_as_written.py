@@ -49,6 +49,7 @@ def prove_written(
     """
     try:
         found = _proved(chart, seen, lowered, **searching)
+    # the code cannot be resolved or executed as the tool reads it: is that so with our extension data too?
     except (LoweringError, ModelError) as error:
         if _is_equal(chart, carrying := whole(), lowered, **searching):
             raise _carried(lowered, seen, carrying, error.message) from error

@@ -64,11 +64,13 @@ class ActionControlCode:
 
     def _unless(self, reset: Expression, terms: list[Expression], action: ActionSource) -> Expression:
         """Return any of the terms, without reset: flip-flops and all that depends on them have had it already."""
+        # reset dominates in each flip-flop already; a second NOT R would only make the text longer
         if {use.qualifier for use in action.uses} <= _STORED | {Q.R, Q.R0}:
             return disjunction(terms)
         return conjunction([disjunction(terms), negation(reset)])
 
     def _lasting(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
+        # `ending` acts on what is stored only: a restart makes all other steps inactive anyway
         reset = disjunction([reset, self._ending])
         makers = (self._level, self._stored, self._limited, self._delayed, self._pulse, self._stored_and_timed)
         return [term for make in makers for term in make(action, reset, into)]
@@ -140,6 +142,7 @@ class ActionControlCode:
         if all(time == times[0] for time in times) and not kept:
             return times[0]
         chosen = self._memory.variable(self._memory.texts.with_suffix(f"{action.name}_{qualifier}", "time"), TIME)
+        # the last assignment wins: in reverse order that is the time of the first active association
         for use, time in reversed(list(zip(uses, times, strict=True))):
             into += self._memory.conditional("", self._of(use), [assignment(chosen, time)])
         return chosen
@@ -239,6 +242,8 @@ class SequentialControlCode:
             return Decision(ends, negation(ends))
         if qualifier not in (Q.N, Q.L, Q.D):
             return _UNDECIDED
+        # the code of matiec writes TRUE while a step acts and FALSE when it ends, association after association; in
+        # other scans it writes nothing
         active = conjunction([self._acts(use), use.condition])
         off = [self._ends(use), conjunction([self._acts(use), negation(use.condition)])]
         if qualifier is Q.N:
@@ -258,6 +263,7 @@ class SequentialControlCode:
     def _acted(self, use: ActionUse) -> Expression:
         if use.steps not in self._before:
             name = "_".join(self._net.steps[step].path for step in use.steps[:1])
+            # at the start an initial step counts as active before, unless its activation is an event under the profile
             initial = not self._entered and any(self._net.initial >> step & 1 for step in use.steps)
             self._before[use.steps] = self._code.declare(
                 self._code.texts.with_suffix(name, "before"), initial="TRUE" if initial else None
@@ -308,6 +314,8 @@ class SequentialControlCode:
         time: Expression = times[0]
         if not isinstance(time, n.Literal) or any(each != time for each in times):
             time = self._code.declare(f"{name}_PT", TIME)
+        # the first call asks if the time is over, the second one starts it in the scan of the activation: one call
+        # alone would begin a scan late
         into.append(call(timer, IN=running, PT=time))
         ended = self._memory.named(
             self._suffixed(name, "over"), disjunction([n.Member(timer, n.Name("Q")), also]), into
@@ -322,9 +330,11 @@ class SequentialControlCode:
             if time is not duration and time != duration:
                 into += self._memory.conditional("", begins, [assignment(time, duration)])
             starts.append(begins)
+            # a time of zero starts nothing, but the activation ends what was running
             if not is_constant(positive, TRUE):
                 goes_on = conjunction([goes_on, negation(self._begins(use))])
             goes_on = disjunction([begins, goes_on])
+            # DS needs the step for its time, SD and SL do not
             if use.qualifier is Q.DS:
                 goes_on = conjunction([goes_on, negation(self._ends(use))])
         into.append(assignment(running, conjunction([goes_on, negation(ended)])))

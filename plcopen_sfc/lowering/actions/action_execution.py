@@ -83,6 +83,7 @@ class WrittenPaths:
         """Note that an action writes these paths."""
         for path in written:
             self._all.add(index)
+            # an address or a pointer may be any variable
             if path == ANYTHING:
                 self._anything.add(index)
             for is_part, form in _forms(path):
@@ -96,6 +97,7 @@ class WrittenPaths:
         for path in paths:
             found |= self._all if path == ANYTHING else self._anything
             for is_part, form in _forms(path):
+                # two shortened paths would match by their last names alone, such as A.x and B.x
                 for kind in (False,) if is_part else (False, True):
                     found |= self._starts.get((kind, form), set())
                     for length in range(1, len(form)):
@@ -127,6 +129,8 @@ def add_actions(
     actions = _in_order(source, rules)
     execution = _Execution(source, code, control, memory, rules)
     acting = [action for action in actions if action.target is not None or action.statements]
+    # the profile decides on all actions from one situation. Lowered one after the other, an action could see what one
+    # before it has just written; that is shorter to read and right as long as none of them looks
     if execution.interfere(acting):
         execution.in_phases(acting)
     else:
@@ -200,10 +204,12 @@ class _Execution:
             return
         if isinstance(self._control, SequentialControlCode):
             self._decide(action, self._control, statements)
+        # one assignment is enough where the profile writes in every scan, or nothing else could have written in between
         elif self._always or self._owned.is_false_at_rest(action.target):
             statements.append(assignment(action.target, self._control.drive(action, statements)))
         else:
             driven = self._memory.named(f"{action.name}_Q", self._control.drive(action, statements), statements)
+            # other code writes this variable too: it is set back once, and left alone while its action is inactive
             ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), driven, statements)
             statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
@@ -213,6 +219,7 @@ class _Execution:
         """Write a variable where its associations decide on it."""
         assert action.target is not None  # noqa: S101
         decision = control.decision(action, statements)
+        # FALSE whenever nothing decides: one assignment instead of set and reset
         if control.never_holds(action) and self._owned.is_false_at_rest(action.target):
             statements.append(assignment(action.target, decision.on))
             return
@@ -253,6 +260,7 @@ class _Execution:
                 lasting = self._memory.named(f"{name}_Q", lasting, deciding)
                 if self._final_scan:
                     ended = self._memory.falling(self._texts.with_suffix(name, "end"), lasting, deciding)
+                    # a pulse in the same scan executes the action anyway: once, not twice
                     last = conjunction([ended, negation(single)])
                     ending += self._memory.conditional(self._texts.with_suffix(name, "last"), last, action.statements)
             acting.append((action, disjunction([lasting, single])))
@@ -264,6 +272,7 @@ class _Execution:
     def _add(self, action: ActionSource, executed: Expression, before: Sequence[Statement] = ()) -> None:
         """Append a network that executes an action, with its comments where its text is written as it was."""
         title = self._texts.action(action.name)
+        # a syntax tree has no comments: a text with comments is kept as it was written, if nothing in it was replaced
         if not self._verbatim or not action.statements or not has_comments(action.text):
             acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
             self._code.add(title, [*before, *acting], self._captions(action))
@@ -303,6 +312,7 @@ class _Execution:
             written.add(index, writing)
         plain = {index for index, action in enumerate(actions) if action.target is not None}
         for index in range(len(actions)):
+            # a condition or time would see what an action before it has written in this scan
             if any(other < index for other in written.touching(asked[index])):
                 return True
             for other in written.touching(used[index]) - {index}:

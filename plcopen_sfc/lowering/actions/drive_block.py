@@ -98,6 +98,7 @@ class DriveBlock:
             match node:
                 case n.Operation() if node in self._signals:
                     return self._input(node, *self._signals[node])
+                # ``state <> 2`` is passed on as NOT of the input for ``state = 2``: one input for both
                 case n.Operation() if (opposite := negation(node)) in self._signals:
                     return negation(self._input(opposite, *self._signals[opposite]))
                 case n.Member(n.Name(instance), n.Name(output)):
@@ -146,10 +147,13 @@ class DriveBlock:
         whole = {id(each.target) for each in each_scan if isinstance(each.target, n.Name)}
         targets = {id(each) for each in written}
         uses = sum(each.identifier.casefold() == name.casefold() for each in self._names())
+        # written in every scan and never read: the old value does not matter
         if targets <= whole and uses == len(written):
             return SectionKind.OUTPUT
+        # no other code writes it, so that the block can keep the value between two scans
         if self._owned.has(n.Name(name)) and (uses == len(written) or self.code.drawn):
             return SectionKind.OUTPUT  # the block keeps it
+        # in networks an in-out is one pin: readers would not see that the block changes it
         if self.code.drawn:
             self._refuse(f"{name} is read and written: networks do not show what goes in and out")
         return SectionKind.IN_OUT

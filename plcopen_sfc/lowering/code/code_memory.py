@@ -72,6 +72,7 @@ class Memory(ABC):
         """
         timer = self._code.declare(wanted, DerivedType(name="TON"))
         into.append(call(timer, IN=value, PT=time))
+        # a restart must end the time at once, and not with the next call
         self.ends.append(call(timer, IN=FALSE, PT=time))
         return n.Member(timer, n.Name("Q"))
 
@@ -110,6 +111,7 @@ class BlockMemory(Memory):
 
     def _inputs(self, set_: Expression, reset: Expression) -> dict[str, Expression]:
         """Return the inputs of an RS, which CODESYS calls ``SET`` and ``RESET1``."""
+        # the block is the same one; at Siemens its name is SR, and RS is the set-dominant one
         names = ("SET", "RESET1") if self._code.tool is Tool.CODESYS else ("S", "R1")
         return dict(zip(names, (set_, reset), strict=True))
 
@@ -117,6 +119,7 @@ class BlockMemory(Memory):
         """Return the statements one by one, as networks need them."""
         found: list[Statement] = []
         if wanted and len(statements) > 1 and not isinstance(condition, n.Name):
+            # the statements could change what the condition reads, and each network has the condition again
             condition = self.named(wanted, condition, found)
         return [*found, *_apart(condition, statements)]
 
@@ -141,6 +144,7 @@ class BitMemory(Memory):
     ) -> Expression:
         """Return the flag, after ``flag := (set OR flag) AND NOT reset``."""
         value = flag or self._code.declare(wanted)
+        # reset dominates: the same as RS, and no instance for every step
         into.append(assignment(value, conjunction([disjunction([set_, value]), negation(reset)])))
         if flag is None:
             self.ends.append(assignment(value, FALSE))
@@ -168,6 +172,7 @@ def _edge(
     """Return an edge, and the statement that forgets it."""
     pulse, before = code.declare(wanted), code.declare(code.texts.with_suffix(wanted, "old"))
     now, then = (value, negation(before)) if rising else (negation(value), before)
+    # two variables instead of an R_TRIG: every dialect of structured text has them
     into.append(assignment(pulse, conjunction([now, then])))
     into.append(assignment(before, value))
     return pulse, assignment(before, FALSE)

@@ -75,6 +75,7 @@ class _Flattener:
         """Yield branches. All conditions are evaluated first, where a branch could change one of them."""
         guards: list[Expression] = []
         for number, branch in enumerate(branches):
+            # an ELSIF is only tried if all conditions before it were FALSE
             others = (negation(other.condition) for other in branches[:number])
             guards.append(conjunction([guard, *others, branch.condition]))
         if _needs_bits(branches, guards):
@@ -104,6 +105,7 @@ class _Flattener:
     def _switched(self, statement: n.Assignment, guard: Expression) -> Iterator[Statement]:
         """Yield a set while it is TRUE and a reset while it is FALSE: TIA Portal has no box that moves a BOOL."""
         value = statement.value
+        # the set would change what the reset reads
         if not _names(value).isdisjoint(_names(statement.target)):
             value = self._declare()
             yield assignment(value, statement.value)
@@ -114,11 +116,13 @@ class _Flattener:
 def _needs_bits(branches: Sequence[n.Branch], guards: Sequence[Expression]) -> bool:
     """Return True if a branch could change a condition, or long conditions would be repeated."""
     statements = [statement for branch in branches for statement in branch.statements]
+    # one statement cannot change the condition of another one
     if len(statements) == 1 and not isinstance(statements[0], n.If | n.Case):
         return False
     if any(len(branch.statements) > 1 and not _is_short(g) for branch, g in zip(branches, guards, strict=True)):
         return True
     nodes = [node for statement in statements for node in walk(statement)]
+    # what a call or an address changes is not known here
     if any(isinstance(node, n.CallStatement | n.Call | n.Address) for node in nodes):
         return True
     written = {name for node in nodes if isinstance(node, n.Assignment) for name in _names(node.target)}
@@ -167,6 +171,8 @@ def _chosen(selector: Expression, branch: n.CaseBranch) -> Expression:
 
 def _may_be_asked(condition: Expression) -> bool:
     """Return True if it does no harm to evaluate it also where the text would not."""
+    # flat code evaluates all conditions in every scan: an index out of range, a division by zero or a call would then
+    # happen where the text avoids it
     return not is_impure(condition) and not any(
         isinstance(node, n.Index | n.Dereference) or (isinstance(node, n.Operation) and node.operator in _RISKY)
         for node in walk(condition)

@@ -70,6 +70,8 @@ class RegionEncoding(ScanSchedule):
 
     def exact(self) -> None:
         """Append one scan, as the chart has it."""
+        # all CASEs look at the situation of the last scan: no order of CASEs would be right, as a divergence wants the
+        # branches before and a convergence wants them behind. So states that others read change behind all CASEs
         for machine in self.machines:
             if self._must_wait(machine):
                 self.states.add_following_state(machine)
@@ -94,6 +96,7 @@ class RegionEncoding(ScanSchedule):
             state = self.states.following(self.machines[0])
             self.code.add(self.texts.selection, [when(selecting, assignment(state, selected))])
             return
+        # the number says nothing of its region: all regions are left, then the one with that step is entered
         ended: list[Statement] = []
         if len(self.machines) > 1:
             ended = [assignment(self.states.following(machine), self.names.none) for machine in self.machines]
@@ -153,6 +156,7 @@ class RegionEncoding(ScanSchedule):
 
     def _must_wait(self, machine: RegionState) -> bool:
         """Return True if other code than its own CASE reads or writes the state of a region."""
+        # where actions come first they see the situation of the last scan, chosen transitions wait until the next one
         if self.profile.order is ScanOrder.ACTIONS_FIRST or machine.blocks or machine.region.block is not None:
             return True
         return bool(self._askers.get(machine.state.identifier, set()) - {machine.region.index})
@@ -162,6 +166,8 @@ class RegionEncoding(ScanSchedule):
         """Return the regions in whose CASE conditions ask for a name, by these names."""
         found: dict[str, set[int]] = {}
         for transition in self.net.transitions:
+            # a join is tried in the CASE of the region that waits for it, whose steps are none of its sources; that
+            # region has blocks and waits in any case
             region = self.states.machine_of(transition.sources[0]).region.index
             for tree in (self.source.conditions[transition.index], *self.source.preparations[transition.index]):
                 for node in walk(tree):
@@ -187,6 +193,8 @@ class RegionEncoding(ScanSchedule):
         found: set[int] = set()
         for block in self._regions.blocks:
             competing = self._regions.exit_competitors(block)
+            # a transition that leaves a branch and the join compete, but are tried in different CASEs: their order is
+            # lost there, so all of them are decided on before
             if competing:
                 found.update(block.joins, competing)
             found.update(join for join in block.joins if source.preparations[join])
@@ -232,6 +240,7 @@ class RegionEncoding(ScanSchedule):
     def _try(self, machine: RegionState, transition: NetTransition) -> TriedTransition:
         effect = self._effect(machine, transition)
         remarks = self.states.remarks(transition.transition)
+        # decided on before the CASEs already, with everything that must be executed for its condition
         if transition.index in self._bits:
             return TriedTransition((), self._bits[transition.index], effect, remarks)
         # a step with one source is active where it is tried, a join is tried while its branches are
@@ -244,6 +253,7 @@ class RegionEncoding(ScanSchedule):
         return TriedTransition(before, condition, effect, remarks)
 
     def _effect(self, machine: RegionState, transition: NetTransition) -> list[str]:
+        # the state stays the same number, so that nothing else shows that the step was left and entered
         loops = set(transition.sources) & set(transition.targets) & set(self._again)
         again = [f"{self.text(self._again[i])} := TRUE;" for i in loops]
         return [*self.states.effect(machine, transition), *again]
@@ -278,6 +288,8 @@ class CaseEncoding(RegionEncoding):
 
         Raises `LoweringError` for what such branches cannot hold.
         """
+        # outputs in the branches are what textbooks do; the gap of one scan between two steps that both drive an output
+        # is one of the faults that are reported
         self._check_classic()
         self.begin_classic()
         self._initialise(*self._stored())

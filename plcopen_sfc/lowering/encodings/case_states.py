@@ -64,6 +64,7 @@ class StateNames:
     ) -> None:
         self._code, self._texts = code, rules.texts
         # where steps are selected, the regions of all others have none
+        # selecting a step of one region ends all others
         left = OperatingMode.SELECT in rules.modes and len(regions.regions) > 1
         steps, waiting, none = _states(source.net, regions, rules.texts, left=left)
         states = [*steps, *waiting, *none]
@@ -152,6 +153,7 @@ def _states(net: Net, regions: Regions, texts: Texts, *, left: bool) -> tuple[li
     """Return the states of steps, of waits for joins, and of no step, if a region can have none (`left`: any can)."""
     numbers = step_numbers(net)
     # waits have numbers of a hundred of their own: they stay when steps are added
+    # the hundred behind the last step
     hundred = 100 * (max(numbers) // 100 + 1)
     steps: list[_State] = []
     for step, number in zip(net.steps, numbers, strict=True):
@@ -168,6 +170,7 @@ def _states(net: Net, regions: Regions, texts: Texts, *, left: bool) -> tuple[li
     starting = all(region.initial is not None for region in regions.regions)
     if starting and not left and all(t.targets for t in net.transitions):
         return steps, waits, []
+    # 0 means that no step is active, unless a step of the user has that number
     none = hundred if 0 in numbers else 0
     return steps, waits, [_State(none, texts.no_step, texts.no_step, texts.no_step_comment)]
 
@@ -226,6 +229,7 @@ class StateVariables:
     ) -> None:
         self.regions, self.names = regions, names
         self._net, self._texts, self._dialect, self._off = regions.net, texts, dialect, off
+        # no region is None: `regions_of` refuses steps that can never become active
         self._region_of = [region or 0 for region in regions.region_of]
         self._forked = {fork: block for block in regions.blocks for fork in block.forks}
         self.machines = tuple(self._machine(region) for region in regions.regions)
@@ -302,6 +306,7 @@ class StateVariables:
         lines = [f"CASE {self.text(machine.state)} OF"]
         for i in machine.region.steps:
             step = self._net.steps[i]
+            # an empty branch is no error: the region waits in it until the join is tried by the parent
             joined = any(len(self._net.transitions[t].sources) > 1 for t in self._net.leaving[i])
             idle = f"; // {self._texts.until_joined}" if joined else ";"
             content = leaving(step) or [idle]
@@ -324,6 +329,7 @@ class StateVariables:
         if len(transition.targets) > 1:
             block = self._forked[transition.index]
             lines.insert(0, self._becoming(machine.region.index, self.names.waiting(block)))
+        # the branches of a join end; a transition without a target ends its own region
         left = sorted(joined) if transition.targets else [machine.region.index]
         return lines + [self._becoming(region, self.names.none) for region in left]
 
@@ -341,6 +347,7 @@ class StateVariables:
         """
         lines: list[str] = []
         for number, each in enumerate(choice):
+            # ELSIF has no place for statements: they must be executed only if the transitions before were not satisfied
             if lines and each.before:
                 return [*lines, "ELSE", *(INDENT + line for line in self.tried(choice[number:])), "END_IF;"]
             lines += each.remarks

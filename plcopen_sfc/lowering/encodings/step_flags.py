@@ -42,6 +42,7 @@ class StepFlagEncoding(ScanSchedule):
             name = self.texts.flag_name(step.step)
             self.flags.append(self.code.declare_flag(name, initial=initial, comment=comment))
         if self.code.flags is not None and not self.code.flags.have_values:
+            # addresses of S7 have no start values: the first scan sets them
             values = [TRUE if source.net.initial & step.bit else FALSE for step in source.net.steps]
             start = [assignment(flag, value) for flag, value in zip(self.flags, values, strict=True)]
             self.code.add(self.texts.initial_steps, self.memory.conditional("", self.code.first_scan_pulse(), start))
@@ -68,6 +69,7 @@ class StepFlagEncoding(ScanSchedule):
     def choose_transitions(self) -> None:
         """Append a bit for each transition: enabled, condition TRUE, and no competing transition before it fires."""
         parts: list[CodeNetwork] = []
+        # without the guard two branches of a selection with TRUE conditions would both become active
         competing = exclusive_transitions(self.net, self.profile)
         for transition in self.net.transitions:
             statements: list[Statement] = []
@@ -104,6 +106,7 @@ class StepFlagEncoding(ScanSchedule):
         found: dict[int, Expression] = {}
         for step in range(len(self.net.steps)):
             leaving, entering = self.net.leaving[step], self.net.entering[step]
+            # a self-loop: the flag never goes FALSE, so that the timer of the step would run on
             loops = disjunction(self.fired[i] for i in leaving if i in entering)
             both = [disjunction(self.fired[i] for i in side) for side in (leaving, entering)]
             if self.profile.entering_restarts_time:
@@ -167,6 +170,7 @@ class FlipFlopEncoding(StepFlagEncoding):
             if not self.is_safe:  # what is left and entered at once stays active
                 entered = [negation(self.fired[i]) for i in entering]
                 reset = [conjunction([disjunction(reset), *entered])] if reset else []
+            # the bits are those of the last scan, chosen before this scan's selection or restart was known
             guarded = self.profile.order is ScanOrder.ACTIONS_FIRST and not self.forgets
             self._add_step(step, set_, reset, guarded=guarded)
 
@@ -175,6 +179,7 @@ class FlipFlopEncoding(StepFlagEncoding):
 
         The restart input also starts it first; where there is to be none the first scan does.
         """
+        # the textbook form has no bits of transitions: each step has the conditions in its own network
         unused = {name.identifier for name in self.fired}
         self.code.variables = [variable for variable in self.code.variables if variable.name not in unused]
         self.begin_classic()
@@ -187,6 +192,8 @@ class FlipFlopEncoding(StepFlagEncoding):
             ]
             if self.rules.init is None and self.net.initial & step.bit:
                 set_.insert(0, self.memory.starting())
+            # the reset by the step behind makes two steps active in one scan, and locks loops of two steps: known
+            # faults
             following = {t for i in self.net.leaving[step.index] for t in self.net.transitions[i].targets}
             reset = [self.active(i) for i in sorted(following)]
             remarks = [f"{t.path}: {remark}" for t in entering if (remark := self.texts.remark(t.transition))]

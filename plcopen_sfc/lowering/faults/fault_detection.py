@@ -49,6 +49,7 @@ def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str], *,
     last = LoweredCode(first.naming)
     names: list[dict[int, str]] = []
     for place, wanted in ((first, "wanted"), (last, "waits")):
+        # at the beginning of a scan and at its end: in between the code changes variables of the conditions
         names.append(_watch(place, source, flags, wanted) if place is first or behind else {})
     if not names[0]:
         return WatchedPou(code, {}, {})
@@ -198,6 +199,7 @@ def outputs_of(actions: Sequence[ActionSource]) -> list[ObservedOutput]:
 def _overlap(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     for source in indexes(scan.after):
         for target in indexes(facts.following[source] & scan.after & ~(1 << source)):
+            # two steps of simultaneous branches may be active together, though one can lead to the other
             if not facts.together(source, target):
                 yield facts.names(source, target)
 
@@ -210,6 +212,7 @@ def _run_through(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
         entered &= ~facts.net.initial
     for step in indexes(entered):
         ways = [facts.net.transitions[t] for t in facts.net.entering[step]]
+        # a transition from steps that were active explains the step: one evolution
         if any(not way.pre & ~scan.before for way in ways):
             continue
         for way in ways:
@@ -225,6 +228,7 @@ def _blocked_loop(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]
     if scan.restarted:
         return
     for transition in (facts.net.transitions[t] for t in indexes(scan.wanted)):
+        # the other one of the selection was to fire
         if any(scan.wanted >> other & 1 for other in transition.competing):
             continue
         for target in indexes(transition.post & ~transition.pre & ~scan.before & ~scan.after):

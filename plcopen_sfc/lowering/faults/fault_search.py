@@ -221,11 +221,14 @@ class _Search:
         try:
             if not self._code.program.clock.reason:
                 every = Branching(self._domains)
+                # with all inputs first: a trace found so is the shortest one. Too many states: only where the sequence
+                # goes step by step, with as many TRUE inputs as one condition can need and one more
                 if self._breadth_first(found, every, lambda _: True, min(_SCANS, most // 4), shortest=True):
                     return found
                 few = _FewInputs(self._domains, self._facts.inputs_of_a_condition + 1)
                 if self._breadth_first(found, few, self._is_calm, min(_CALM_SCANS, most), shortest=False):
                     return found
+        # inputs without a finite domain: what was found so far depends on the order of the search
         except NotProvableError:
             found.clear()
         self._at_random(found, min(_RUNS, most // _RUN_SCANS))
@@ -234,6 +237,8 @@ class _Search:
     def _is_calm(self, marking: int) -> bool:
         """Return True if the code is in a situation of the chart, or in one with the steps just before besides."""
         following, graph = self._facts.following, self._facts.graph
+        # the textbook form keeps a step for one scan beside the one behind it: that is its normal way, from which the
+        # search goes on; any other situation is the result of a fault, and leads to more of the same
         behind = [step for step in indexes(marking) if following[step] & marking]
         ahead = marking & ~mask(behind)
         return marking in graph or (ahead in graph and all(following[step] & ahead for step in behind))
@@ -246,6 +251,7 @@ class _Search:
             for domain in self._domains.values():
                 domain.grown = False
             complete = self._searched(found, branching, goes_on, most, shortest=shortest)
+            # a comparison with a number not seen before gives its input new values: the search starts again with them
             if not any(domain.grown for domain in self._domains.values()):
                 return complete
             if shortest:  # a shorter trace may need a value that was not known yet
@@ -276,6 +282,7 @@ class _Search:
                     if fault not in found:
                         found[fault] = _Found(_inputs(states, reached), shortest)
                 snapshot = self._code.snapshot()
+                # outputs are a part of the key: a gap shows itself only in comparison with the scan before
                 key = (frozen(snapshot) if probing else snapshot, seen.outputs)
                 if key not in known and goes_on(seen.marking):
                     known.add(key)

@@ -67,6 +67,7 @@ class StoredActions:
         found: list[StoredActionEvent] = []
         for action in self._actions:
             if action.event is not None:
+                # an edge in the evolution that activates the step does not count: the action begins to listen behind it
                 ready = [conjunction([self._active(i), negation(self._fresh(i))]) for i in action.steps]
                 found.append(StoredActionEvent(conjunction([disjunction(ready), action.event]), action))
         return found
@@ -84,6 +85,7 @@ class StoredActions:
         ):
             for action in self._actions:
                 if action.kind is kind:
+                    # a macro-step is activated with its first step and deactivated with its last one
                     one = disjunction(was(i) for i in action.steps)
                     none = [negation(is_(i)) for i in action.steps]
                     found += self._executed(conjunction([one, *none]), action)
@@ -122,6 +124,7 @@ class StoredActions:
         if len(action.statements) == 1 and isinstance(single := action.statements[0], n.Assignment):
             value = simplified(single.value)
             is_bit = isinstance(single.target, n.Name) and single.target.identifier.casefold() in self._bits
+            # networks have no conditional assignment of a BOOL: it is plain logic there
             if is_bit and not is_constant(value, TRUE) and not is_constant(value, FALSE):
                 return [written_if(condition, single.target, value)]
         return self._memory.conditional("event", condition, action.statements)
@@ -174,6 +177,7 @@ class PassingActionCode(ActionControlCode):
                 continue
             pulse = self._code.declare(f"{action.name}_{qualifier}")
             before = self._code.declare(self._code.texts.with_suffix(pulse.identifier, "old"))
+            # `passed` is TRUE where the step was active in between, though two scans never show it
             falling = conjunction([disjunction([before, passed]), negation(now)])
             rising = conjunction([passed, negation(before)])
             into += [assignment(pulse, falling if qualifier is Qualifier.P0 else rising), assignment(before, now)]

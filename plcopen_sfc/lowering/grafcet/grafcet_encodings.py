@@ -40,6 +40,7 @@ def no_case(source: ChartSource, profile: Profile) -> str:
     if source.grafcet is not None and source.grafcet.ruled:
         return "some of its charts force or enclose others"
     for transition in source.net.transitions:
+        # the state would not change, so that nothing shows the evolution
         if set(transition.sources) & set(transition.targets):
             return f"transition {transition.path} leads back to its own step"
         for other in transition.competing if profile.competing is not Competing.PRIORITY else ():
@@ -112,7 +113,9 @@ class ForcingCode:
             for enclosing in self._chart.enclosures
             for i in indexes(enclosing.steps)
         ]
+        # several enclosing steps may become active in one evolution: the chart starts in the steps of all of them
         links = {i: disjunction(when for bits, when in opened if bits >> i & 1) for i in self.steps}
+        # the condition of the branch is the same: the values are constants
         if len(opened) == 1:
             links = {i: FALSE if value == FALSE else TRUE for i, value in links.items()}
         yield disjunction(when for _, when in opened), links
@@ -157,6 +160,8 @@ class GrafcetFlipFlops(FlipFlopEncoding):
         for transition in leaving:
             if transition in entering:
                 continue
+            # activation dominates (IEC 60848:2013, rule 5): the reset is locked where a transition enters in the same
+            # evolution. A lock that can never act is left out
             again = [t for t in entering if self.concurrency.both_fire(transition, t)]
             reset.append(conjunction([self.fired[transition.index], *(negation(self.fired[t.index]) for t in again)]))
         if ruling is not None:
@@ -175,6 +180,8 @@ class GrafcetFlipFlops(FlipFlopEncoding):
         locked: list[Expression] = []
         frozen: list[Expression] = []
         for when, situation in ruling.situations():
+            # the first order counts, as in the interpreter; orders that contradict each other are a mistake of the
+            # chart
             acting = conjunction([when, *(negation(each) for each in earlier)])
             earlier.append(when)
             value = situation[step]
@@ -185,6 +192,7 @@ class GrafcetFlipFlops(FlipFlopEncoding):
             else:
                 sets.append(conjunction([acting, value]))
                 resets.append(conjunction([acting, negation(value)]))
+                # the order sets the step although the transitions reset it
                 locked.append(acting)
         free = [negation(each) for each in frozen]
         set_ = [conjunction([disjunction(set_), *free]), *sets]

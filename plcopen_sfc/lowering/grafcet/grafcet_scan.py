@@ -70,13 +70,16 @@ class GrafcetScan:
         assert encoding.source.grafcet is not None  # noqa: S101
         self._grafcet: GrafcetSource = encoding.source.grafcet
         self._concurrency = Concurrency(encoding.source, encoding.profile)
+        # declared so far: names that conditions may have and that change between two evolutions
         own = [variable.name for variable in self._code.variables]
         self.stability = Stability(encoding.source, self._terms, active, own, self._concurrency)
         self._searches = encoding.profile.evolution is Evolution.UNTIL_STABLE
+        # a loop is made only where a scan could need a second evolution
         self._stable = self._searches and not self.stability.once
         self._evolving: EvolvingEncoding = (
             EvolvingStepFlags(encoding) if isinstance(encoding, StepFlagEncoding) else EvolvingCaseState(encoding)
         )
+        # stored and pulsed actions also come from steps that were active within the scan only
         passed = sorted(passed_steps(encoding.source.actions)) if self._stable else []
         names = {i: self._texts.flag_name(self._net.steps[i].step) for i in passed}
         self._passed = {i: self._code.declare(self._texts.with_suffix(names[i], "seen")) for i in passed}
@@ -99,6 +102,8 @@ class GrafcetScan:
             self._grafcet.continuous, code, encoding.memory, encoding.active, encoding.times
         )
         moves = self._evolving.moving() if self._stable else FALSE  # before it is known what must be remembered
+        # the networks of an evolution are made before those in front of them: only then it is known what these must
+        # prepare
         evolution = self._recorded(lambda: self._evolve(continuous))
         self._start()
         unseen = [(flag, self._starting() if self._net.initial >> i & 1 else FALSE) for i, flag in self._passed.items()]
@@ -248,6 +253,7 @@ class GrafcetScan:
             encoding.ruled, encoding.concurrency = self._ruled, self._concurrency
             if self._stable and encoding.memory.has_instances:
                 encoding.first = self._in_first_evolution()
+        # with bits the situation is imposed behind the evolution; a flip-flop has it among its inputs
         elif isinstance(encoding, StepFlagEncoding):
             forcing = [forced_assignments(ruling, encoding.flags, self._evolving.before) for ruling in self._ruled]
         code.add(texts.terms, [*self._terms.times, *self._terms.edges])
@@ -277,6 +283,8 @@ class GrafcetScan:
         encoding = self._encoding
         found: list[Statement] = []
         for step in range(len(self._net.steps)):
+            # a step that is passed twice in one scan starts its time again each time, though its timer is called behind
+            # the loop
             left = negation(encoding.active(step)) if self._stable else FALSE
             again = disjunction([left, self._again(step)]) if encoding.times.measures(step) else FALSE
             if not is_constant(again, FALSE):

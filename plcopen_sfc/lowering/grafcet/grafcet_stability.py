@@ -31,6 +31,8 @@ class Concurrency:
 
     def __init__(self, source: ChartSource, profile: Profile) -> None:
         self._net = source.net
+        # competing transitions whose conditions exclude each other never fire together: then the situations under
+        # priority are all, and they are fewer
         together = profile.competing is Competing.ALL and not _competing_exclude_each_other(source)
         self._competing = Competing.ALL if together else Competing.PRIORITY
         ruled = source.grafcet.ruled if source.grafcet is not None else ()
@@ -80,6 +82,7 @@ def exclude(one: Expression, other: Expression, dialect: Dialect) -> bool:
     if is_constant(one, FALSE) or is_constant(other, FALSE):
         return True
     names = [{node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)} for tree in (one, other)]
+    # conditions without a common name are independent: the prover would only cost time
     if not names[0] & names[1]:
         return False  # each of them can be TRUE, or the prover did not decide
     return bool(exclusive(print_node(one, dialect), print_node(other, dialect), dialect=dialect).answer)
@@ -118,9 +121,11 @@ def _markings(net: Net, steps: int, ruled: Sequence[RuledChart], competing: Comp
     while waiting:
         marking = waiting.pop()
         enabled = [i for i in net.enabled(marking) if (net.transitions[i].pre | net.transitions[i].post) & steps]
+        # every subset of the enabled transitions is one possible evolution: conditions are not looked at
         left -= 1 << len(enabled)
         if len(enabled) > _MOST_TOGETHER or left < 0:
             return None
+        # the situations are an over-approximation, which is right for both questions: can fire together, can be active
         for true in _subsets(enabled):
             after, _ = net.fire(marking, true, competing)
             if after & steps not in found:
@@ -194,6 +199,7 @@ class Stability:
 
     def _most(self) -> int | None:
         """Return the length of the longest run of transitions that can follow each other; None if there is no end."""
+        # an order changes a chart without a transition: the order of transitions alone bounds nothing
         if self._grafcet.ruled:
             self._objection = "charts that are ruled by others are held and set free again"
             return None
@@ -203,6 +209,8 @@ class Stability:
         for transition in transitions:
             if is_constant(later[transition.index], FALSE):
                 continue
+            # a source transition is always enabled, and a condition that changes by itself needs no step to become
+            # active
             if not transition.pre or self._is_volatile(transition, later[transition.index]):
                 self._objection = f"transition {transition.path} may be cleared in each of several evolutions"
                 return None
@@ -213,6 +221,8 @@ class Stability:
         if pair is not None:
             first, second = pair[0].path, transitions[pair[1]].path
             self._objection = f"transition {second} may follow {first} with the same inputs"
+        # the graph of followers without a circle bounds the evolutions by its longest path; with one the loop needs a
+        # counter
         try:
             order = list(TopologicalSorter(followers).static_order())
         except CycleError:
@@ -229,10 +239,13 @@ class Stability:
         found = {index for step in indexes(before.pre | before.post) for index in readers.get(step, ())}
         left = before.pre & ~before.post  # what needs these steps does not follow, unless another one enters them again
         found = {index for index in found if not self._source.net.transitions[index].pre & left}
+        # with the same inputs both conditions hold in one scan: what excludes the condition of `before` cannot follow
+        # it
         own = self._source.conditions[before.index]
         cleared = disjunction([own, later[before.index]])
         for step in indexes(before.post):
             for index in set(self._source.net.leaving[step]) - found:
+                # the time of a step that was active already may have passed
                 again = self._seen.enters_active(before, step)
                 fresh = later[index] if again else self._just_entered(later[index], step)
                 if not exclude(cleared, self._renamed(fresh), self._source.dialect):

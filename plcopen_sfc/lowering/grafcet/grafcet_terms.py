@@ -71,6 +71,7 @@ class TermCode:
     def _add_delay(self, delay: DelayInCondition) -> None:
         value = transform(delay.operand, self.named)
         times = [time for time in (delay.first, delay.last) if time is not None]
+        # TON, then TOF: the second delay begins when the first one has passed
         for timer, time in zip(self._timers[delay.name], times, strict=True):
             self.times.append(call(timer, IN=value, PT=time))
             value = n.Member(timer, n.Name("Q"))
@@ -79,6 +80,8 @@ class TermCode:
         pulse = self._values[edge.name.casefold()]
         assert isinstance(pulse, n.Name)  # noqa: S101  # edges are variables
         operand = transform(edge.operand, self.named)
+        # the first evolution compares with the value before the start, when no step was active: ``↑X1`` of an initial
+        # step is an edge, one of an input that is TRUE is none
         start = self._at_the_start(operand)
         initial = "TRUE" if (is_constant(start, TRUE) if start is not None else edge.rising) else None
         before = self._code.declare(self._texts.with_suffix(pulse.identifier, "old"), initial=initial)

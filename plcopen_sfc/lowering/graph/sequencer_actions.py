@@ -66,6 +66,7 @@ class S5Timer:
 
     def runs(self) -> list[Statement]:
         """Return the statements at the end of each cycle."""
+        # an S5 timer starts again with each event: a TON needs to see FALSE before
         begins = when(self._starts, call(self._timer, IN=FALSE, PT=self._time), assignment(self._starts, FALSE))
         is_on = n.Operation(Operator.UNEQUAL, (self._mode, _STOPPED))
         over = n.Member(self._timer, n.Name("Q"))
@@ -173,6 +174,7 @@ class SequencerActions:
             row = found[0][1]
             assert row.target is not None  # noqa: S101  # a coil has an operand
             drive = assignment(row.target, disjunction(self._wanted(step, row) for step, row in found))
+            # no other code writes the coil, so that it can be assigned in every cycle
             if row.name.casefold() in self._own:
                 self._code.add(self._texts.action(row.name), [drive])
             else:
@@ -201,6 +203,7 @@ class SequencerActions:
             condition = self._condition(step, replace(row, event=ActionEvent.S0) if left else row)
             if is_constant(condition, FALSE):
                 continue
+            # only neighbours share an IF: rows are executed in their order
             if not groups or groups[-1][0] != condition:
                 groups.append((condition, []))
             groups[-1][1].extend(self._execution(row, left=left))

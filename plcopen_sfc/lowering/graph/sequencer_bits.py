@@ -50,6 +50,7 @@ class BitSequencer(Sequencer):
         self._events: dict[tuple[int, ActionEvent], n.Name] = {}
         self._old: dict[int, n.Name] = {}
         self._left_before: dict[int, tuple[n.Name, Expression]] = {}
+        # actions ON and OFF act in the next cycle: the steps are kept in bits of their own until then
         switched = {i for rows in self.source.rows for row in rows for i in row.switched}
         self.wanted = {
             i: code.declare(
@@ -136,6 +137,7 @@ class BitSequencer(Sequencer):
             condition = self.resolve(self.source.conditions[index], CyclePhase.SWITCH)
             switches = disjunction([conjunction([condition, permitted]), pushed])
             held = [self._held(i) for i in transition.sources]
+            # all conditions are evaluated before the first one wins, as S7-GRAPH does
             competing = transition.competing if self.rules.profile.competing is Competing.PRIORITY else ()
             free = [*map(negation, held), *(negation(self.fired[i]) for i in competing)]
             statements.append(assignment(self.fired[index], conjunction([enabled, switches, *free])))
@@ -157,6 +159,7 @@ class BitSequencer(Sequencer):
 
     def add_step_change(self) -> None:
         """Append the networks that change the situation: all resets, then all sets."""
+        # resets before sets: a step that is left and entered at once stays active
         resets: list[Statement] = [assignment(self.flags[i], wanted) for i, wanted in self.wanted.items()]
         sets: list[Statement] = []
         for transition in self.net.transitions:
@@ -167,6 +170,7 @@ class BitSequencer(Sequencer):
             sets = add_skips(self)
         self.code.add(self.texts.resets, resets)
         self.code.add(self.texts.sets, sets)
+        # start and end come behind the switching by hand, and override it
         self.code.add(self.own_texts.manual, self._selected("S_ON", TRUE) + self._selected("S_OFF", FALSE))
         steps = range(len(self.net.steps))
         initial = [assignment(self.flags[i], self._initial(i)) for i in steps]
@@ -194,6 +198,7 @@ class BitSequencer(Sequencer):
         numbers: dict[int, int] = {}
         for step in self.net.steps:
             if step.step.number is not None:
+                # of two steps with the same number S_SEL means the first one
                 numbers.setdefault(step.step.number, step.index)
         branches = tuple(
             n.CaseBranch((n.Literal(str(number)),), (assignment(self.flags[index], value),))
@@ -230,6 +235,7 @@ def add_skips(sequencer: BitSequencer) -> list[Statement]:
         sweep: list[Statement] = [assignment(again, FALSE)]
         for step, flag in passed.items():
             fresh = conjunction([entered[step], negation(flag)])
+            # a step is passed once: a ring of satisfied conditions would never end
             sweep.append(when(fresh, assignment(flag, TRUE), *_passing(sequencer, step, entered, again)))
         statements.append(n.Repeat(tuple(sweep), negation(again)))
     code.add(sequencer.own_texts.skips, statements)
@@ -246,6 +252,7 @@ def _passing(sequencer: BitSequencer, step: int, entered: dict[int, n.Name], aga
     """Return the way on behind a step if a transition is satisfied: the first one wins."""
     source = sequencer.source
     following: list[Statement] = []
+    # from the last to the first, as each choice is nested in the ELSE of the one before it
     for index in reversed(_onward(sequencer, step)):
         transition = sequencer.net.transitions[index]
         condition: Expression = sequencer.resolve(source.conditions[index], CyclePhase.SWITCH)

@@ -131,6 +131,7 @@ class RegionSequencer(Sequencer):
                 hint=hint,
             )
         regions = replace(regions, regions=tuple(self._in_order(region) for region in regions.regions))
+        # a block of S7-GRAPH starts in its first cycle, by a command or by itself: before that no step is active
         off = replace(regions, regions=tuple(replace(region, initial=None) for region in regions.regions))
         names = StateNames(self.source, off, self.code, self.rules, surroundings)
         self.states = StateVariables(regions, names, self.texts, self.source.dialect, off=True)
@@ -170,6 +171,7 @@ class RegionSequencer(Sequencer):
     def _has_numbers_of_steps(self, machine: RegionState) -> bool:
         """Return True if the states of a region are the numbers that its steps have for the user."""
         numbers = step_numbers(self.net)
+        # S_NO shows the number that the user knows, and 0 where no step is active
         own = all(self.net.steps[i].step.number == numbers[i] != 0 for i in machine.region.steps)
         return own and not machine.blocks and self.rules.states is not States.ENUMERATION
 
@@ -221,6 +223,7 @@ class RegionSequencer(Sequencer):
         self, forgotten: Sequence[SequencerStepCode], checked: Sequence[SequencerStepCode], alarms: str
     ) -> None:
         """Append the checks as they are, or in a CASE each for what was left and entered."""
+        # checks before the step change miss the steps that it activates: these are checked behind it once more
         entered = [part for part in checked if self.checks[part.step.index].early]
         if not self._is_one_of(entered):
             super().add_checks_behind(forgotten, checked, alarms)
@@ -288,6 +291,7 @@ class RegionSequencer(Sequencer):
         if not is_constant(pushed, FALSE):
             pushed = self.memory.named(self.own_texts.pushed, pushed, statements)
         needing = self._needing_bits()
+        # one IF around the CASE instead of the same condition in every transition
         guards_all = not any(self.source.preparations)  # these are executed where nothing switches, too
         if not is_constant(permitted, TRUE) and (len(self.states.machines) > 1 or needing or not guards_all):
             permitted = self.memory.named(self.own_texts.permitted, permitted, statements)
@@ -322,6 +326,7 @@ class RegionSequencer(Sequencer):
         All conditions of active steps are evaluated one after the other, also of those that compete with one that
         switches: then all of them need a bit, those of one step, or where there are several regions all.
         """
+        # a statement in one CASE would come behind the transitions of the CASE before it
         if any(self.source.preparations) and len(self.states.machines) > 1:
             return list(range(len(self.net.transitions)))
         found: set[int] = set()
@@ -405,6 +410,7 @@ class RegionSequencer(Sequencer):
 
     def _selected(self, machine: RegionState, selection: n.Name) -> Expression:
         """Return an expression that is TRUE if the active step of a region is the one selected."""
+        # the state is the number: one comparison instead of one for each step
         if self._has_numbers_of_steps(machine):
             return equal(machine.state, selection)
         firsts: dict[int | None, int] = {}
@@ -457,6 +463,7 @@ class CaseSequencer(RegionSequencer):
 def _without(known: Sequence[Expression], statement: Statement) -> tuple[Statement, ...]:
     """Return a statement without the conditions that are known to be satisfied."""
     match statement:
+        # the branch of the CASE says what these operands ask
         case n.If((n.Branch(n.Operation(n.Operator.AND, operands), statements),), None):
             rest = conjunction(operand for operand in operands if operand not in known)
             return statements if is_constant(rest, TRUE) else (when(rest, *statements),)

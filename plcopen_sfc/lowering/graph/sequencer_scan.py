@@ -76,6 +76,7 @@ class Sequencer(ABC):
         for row in self.source.rows[step]:
             needed |= {row.event.value} if row.event is not None else set()
             needed |= {"LS"} if row.interlock else set()
+        # the time without disturbance and the error of the block need both checks of every step
         if "ERR_FLT" in self.source.parameters or "U" in needed:
             needed |= {"LS", "VA"}
         comment = partial(self.own_texts.check, self.net.steps[step].path)
@@ -130,6 +131,7 @@ class Sequencer(ABC):
         code, own_texts = self.code, self.own_texts
         code.add(own_texts.before, [*self.resolved(self.source.before, CyclePhase.BEFORE)])
         code.add(self.texts.logic, [*self.resolved(self.source.logic, CyclePhase.BEFORE)])
+        # commands are evaluated here; which edges are read is known when all else is made
         place = len(code.networks)
         self._add_checks()
         self.add_transitions()
@@ -174,6 +176,8 @@ class Sequencer(ABC):
         if quantity in ("T", "U"):
             return self.clock.value(step, quantity)
         if quantity in _STEP_EVENTS:
+            # permanent instructions before the sequence see the events of the last cycle; checks and transitions before
+            # the step change see none
             happened = phase in (CyclePhase.BEFORE, CyclePhase.ACT) or (
                 phase is CyclePhase.ENTERED and quantity != "R1"
             )
@@ -219,6 +223,7 @@ class Sequencer(ABC):
     def _add_actions(self) -> None:
         place = len(self.code.networks)
         for step in self.net.steps:
+            # declared in the order of the steps, whatever text asks first
             for name in sorted(self.questions.of(step.index) & _STEP_EVENTS):
                 self.event(step.index, ActionEvent(name))
         self.code.add(self.texts.times, [*self.clock.calls(), *self._restarted()])
@@ -235,6 +240,7 @@ class Sequencer(ABC):
             assignment(name, conjunction([self.active(step), registers]))
             for step, name in sorted(self._registered.items())
         ]
+        # events are found out right behind the step change; which of them are read is known now
         self.add_events(place, registered)
 
     def _with_resolved_rows(self) -> GraphSource:

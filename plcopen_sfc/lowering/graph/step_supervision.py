@@ -59,6 +59,8 @@ class StepChecks:
         self._must_acknowledge = source.acknowledged
         remembers = self._supervision is not None and (source.acknowledged or "A1" in needed)
         stated = [c for c in (self._interlock, self._supervision) if c is not None]
+        # checks are behind the step change where that makes no difference: one evaluation there, two if they come
+        # before
         asked_early = (step, "U") in questions or questions.asked(
             step, {*INTERLOCK, *SUPERVISION}, CyclePhase.CHECK, CyclePhase.SWITCH
         )
@@ -81,6 +83,7 @@ class StepChecks:
                 wanted |= {"VS", "V1", "V0", "VA", "fault", "acknowledged"}
             elif wanted & {"V1", "V0"}:
                 wanted |= {"VS", "fault"}
+            # without acknowledgement the error is there as long as its condition: one variable for both
             if "VA" in wanted and not remembers:
                 wanted = wanted - {"VA"} | {"VS"}
             if self.early:
@@ -109,6 +112,7 @@ class StepChecks:
             return FALSE
         if self.early:
             return self.value("VA")
+        # checked behind the step change only: the transition evaluates the condition itself
         fault: Expression = resolve(self._supervision.value, CyclePhase.SWITCH)
         return fault
 
@@ -190,6 +194,7 @@ class StepChecks:
             into.append(assignment(v["V1"], conjunction([v["fault"], negation(v["VS"])])))
         if "V0" in v:
             into.append(assignment(v["V0"], conjunction([*guard, v["VS"], negation(v["fault"])])))
+        # the events above compare the new value with the one of the last cycle
         into.append(assignment(v["VS"], v["fault"]))
 
     def _remembered(self, acknowledge: Expression, into: list[Statement]) -> None:
@@ -269,6 +274,7 @@ class StepClock:
         if "U" in asked and self._is_checked(step):
             return FOREVER
         known = [time for time in times if time is not None]
+        # ET stops at PT: twice the longest comparison never stops early
         return n.Literal(time_literal(2 * max(known))) if len(known) == len(times) and max(known) > 0 else FOREVER
 
     def _elapsed(self, step: int) -> Expression:
@@ -301,6 +307,7 @@ class StepClock:
         found: list[Statement] = []
         for step, (sum_, old) in self._undisturbed.items():
             elapsed = self._elapsed(step)
+            # U grows by the time since the last cycle while the step is undisturbed
             passed = n.Operation(Operator.SUBTRACT, (elapsed, old))
             more = assignment(sum_, n.Operation(Operator.ADD, (sum_, n.Parenthesized(passed))))
             calm = conjunction([self._signs[step].active, negation(checks[step].disturbed())])

@@ -130,6 +130,7 @@ def _asked_when_inactive(source: ChartSource, timed: Callable[[Node], int | None
         ask(code.exit)
     for watch in source.watches:
         ask([watch.time, *(reason.holds for reason in watch.reasons)], [watch.step])
+    # all others are read while their step is active only, where ET is the same
     return found
 
 
@@ -143,6 +144,7 @@ class _StepVariables:
         declared = {v.name.casefold() for v in source.pou.variables()}
         steps = _bits_by_name(source.net)
         self._steps = {name: bits for name, bits in steps.items() if name not in declared}
+        # CoDeSys 2.3: in a chart without action associations a step is a BOOL of its name, else a structure
         simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in source.net.steps)
         self._flags = self._steps if simple else {}
         if profile.step_variables is StepVariables.GRAFCET:

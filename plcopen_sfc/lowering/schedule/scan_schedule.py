@@ -69,6 +69,8 @@ class ScanSchedule(ABC):
         self.code, self.memory, self.rules = code, memory, rules
         self.net, self.profile, self.texts = source.net, rules.profile, rules.texts
         self.surroundings = surroundings
+        # the order of these declarations is that of the variables in the block, and names are given first come, first
+        # served
         init = declare_restart(source, code, rules, surroundings)
         code.declare_helpers(source.helpers)
         self.sfc_flags = SfcFlagCode(source, code, memory, rules.texts, init)
@@ -84,6 +86,7 @@ class ScanSchedule(ABC):
         }
         names = {step.index: self.texts.time_name(step.step) for step in self.net.steps}
         self.times = StepTimers(code, self.active, names.__getitem__)
+        # timers must be known before texts are resolved: a step whose elapsed time is read has one timer for all
         for watch in source.watches:
             self.times.elapsed(watch.step)
         if self.profile.action_control is Control.SEQUENTIAL:
@@ -135,10 +138,13 @@ class ScanSchedule(ABC):
         self.code.add(self.texts.logic, self.source.logic)
         self.select()
         times = self.times.calls()
+        # CODESYS executes the actions of the old situation before it evaluates transitions: the situation chosen in one
+        # scan becomes valid at the beginning of the next one
         if self.profile.order is ScanOrder.ACTIONS_FIRST:
             self.sfc_flags.begin(self.times)
             self.forgets = self.sfc_flags.forget(self.chosen())
             self.change_situation()  # what was chosen in the last scan
+            # what ends actions and times is known only when all of them are lowered
             place = len(self.code.networks)
             self.code.add(self.texts.times, times)
             self.add_actions()
@@ -150,6 +156,8 @@ class ScanSchedule(ABC):
             self.code.add(self.texts.times, times)
             self.choose_transitions()
             self.change_situation()
+            # a timer of a step that was left and entered in one scan has seen no FALSE: it is called twice to start
+            # again
             restarts = [s for step, when in self.reentered().items() for s in self.times.restarts(step, when)]
             self.code.add(self.texts.times, [*restarts, *times])
             self.add_actions()
@@ -209,6 +217,8 @@ class ScanSchedule(ABC):
         """Return what must be executed before the condition of a transition is evaluated, where it is."""
         preparation = self.source.preparations[transition]
         asked = conjunction([enabled, self.sfc_flags.is_asked()])
+        # blocks with a state in a condition (TON, R_TRIG) are executed only while the tool would evaluate that
+        # condition
         if not preparation or is_constant(asked, TRUE):
             return list(preparation)
         return [when(asked, *preparation)]
