@@ -161,8 +161,7 @@ def check_syntax(project: Project) -> list[Diagnostic]:
 
     Each finding has the place in its text and, if the project was loaded from a file that still says so, in the file.
     """
-    from plcopen_sfc.languages.locating import TextFinder  # noqa: PLC0415  # brings the parser with it
-    from plcopen_sfc.languages.syntax import syntax_problems  # noqa: PLC0415
+    from plcopen_sfc.languages.syntax_problems import TextFinder, syntax_problems  # noqa: PLC0415  # brings the parser
 
     source = project.source
     if isinstance(source, FolderSource):

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from plcopen_sfc.languages.binding import BoundText, texts_in
-from plcopen_sfc.languages.binding.text_sites import Role, TextKind
+from plcopen_sfc.languages.binding.text_sites import Role, SiteKind
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
@@ -149,7 +149,7 @@ class _TimeRead:
 
 def _reads_of_times(text: BoundText) -> Iterator[_TimeRead]:
     """The reads of times in a text, each as often as it is there; all its names where it cannot be read."""
-    if text.text_site.reading is TextKind.FOREIGN:
+    if text.text_site.reading is SiteKind.FOREIGN:
         return
     for tree in _trees(text):
         compared: set[int] = set()

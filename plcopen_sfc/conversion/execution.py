@@ -24,9 +24,9 @@ from plcopen_sfc.formats.task_schedules import schedule_of
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role, text_sites
-from plcopen_sfc.languages.declarations.kept import kept
+from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
-from plcopen_sfc.languages.networks.graph import without_places
+from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import is_retained
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import standard_block

@@ -14,12 +14,11 @@ from plcopen_sfc.conversion.parts import UNDECLARED_TYPE, Part
 from plcopen_sfc.formats.codesys import codesys_names as codesys
 from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite, text_sites
-from plcopen_sfc.languages.declarations.inheritance import inheritance
-from plcopen_sfc.languages.declarations.kept import kept
-from plcopen_sfc.languages.declarations.names import is_quoted_in_scl
+from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept
+from plcopen_sfc.languages.declarations.type_names import is_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.languages.translation.families import family
+from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.base import Carried, ForeignData
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlock, Pou

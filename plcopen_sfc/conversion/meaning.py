@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.languages.declarations.writing import write_type
+from plcopen_sfc.languages.declarations.declaration_writing import write_type
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, NetworkText, body_statements, normal_form
 from plcopen_sfc.languages.st import nodes as n

@@ -11,7 +11,7 @@ from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptio
 from plcopen_sfc.formats.registry import TIA_FORMAT
 from plcopen_sfc.languages.s7_boxes import translate_boxes
 from plcopen_sfc.languages.s7_results import has_results, name_results
-from plcopen_sfc.languages.translation.families import family
+from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect

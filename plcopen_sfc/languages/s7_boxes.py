@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.graph import is_memory_pin, wires_of
+from plcopen_sfc.languages.networks.network_graph import is_memory_pin, wires_of
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.languages.translation.calls import HALVES
-from plcopen_sfc.languages.translation.functions import is_lacking, translated_truncation
+from plcopen_sfc.languages.translation.call_translation import HALVES
+from plcopen_sfc.languages.translation.function_translation import is_lacking, translated_truncation
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition
 from plcopen_sfc.model.network import Block, BlockVariable, InputPin, LogicNetwork, OutputVariable

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 
-from plcopen_sfc.languages.networks.graph import MEMORY_PINS, is_memory_pin, wires_of
+from plcopen_sfc.languages.networks.network_graph import MEMORY_PINS, is_memory_pin, wires_of
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.network import (

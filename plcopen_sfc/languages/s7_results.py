@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
-from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.network import Block, LogicNetwork

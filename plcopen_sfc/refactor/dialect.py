@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.symbols import inside
-from plcopen_sfc.languages.binding.text_sites import Site, TextKind, TextSite, text_sites
+from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.s7_globals import blocks_of_variables
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
@@ -25,8 +25,8 @@ from plcopen_sfc.languages.translation import (
     is_foreign,
     translate,
 )
-from plcopen_sfc.languages.translation.families import family
-from plcopen_sfc.languages.translation.kept import keep_names, kept_names
+from plcopen_sfc.languages.translation.renames import keep_names, kept_names
+from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model import (
     ActionAssociation,
     Interface,
@@ -89,7 +89,7 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
             text_site.put(result.text)
         found.append(TranslatedText(text_site.report_path, changed, result.notes))
     for text_site in text_sites(project):
-        if text_site.reading is TextKind.DECLARATIONS and not isinstance(text_site.key, int):
+        if text_site.reading is SiteKind.DECLARATIONS and not isinstance(text_site.key, int):
             setattr(text_site.holder, text_site.key, None)
     found += _rename_steps(project, renames, target)
     _rename_declarations(project, renames, target)
@@ -138,7 +138,7 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
         result = _translated(text_site, target, Renames(), project, known)
         is_lost = any(note.severity is not Severity.INFO for note in result.notes)
-        if is_lost or is_foreign(text_site.text, text_site.reading is TextKind.STATEMENTS, project.dialect, target):
+        if is_lost or is_foreign(text_site.text, text_site.reading is SiteKind.STATEMENTS, project.dialect, target):
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
             text_site.put(result.text)
     return found
@@ -205,7 +205,7 @@ def _translated(
         if not expression.problems:
             found = translate(expression, target, context)
             return replace(found, text=f"{found.text};")
-    if text_site.reading is TextKind.STATEMENTS:
+    if text_site.reading is SiteKind.STATEMENTS:
         statements = parse_statements(text_site.text, source)
         # the body of a transition may be a condition
         condition = parse_condition(text_site.text, source) if statements.problems else None

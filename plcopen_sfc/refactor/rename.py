@@ -16,7 +16,7 @@ from plcopen_sfc.errors import Location, ModelError, check_argument
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, Use, the_one
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind
-from plcopen_sfc.languages.binding.text_sites import Role, TextKind, TextSite
+from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st.nodes import Quoting
@@ -194,7 +194,7 @@ def _text_changes(found: list[Occurrence], declaration: Declaration, new: str, d
 
 def _spelt(new: str, reference: Reference, text_site: TextSite, dialect: Dialect) -> str:
     """The new name as it is written in a place: in SCL some need quotes, where it stands in program text."""
-    alone = text_site.reading is TextKind.NAME or reference.role is Role.TYPE
+    alone = text_site.reading is SiteKind.NAME or reference.role is Role.TYPE
     if dialect is not Dialect.SCL or alone or reference.quoting in (Quoting.GLOBAL, Quoting.LOCAL_QUOTED):
         return new
     return f'"{new}"' if needs_quotes(new) else new

@@ -46,9 +46,9 @@ from plcopen_sfc.formats.plcopen.tc6_reading import DataReader
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0, V2_01
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6Dialect
 from plcopen_sfc.formats.xml.xml_codec import XmlStyle
-from plcopen_sfc.languages.declarations.kept import KEPT_DATA
-from plcopen_sfc.languages.embedded_code import embedded_code
+from plcopen_sfc.languages.declarations.kept_texts import KEPT_DATA
 from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.languages.syntax_problems import embedded_code
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project

@@ -36,7 +36,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, attr
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, finish
 from plcopen_sfc.formats.xml.extension_data import legal_text
-from plcopen_sfc.languages.declarations.inheritance import Inheritance, kept_inheritance
+from plcopen_sfc.languages.declarations.kept_texts import Inheritance, kept_inheritance
 from plcopen_sfc.model.base import Carried, Model, UnknownDataRule
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource, Task, TreeNode

@@ -24,7 +24,7 @@ from plcopen_sfc.formats.iectext.drawings_in_pragmas import put_drawing
 from plcopen_sfc.formats.iectext.text_declarations import read_return_type, read_section
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart
 from plcopen_sfc.formats.iectext.text_source import Annotations, TextBlock, TextSource, is_own, newlines, taken, wrapped
-from plcopen_sfc.languages.declarations.inheritance import Inheritance
+from plcopen_sfc.languages.declarations.kept_texts import Inheritance
 from plcopen_sfc.languages.pragmas import Change, Fields
 from plcopen_sfc.model.pou import Pou
 

@@ -11,8 +11,8 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from plcopen_sfc.formats.matiec.matiec_names import matiec_name
-from plcopen_sfc.languages.binding.text_sites import TextKind, TextSite, text_sites
-from plcopen_sfc.languages.declarations.kept import kept
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
+from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform, walk
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -277,7 +277,7 @@ def _use(text_site: TextSite, globals_: _Globals, project: Project) -> None:
         return
     own = frozenset(v.name.casefold() for v in pou.variables()) | frozenset(_steps(pou))
     used = globals_.used.setdefault(pou.name, {})
-    read = parse_statements if text_site.reading is TextKind.STATEMENTS else parse_expression
+    read = parse_statements if text_site.reading is SiteKind.STATEMENTS else parse_expression
     parsed = read(text_site.text, project.dialect)
     if parsed.problems:
         return

@@ -11,7 +11,7 @@ from plcopen_sfc.formats.matiec.matiec_names import give_plain_names, note_undec
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, give_iec_pins
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_instructions, compilable_statements, fit_expressions
 from plcopen_sfc.formats.task_schedules import duration_literal, iec_form, nanoseconds, schedule_of
-from plcopen_sfc.languages.declarations.kept import kept
+from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
-from plcopen_sfc.languages.binding.text_sites import TextKind, TextSite, text_sites
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.il import CALLS
@@ -148,7 +148,7 @@ def fit_expressions(project: Project, report: ConversionReport) -> None:
     for text_site in list(text_sites(project)):
         if not text_site.is_program_text:
             continue
-        parsed = (parse_statements if text_site.reading is TextKind.STATEMENTS else parse_expression)(
+        parsed = (parse_statements if text_site.reading is SiteKind.STATEMENTS else parse_expression)(
             text_site.text, project.dialect
         )
         if parsed.problems:

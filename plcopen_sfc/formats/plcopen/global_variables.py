@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import ADDED_FIELD, TEXTS_FIELD, SourceMarks, added_section, digest
-from plcopen_sfc.languages.binding.text_sites import Site, TextKind, TextSite, text_sites
+from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.s7_globals import is_retained
@@ -30,9 +30,8 @@ from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES
 from plcopen_sfc.languages.start_values import filled
 from plcopen_sfc.languages.translation import NameScope, Renames
-from plcopen_sfc.languages.translation.addresses import translated_address
-from plcopen_sfc.languages.translation.kept import kept_names
-from plcopen_sfc.languages.translation.renames import identifier
+from plcopen_sfc.languages.translation.address_translation import translated_address
+from plcopen_sfc.languages.translation.renames import identifier, kept_names
 from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, TagTable
@@ -371,10 +370,10 @@ class _Unqualifier:
         before = {id(body): body.model_dump(mode="json", exclude_none=True)["networks"] for body in drawn}
         texts = {id(body): body.text for body in bodies if isinstance(body, StBody)}
         for text_site in list(text_sites(self._project)):
-            is_text = text_site.is_program_text or text_site.reading is TextKind.INSTRUCTIONS
+            is_text = text_site.is_program_text or text_site.reading is SiteKind.INSTRUCTIONS
             if not is_text or not self._mentions(text_site.text):
                 continue
-            if text_site.language == "declaration" or text_site.reading is TextKind.INSTRUCTIONS:
+            if text_site.language == "declaration" or text_site.reading is SiteKind.INSTRUCTIONS:
                 self.left.append(text_site.report_path)
             elif (new := self._unqualified(text_site)) != text_site.text:
                 text_site.put(new)
@@ -404,7 +403,7 @@ class _Unqualifier:
                 return node
             return node.name
 
-        if text_site.reading is TextKind.STATEMENTS:
+        if text_site.reading is SiteKind.STATEMENTS:
             statements = parse_statements(text_site.text, Dialect.CODESYS)
             if not statements.problems:
                 return render(statements, transform(statements.tree, change))

@@ -35,7 +35,7 @@ from plcopen_sfc.formats.plcopen.step_rewriting import (
     timed_operands,
 )
 from plcopen_sfc.formats.provenance import is_untouched
-from plcopen_sfc.languages.networks.graph import Graph, is_memory_pin
+from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
 from plcopen_sfc.languages.s7_results import is_void
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody

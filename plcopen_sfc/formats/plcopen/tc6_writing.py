@@ -19,7 +19,7 @@ from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.tc6_reading import FIELDS_DATA, NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML, Tc6Version
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, Markup, add_markup, fields_left, legal_text, markup_of
-from plcopen_sfc.languages.declarations.kept import kept
+from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.project import Project

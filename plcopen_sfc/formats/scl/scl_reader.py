@@ -19,10 +19,10 @@ from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values
 from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, numbered
 from plcopen_sfc.languages.declarations import Declared, Found, Head, Unit, read_declarations, split_units
-from plcopen_sfc.languages.declarations.comments import said
-from plcopen_sfc.languages.declarations.kept import keep, kept
-from plcopen_sfc.languages.declarations.names import is_unit_quoted_in_scl
-from plcopen_sfc.languages.declarations.writing import section_head, write_value
+from plcopen_sfc.languages.declarations.declaration_comments import said
+from plcopen_sfc.languages.declarations.declaration_writing import section_head, write_value
+from plcopen_sfc.languages.declarations.kept_texts import keep, kept
+from plcopen_sfc.languages.declarations.type_names import is_unit_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import (
     Change,

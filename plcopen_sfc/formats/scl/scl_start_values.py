@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcopen_sfc.languages.declarations import write_value
-from plcopen_sfc.languages.declarations.names import is_identifier
+from plcopen_sfc.languages.declarations.type_names import is_identifier
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.s7_types import number_of
 from plcopen_sfc.languages.st import nodes as n

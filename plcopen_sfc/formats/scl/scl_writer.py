@@ -19,10 +19,10 @@ from plcopen_sfc.languages.declarations import (
     write_type,
     write_variable,
 )
-from plcopen_sfc.languages.declarations.comments import LINE_END, comment_lines
-from plcopen_sfc.languages.declarations.kept import keep, kept
-from plcopen_sfc.languages.declarations.names import SECTION_KEYWORDS, is_unit_quoted_in_scl
-from plcopen_sfc.languages.declarations.writing import indent_of, section_head, section_rest, write_value
+from plcopen_sfc.languages.declarations.declaration_comments import LINE_END, comment_lines
+from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, section_rest, write_value
+from plcopen_sfc.languages.declarations.kept_texts import keep, kept
+from plcopen_sfc.languages.declarations.type_names import SECTION_KEYWORDS, is_unit_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.pragmas import Change, changes, plain_fields

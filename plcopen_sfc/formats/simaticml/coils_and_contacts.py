@@ -13,7 +13,7 @@ from plcopen_sfc.formats.simaticml.conditional_bits import BOOLEAN, keep_bits_by
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
 from plcopen_sfc.formats.simaticml.network_boxes import RESULTS
 from plcopen_sfc.formats.simaticml.network_operands import literal_type, parse_operand
-from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition

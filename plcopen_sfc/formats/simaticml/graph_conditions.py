@@ -25,9 +25,9 @@ from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, condition_d
 from plcopen_sfc.formats.simaticml.tia_adaptation import mark_constants, network_text, user_constants
 from plcopen_sfc.formats.xml.extension_data import Markup, markup_of
 from plcopen_sfc.languages.networks import NetworkExpression
-from plcopen_sfc.languages.networks.drawing import draw_fbd_expression, draw_ld_expression
-from plcopen_sfc.languages.networks.graph import wires_of
-from plcopen_sfc.languages.networks.rules import DrawingRules
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
+from plcopen_sfc.languages.networks.network_drawing import draw_fbd_expression, draw_ld_expression
+from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.printing import print_node

@@ -13,9 +13,9 @@ from typing import Any
 
 from plcopen_sfc.formats.simaticml.added_elements import RETURN
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
-from plcopen_sfc.languages.binding.text_sites import TextKind, TextSite, text_sites
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_results import RESULT
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_statements, render, transform, walk
 from plcopen_sfc.languages.st import nodes as n
@@ -164,7 +164,7 @@ def _name(instance: str | None) -> str:
 
 
 def _parsed(text_site: TextSite, dialect: Dialect) -> Parsed[Any]:
-    if text_site.reading is TextKind.STATEMENTS:
+    if text_site.reading is SiteKind.STATEMENTS:
         return parse_statements(text_site.text, dialect)
     return parse_condition(text_site.text, dialect)
 

@@ -12,7 +12,7 @@ from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, references
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind
-from plcopen_sfc.languages.binding.text_sites import TextKind, TextSite, text_sites_in
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites_in
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il import CALLS, JUMPS, STORING, instructions
 from plcopen_sfc.languages.networks import Helper, body_statements, chart_statements, condition_reader
@@ -266,9 +266,9 @@ class BoundText:
         text_site = self.text_site
         if isinstance(text_site.holder, StBody | IlBody):
             return bind(text_site.holder, self.dialect).trees
-        if text_site.reading is TextKind.STATEMENTS:
+        if text_site.reading is SiteKind.STATEMENTS:
             return parse_statements(text_site.text, self.dialect).tree.statements
-        return (parse_condition(text_site.text, self.dialect).tree,) if text_site.reading is TextKind.EXPRESSION else ()
+        return (parse_condition(text_site.text, self.dialect).tree,) if text_site.reading is SiteKind.EXPRESSION else ()
 
     @cached_property
     def uses(self) -> Sequence[Reference]:

@@ -19,7 +19,7 @@ from plcopen_sfc.languages.binding.symbols import (
     variables_of,
 )
 from plcopen_sfc.languages.binding.text_sites import Site, TextSite
-from plcopen_sfc.languages.declarations.inheritance import inheritance
+from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody

@@ -11,7 +11,7 @@ from plcopen_sfc.languages.binding.declaration_sites import in_declarations, in_
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_sites import Reference, in_expression, in_instructions, in_statements, unread
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level, Meaning
-from plcopen_sfc.languages.binding.text_sites import Role, Site, TextKind, TextSite, text_sites
+from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.nodes import Span
@@ -41,17 +41,17 @@ class Use:
 def references(text_site: TextSite, dialect: Dialect) -> Iterator[Reference]:
     """Every name in the text of a text site."""
     text = text_site.text
-    if text_site.reading is TextKind.STATEMENTS:
+    if text_site.reading is SiteKind.STATEMENTS:
         yield from in_statements(text, dialect)
-    elif text_site.reading is TextKind.EXPRESSION:
+    elif text_site.reading is SiteKind.EXPRESSION:
         yield from in_expression(text, text_site.role, dialect)
-    elif text_site.reading is TextKind.INSTRUCTIONS:
+    elif text_site.reading is SiteKind.INSTRUCTIONS:
         yield from in_instructions(text, dialect)
-    elif text_site.reading is TextKind.DECLARATIONS:
+    elif text_site.reading is SiteKind.DECLARATIONS:
         yield from in_declarations(text, dialect)
-    elif text_site.reading is TextKind.REPEATED:
+    elif text_site.reading is SiteKind.REPEATED:
         yield from in_repeated_list(text, dialect)
-    elif text_site.reading is TextKind.NAME:
+    elif text_site.reading is SiteKind.NAME:
         yield Reference(text, (0, len(text)), text_site.role)
     else:
         yield from unread(text, 0, "it stands in data that only another tool reads")
@@ -92,7 +92,7 @@ class Occurrence:
             return declaration in meaning.candidates
         if self.reference.callee is not None:
             return declaration.kind in (Kind.VARIABLE, Kind.MEMBER)
-        return declaration.kind is not Kind.TRANSITION or self.text_site.reading is TextKind.FOREIGN
+        return declaration.kind is not Kind.TRANSITION or self.text_site.reading is SiteKind.FOREIGN
 
 
 class Names:

@@ -34,7 +34,7 @@ from plcopen_sfc.model.project import (
 from plcopen_sfc.model.variables import AccessVariable, ConfigVariable, Interface, VariableSection
 
 
-class TextKind(StrEnum):
+class SiteKind(StrEnum):
     """How a text is read."""
 
     STATEMENTS = "statements"
@@ -94,7 +94,7 @@ class TextSite:
 
     holder: Any
     key: str | int
-    reading: TextKind
+    reading: SiteKind
     role: Role
     site: Site
     path: str
@@ -105,10 +105,10 @@ class TextSite:
     @property
     def is_program_text(self) -> bool:
         """Whether it is an expression or statements, rather than a bare name, a type or the cycle of a task."""
-        if self.reading is TextKind.STATEMENTS:
+        if self.reading is SiteKind.STATEMENTS:
             return True
         plain = self.key == "type_name" or isinstance(self.holder, Task | TaskSettings)
-        return self.reading is TextKind.EXPRESSION and self.role in (Role.VALUE, Role.ACTION) and not plain
+        return self.reading is SiteKind.EXPRESSION and self.role in (Role.VALUE, Role.ACTION) and not plain
 
     @property
     def text(self) -> str:
@@ -124,22 +124,22 @@ class TextSite:
             setattr(self.holder, self.key, text)
 
 
-_STATEMENTS = (TextKind.STATEMENTS, Role.VALUE)
-_EXPRESSION = (TextKind.EXPRESSION, Role.VALUE)
-_ACTION = (TextKind.EXPRESSION, Role.ACTION)
-_TYPE = (TextKind.EXPRESSION, Role.TYPE)
-_DECLARATIONS = (TextKind.DECLARATIONS, Role.VALUE)
-_FOREIGN = (TextKind.FOREIGN, Role.VALUE)
-_STEP = (TextKind.NAME, Role.STEP)
+_STATEMENTS = (SiteKind.STATEMENTS, Role.VALUE)
+_EXPRESSION = (SiteKind.EXPRESSION, Role.VALUE)
+_ACTION = (SiteKind.EXPRESSION, Role.ACTION)
+_TYPE = (SiteKind.EXPRESSION, Role.TYPE)
+_DECLARATIONS = (SiteKind.DECLARATIONS, Role.VALUE)
+_FOREIGN = (SiteKind.FOREIGN, Role.VALUE)
+_STEP = (SiteKind.NAME, Role.STEP)
 
-NAMING: dict[type[Model], dict[str, tuple[TextKind, Role]]] = {
+NAMING: dict[type[Model], dict[str, tuple[SiteKind, Role]]] = {
     b.StBody: {"text": _STATEMENTS},
-    b.IlBody: {"text": (TextKind.INSTRUCTIONS, Role.VALUE)},
+    b.IlBody: {"text": (SiteKind.INSTRUCTIONS, Role.VALUE)},
     b.OpaqueBody: {"content": _FOREIGN},
     Carried: {"elements": _FOREIGN},
     ForeignData: {"content": _FOREIGN},
     Expression: {"text": _EXPRESSION},
-    NamedCondition: {"name": (TextKind.EXPRESSION, Role.TRANSITION)},
+    NamedCondition: {"name": (SiteKind.EXPRESSION, Role.TRANSITION)},
     ActionAssociation: {"target": _ACTION, "value": _EXPRESSION, "duration": _EXPRESSION, "indicator": _EXPRESSION},
     s.Step: {
         "entry_action": _ACTION,
@@ -152,9 +152,9 @@ NAMING: dict[type[Model], dict[str, tuple[TextKind, Role]]] = {
     s.Enclosure: {"activated_steps": _STEP},
     s.PartialChart: {"entry_step": _STEP, "exit_step": _STEP},
     ForcingOrder: {"steps": _STEP},
-    n.Block: {"type_name": (TextKind.EXPRESSION, Role.ACTION), "instance": _EXPRESSION, "code": _STATEMENTS},
-    n.BlockVariable: {"name": (TextKind.NAME, Role.PARAMETER)},
-    n.Connection: {"pin": (TextKind.NAME, Role.PARAMETER)},
+    n.Block: {"type_name": (SiteKind.EXPRESSION, Role.ACTION), "instance": _EXPRESSION, "code": _STATEMENTS},
+    n.BlockVariable: {"name": (SiteKind.NAME, Role.PARAMETER)},
+    n.Connection: {"pin": (SiteKind.NAME, Role.PARAMETER)},
     n.InputPin: {"expression": _EXPRESSION},
     n.OutputPin: {"expression": _EXPRESSION},
     n.InputVariable: {"expression": _EXPRESSION},
@@ -168,7 +168,7 @@ NAMING: dict[type[Model], dict[str, tuple[TextKind, Role]]] = {
     t.EnumValue: {"value": _EXPRESSION},
     t.SimpleValue: {"text": _EXPRESSION},
     t.RepeatedValue: {"repetitions": _EXPRESSION},
-    t.MemberValue: {"member": (TextKind.NAME, Role.MEMBER)},
+    t.MemberValue: {"member": (SiteKind.NAME, Role.MEMBER)},
     t.DataTypeDeclaration: {"declaration": _DECLARATIONS},
     Interface: {"declaration": _DECLARATIONS},
     VariableSection: {"declaration": _DECLARATIONS},
@@ -179,7 +179,7 @@ NAMING: dict[type[Model], dict[str, tuple[TextKind, Role]]] = {
     TaskSettings: {"interval": _EXPRESSION, "event": _EXPRESSION},
     DataBlock: {"type_name": _TYPE},
     PouInstance: {"name": _TYPE, "type_name": _TYPE},
-    TreeNode: {"name": (TextKind.NAME, Role.OBJECT)},
+    TreeNode: {"name": (SiteKind.NAME, Role.OBJECT)},
 }
 """The fields that hold names, and how they are read."""
 
@@ -288,7 +288,7 @@ def _fields(thing: Model, where: _Where) -> Iterator[TextSite]:
                     yield from _named(value, index, naming[key], where)
 
 
-def _named(holder: Any, key: str | int, how: tuple[TextKind, Role], where: _Where) -> Iterator[TextSite]:
+def _named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _Where) -> Iterator[TextSite]:
     reading, role = how
     owner = where.owner
     if isinstance(holder, n.Connection):
@@ -296,7 +296,7 @@ def _named(holder: Any, key: str | int, how: tuple[TextKind, Role], where: _Wher
         if not isinstance(owner, n.Block | n.VendorElement):
             return
     elif isinstance(holder, ForeignData) and isinstance(owner, VariableSection) and holder.name.endswith(_PARTS):
-        reading = TextKind.REPEATED
+        reading = SiteKind.REPEATED
     elif isinstance(holder, PouInstance) and key == "name" and holder.type_name:
         return  # a name of its own
     elif isinstance(holder, TreeNode):

@@ -1,8 +1,13 @@
 """Declarations: from text to the model and back, in every dialect."""
 
-from plcopen_sfc.languages.declarations.reading import Declared, Found, Head, read_declarations, read_interface
-from plcopen_sfc.languages.declarations.units import Unit, Units, split_units
-from plcopen_sfc.languages.declarations.writing import (
+from plcopen_sfc.languages.declarations.declaration_reading import (
+    Declared,
+    Found,
+    Head,
+    read_declarations,
+    read_interface,
+)
+from plcopen_sfc.languages.declarations.declaration_writing import (
     write_access_section,
     write_config_section,
     write_data_type,
@@ -12,6 +17,7 @@ from plcopen_sfc.languages.declarations.writing import (
     write_value,
     write_variable,
 )
+from plcopen_sfc.languages.declarations.declared_units import Unit, Units, split_units
 
 __all__ = [
     "Declared",

@@ -5,13 +5,14 @@ a transition and `chart_statements` the rest of the logic drawn in a chart. `dra
 `draw_fbd_expression` and `draw_ld_expression` an expression. `normal_form` is what stays the same there and back.
 """
 
-from plcopen_sfc.languages.networks.conditions import (
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
+from plcopen_sfc.languages.networks.drawn_conditions import (
     chart_statements,
     condition_expression,
     condition_reader,
     kept_conditions,
 )
-from plcopen_sfc.languages.networks.drawing import (
+from plcopen_sfc.languages.networks.network_drawing import (
     DrawnExpression,
     DrawnFbd,
     DrawnLd,
@@ -20,8 +21,8 @@ from plcopen_sfc.languages.networks.drawing import (
     draw_ld,
     draw_ld_expression,
 )
+from plcopen_sfc.languages.networks.network_reading import body_statements, network_expression, network_statements
 from plcopen_sfc.languages.networks.normal_form import normal_form
-from plcopen_sfc.languages.networks.reading import body_statements, network_expression, network_statements
 from plcopen_sfc.languages.networks.results import (
     Helper,
     NetworkExpression,
@@ -29,7 +30,6 @@ from plcopen_sfc.languages.networks.results import (
     NetworkStatements,
     NetworkText,
 )
-from plcopen_sfc.languages.networks.rules import DrawingRules, declared_rules
 
 __all__ = [
     "DrawingRules",

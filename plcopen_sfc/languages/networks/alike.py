@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.reading import network_statements
+from plcopen_sfc.languages.networks.network_reading import network_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import FbdBody, LdBody

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.graph import (
+from plcopen_sfc.languages.networks.network_graph import (
     EDGE_COILS,
     EDGE_CONTACTS,
     EDGES,

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.drawable import by_name, constant_of, is_harmless, is_power
-from plcopen_sfc.languages.networks.graph import MEMORY_PINS
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, by_name, constant_of, is_harmless, is_power
+from plcopen_sfc.languages.networks.network_graph import MEMORY_PINS
 from plcopen_sfc.languages.networks.pictures import (
     GRID,
     ROW,
@@ -25,7 +25,6 @@ from plcopen_sfc.languages.networks.pictures import (
     text_width,
 )
 from plcopen_sfc.languages.networks.results import NetworkProblem
-from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.networks.values import TRUE, joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.effects import Path, is_impure, is_repeatable, path_of, reads

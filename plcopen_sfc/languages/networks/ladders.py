@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.languages.networks.drafting import Drafter
-from plcopen_sfc.languages.networks.drawable import is_boolean_result
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, is_boolean_result
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.pictures import (
     GRID,
@@ -20,7 +20,6 @@ from plcopen_sfc.languages.networks.pictures import (
     placed,
     text_width,
 )
-from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.networks.values import TRUE, is_true, joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.effects import is_repeatable, is_variable, path_of

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from plcopen_sfc.languages.networks.graph import wires_of
-from plcopen_sfc.languages.networks.numbering import apart
+from plcopen_sfc.languages.networks.network_graph import apart, wires_of
 from plcopen_sfc.languages.networks.pictures import ROW, text_width
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.network import (

@@ -11,7 +11,7 @@ from functools import lru_cache
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.graph import Graph, Source
+from plcopen_sfc.languages.networks.network_graph import Graph, Source
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
 from plcopen_sfc.languages.networks.values import Factor, Product, expression_of

@@ -1,9 +1,7 @@
 """Translation of structured text between dialects."""
 
-from plcopen_sfc.languages.translation.context import StepNotation, StepReferences, TranslationContext
-from plcopen_sfc.languages.translation.notes import Note
 from plcopen_sfc.languages.translation.renames import NameScope, Rename, Renames
-from plcopen_sfc.languages.translation.translate import (
+from plcopen_sfc.languages.translation.text_translation import (
     TextKind,
     Translated,
     is_foreign,
@@ -11,6 +9,7 @@ from plcopen_sfc.languages.translation.translate import (
     translate_text,
     translate_tree,
 )
+from plcopen_sfc.languages.translation.translation_context import Note, StepNotation, StepReferences, TranslationContext
 
 __all__ = [
     "NameScope",

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.languages.networks.numbering import apart
+from plcopen_sfc.languages.networks.network_graph import apart
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression

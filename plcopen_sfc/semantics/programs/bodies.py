@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import Location, SimulationError
-from plcopen_sfc.languages.declarations.names import is_identifier
+from plcopen_sfc.languages.declarations.type_names import is_identifier
 from plcopen_sfc.languages.networks import body_statements, chart_statements, condition_expression
 from plcopen_sfc.languages.networks.results import NetworkText
 from plcopen_sfc.languages.st import Parsed, parse_expression, parse_statements

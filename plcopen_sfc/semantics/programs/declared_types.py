@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.declarations import read_declarations
-from plcopen_sfc.languages.declarations.kept import kept
+from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model import types as m

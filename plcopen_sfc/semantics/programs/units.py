@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.binding.symbols import Kind
-from plcopen_sfc.languages.declarations.kept import kept
+from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.model import types as m
 from plcopen_sfc.model.body import Body, OpaqueBody, SfcBody
 from plcopen_sfc.model.pou import Method, Pou, PouKind

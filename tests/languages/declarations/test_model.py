@@ -18,7 +18,7 @@ from plcopen_sfc.languages.declarations import (
     write_section,
     write_value,
 )
-from plcopen_sfc.languages.declarations.names import is_identifier
+from plcopen_sfc.languages.declarations.type_names import is_identifier
 from plcopen_sfc.languages.dialects import Dialect
 from tests import strategies as random_model
 

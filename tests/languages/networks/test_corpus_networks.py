@@ -13,12 +13,12 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.conditions import chart_statements, condition_expression
-from plcopen_sfc.languages.networks.drawing import draw_fbd, draw_ld
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
+from plcopen_sfc.languages.networks.drawn_conditions import chart_statements, condition_expression
+from plcopen_sfc.languages.networks.network_drawing import draw_fbd, draw_ld
+from plcopen_sfc.languages.networks.network_reading import body_statements
 from plcopen_sfc.languages.networks.normal_form import normal_form
-from plcopen_sfc.languages.networks.reading import body_statements
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkStatements
-from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.model import (
     Body,

@@ -10,16 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.drawing import (
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
+from plcopen_sfc.languages.networks.network_drawing import (
     DrawnExpression,
     draw_fbd,
     draw_fbd_expression,
     draw_ld,
     draw_ld_expression,
 )
+from plcopen_sfc.languages.networks.network_reading import body_statements, network_expression
 from plcopen_sfc.languages.networks.normal_form import normal_form
-from plcopen_sfc.languages.networks.reading import body_statements, network_expression
-from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.networks.values import inverted
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.drawing import draw_fbd, draw_ld
-from plcopen_sfc.languages.networks.rules import DrawingRules
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
+from plcopen_sfc.languages.networks.network_drawing import draw_fbd, draw_ld
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.model.network import (
     Block,

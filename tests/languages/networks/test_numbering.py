@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcopen_sfc.languages.networks.reading import network_statements
+from plcopen_sfc.languages.networks.network_reading import network_statements
 from plcopen_sfc.model import LogicNetwork
 from tests.languages.networks.build import coil, contact, lines, rail, said
 

@@ -16,16 +16,14 @@ from plcopen_sfc.languages.st.parsing import Parsed, parse_condition, parse_expr
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.rendering import render, tree_edits
 from plcopen_sfc.languages.st.walking import transform, walk
-from plcopen_sfc.languages.translation.comments import (
+from plcopen_sfc.languages.translation.comment_translation import (
     holds_regions,
     region_edits,
     translated_comment,
     with_translated_comments,
 )
-from plcopen_sfc.languages.translation.context import TranslationContext
-from plcopen_sfc.languages.translation.families import TITLES, family
-from plcopen_sfc.languages.translation.notes import Note, Notes
-from plcopen_sfc.languages.translation.trees import TreeTranslator, split_chains
+from plcopen_sfc.languages.translation.translation_context import TITLES, Note, Notes, TranslationContext, family
+from plcopen_sfc.languages.translation.tree_translation import TreeTranslator, split_chains
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,17 +1,38 @@
-"""What a POU extends and implements: kept at its interface, or in the text of its declaration."""
+"""Declarations that one dialect has and another keeps in its extension data; what a POU extends and implements."""
 
 from __future__ import annotations
 
+import re
 from typing import NamedTuple
+from xml.sax.saxutils import escape, unescape
 
-from plcopen_sfc.languages.declarations.kept import keep, kept
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.declaration_nodes import PouHead
 from plcopen_sfc.languages.st.parsing import parse_declarations
 from plcopen_sfc.languages.st.printing import print_node
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import Carried, ForeignData
 from plcopen_sfc.model.variables import Interface
+
+KEPT_DATA = "urn:plcopen-sfc:declaration"
+_ENTRY = re.compile(r"<(?P<name>\w+)>(?P<text>[^<]*)</(?P=name)>")
+
+
+def keep(texts: dict[str, str]) -> Carried | None:
+    """Foreign data that holds `texts`; None if there are none."""
+    if not texts:
+        return None
+    entries = "".join(f"<{name}>{escape(text)}</{name}>" for name, text in texts.items())
+    content = f'<declaration xmlns="{KEPT_DATA}">{entries}</declaration>'
+    return Carried(data=[ForeignData(name=KEPT_DATA, content=content)])
+
+
+def kept(carried: Carried | None) -> dict[str, str]:
+    """The texts that `keep` put there."""
+    if carried is None:
+        return {}
+    entries = (entry for data in carried.data if data.name == KEPT_DATA for entry in _ENTRY.finditer(data.content))
+    return {entry["name"]: unescape(entry["text"]) for entry in entries}
 
 
 class Inheritance(NamedTuple):

@@ -11,8 +11,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Argument, Expression, Operator
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
-from plcopen_sfc.languages.translation.families import TITLES
-from plcopen_sfc.languages.translation.functions import (
+from plcopen_sfc.languages.translation.function_translation import (
     ONLY_CODESYS,
     S7_TIMERS_AND_COUNTERS,
     block_of_type,
@@ -20,8 +19,8 @@ from plcopen_sfc.languages.translation.functions import (
     operator_of,
     translated_truncation,
 )
-from plcopen_sfc.languages.translation.names import NameTranslator
-from plcopen_sfc.languages.translation.notes import Notes
+from plcopen_sfc.languages.translation.name_translation import NameTranslator
+from plcopen_sfc.languages.translation.translation_context import TITLES, Notes
 
 _COMPARISONS = frozenset({"GT", "GE", "EQ", "LE", "LT"})
 _CODESYS_PINS = frozenset({"SET", "SET1", "RESET", "RESET1", "LOAD"})

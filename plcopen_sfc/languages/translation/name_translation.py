@@ -9,10 +9,8 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Quoting
 from plcopen_sfc.languages.st.walking import walk
-from plcopen_sfc.languages.translation.context import TranslationContext
-from plcopen_sfc.languages.translation.families import TITLES
-from plcopen_sfc.languages.translation.notes import Notes
 from plcopen_sfc.languages.translation.renames import NameScope
+from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, TranslationContext
 from plcopen_sfc.languages.words import needs_quotes
 
 _OF_THE_LANGUAGE = frozenset({"EN", "ENO"})

@@ -6,10 +6,9 @@ lose it reads the text back and compares.
 
 from __future__ import annotations
 
-from plcopen_sfc.languages.declarations.attributes import write_attributes
-from plcopen_sfc.languages.declarations.comments import comment_lines
-from plcopen_sfc.languages.declarations.kept import kept
-from plcopen_sfc.languages.declarations.names import (
+from plcopen_sfc.languages.declarations.declaration_comments import comment_lines, write_attributes
+from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.declarations.type_names import (
     SECTION_KEYWORDS,
     is_quoted_in_scl,
     written_elementary,

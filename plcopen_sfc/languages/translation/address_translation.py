@@ -6,7 +6,7 @@ import re
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.translation.notes import Outcome
+from plcopen_sfc.languages.translation.translation_context import Outcome
 
 _ADDRESS = re.compile(r"%([IQMEA])([XBWD]?)(\d+(?:\.\d+)*)", re.IGNORECASE)
 _ENGLISH = {"E": "I", "A": "Q"}

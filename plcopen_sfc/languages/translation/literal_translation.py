@@ -15,8 +15,7 @@ from plcopen_sfc.languages.st.literals import (
     literal_value,
     time_literal,
 )
-from plcopen_sfc.languages.translation.families import TITLES
-from plcopen_sfc.languages.translation.notes import Outcome
+from plcopen_sfc.languages.translation.translation_context import TITLES, Outcome
 
 _SHORT = {"BYTE": "B", "WORD": "W", "DWORD": "DW"}
 _LACKING = {

@@ -13,8 +13,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.languages.st.parsing import Parsed
 from plcopen_sfc.languages.st.walking import walk
-from plcopen_sfc.languages.translation.families import TITLES
-from plcopen_sfc.languages.translation.notes import Outcome
+from plcopen_sfc.languages.translation.translation_context import TITLES, Outcome
 
 _CARRIED = re.compile(r"\(\*pragma (\{[^}]*\})\*\)")
 _REGION = re.compile(r"""\{\s*region\s*(?:\(?\s*(?:'([^\r\n]*)'|"([^\r\n]*)")\s*\)?\s*)?\}""", re.IGNORECASE)

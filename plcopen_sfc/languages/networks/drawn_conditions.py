@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.reading import NetworkReader, body_statements, reader_of_chart
+from plcopen_sfc.languages.networks.network_reading import NetworkReader, body_statements, reader_of_chart
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
 from plcopen_sfc.languages.networks.values import inverted
 from plcopen_sfc.languages.st import nodes as n

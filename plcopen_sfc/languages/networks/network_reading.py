@@ -10,8 +10,7 @@ from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.blocks import BlockReader
-from plcopen_sfc.languages.networks.graph import Graph, Source, block_outputs, is_fed
-from plcopen_sfc.languages.networks.numbering import apart
+from plcopen_sfc.languages.networks.network_graph import Graph, Source, apart, block_outputs, is_fed
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
 from plcopen_sfc.languages.networks.values import TRUE, Factor, Product, expression_of, inverted, meeting
 from plcopen_sfc.languages.networks.wires import Wires

@@ -6,10 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.languages.declarations.attributes import read_attributes
-from plcopen_sfc.languages.declarations.comments import Comments, pragmas, said
-from plcopen_sfc.languages.declarations.kept import keep
-from plcopen_sfc.languages.declarations.names import ELEMENTARY, SECTIONS, UNSIGNED, bare_name, is_quoted_in_scl
+from plcopen_sfc.languages.declarations.declaration_comments import Comments, pragmas, read_attributes, said
+from plcopen_sfc.languages.declarations.kept_texts import keep
+from plcopen_sfc.languages.declarations.type_names import ELEMENTARY, SECTIONS, UNSIGNED, bare_name, is_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st import declaration_nodes as d

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.languages.networks.drafting import Drafter, Rung
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
 from plcopen_sfc.languages.networks.ladders import LadderDrafter
 from plcopen_sfc.languages.networks.results import NetworkProblem
-from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.network import Connection, Label, LogicNetwork, Node

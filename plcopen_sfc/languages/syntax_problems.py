@@ -1,0 +1,108 @@
+"""Texts that cannot be read as they are: syntax errors with their places in the file, and code in C."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import Location
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st import Parsed, parse_condition, parse_declarations, parse_expression, parse_statements
+from plcopen_sfc.languages.st.nodes import EmbeddedCode
+from plcopen_sfc.languages.st.walking import walk
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.project import Project
+
+_ESCAPED = {
+    "<": "(?:&lt;|<)",
+    ">": "(?:&gt;|>)",
+    "&": "(?:&amp;|&)",
+    '"': '(?:&quot;|"|&#34;)',
+    "'": "(?:&apos;|'|&#39;)",
+    "\t": "(?:\t|&#x?9;)",
+    "\n": "(?:\r\n|\r|\n|&#10;|&#x[Aa];)",
+    "\r": "(?:\r|&#13;|&#x[Dd];|)",
+}
+
+
+class TextFinder:
+    """Finds texts in `content`, the text of a file: XML, or one in which they stand as they are.
+
+    In XML a text fills an element or an attribute; elsewhere it may be a part of anything.
+
+    The same text asked for again is looked for behind the place where it was found before, so that asking in the order
+    of the file finds each where it stands.
+    """
+
+    def __init__(self, content: str, *, xml: bool) -> None:
+        self._content = content
+        self._around = (r"""(?<=[>"'\[])\s*""", r"""(?=\s*[<"'\]])""") if xml else ("", "")
+        self._lines = Lines(content)
+        self._found: dict[str, int] = {}
+
+    def places(self, text: str, offsets: Sequence[int]) -> list[tuple[int, int]] | None:
+        """Line and column in the file of what stands at each of `offsets` in `text`; None if the text is not found."""
+        before, after = self._around
+        found = re.compile(f"{before}({_pattern(text)}){after}").search(self._content, self._found.get(text, 0))
+        if found is None:
+            return None
+        self._found[text] = found.end()
+        return [self._lines.place(self._end_of(text[:offset], found.start(1))) for offset in offsets]
+
+    def _end_of(self, part: str, start: int) -> int:
+        found = re.compile(_pattern(part)).match(self._content, start)
+        return found.end() if found is not None else start
+
+
+def _pattern(text: str) -> str:
+    return "".join(_ESCAPED.get(character) or re.escape(character) for character in text.replace("\r\n", "\n"))
+
+
+def embedded_code(project: Project) -> Iterator[str]:
+    """Yield the path of each text that has code in C among its statements."""
+    for text_site in text_sites(project):
+        if text_site.reading is SiteKind.STATEMENTS and "{{" in text_site.text:
+            tree = parse_statements(text_site.text, project.dialect).tree
+            if any(isinstance(node, EmbeddedCode) for node in walk(tree)):
+                yield text_site.report_path
+
+
+def syntax_problems(project: Project, *, file: str | None = None, finder: TextFinder | None = None) -> list[Diagnostic]:
+    """Every syntax error, with its line and column in its text and, with a `finder`, in the file as well."""
+    found: list[Diagnostic] = []
+    for text_site, parsed in _parsed(project):
+        if not parsed.problems:
+            continue
+        offsets = [problem.span[0] for problem in parsed.problems]
+        places = finder.places(text_site.text, offsets) if finder is not None else None
+        for index, problem in enumerate(parsed.problems):
+            line, column = parsed.place(offsets[index])
+            file_line, file_column = places[index] if places is not None else (None, None)
+            where = f"{text_site.path}, line {line}, column {column}"
+            location = Location(file, file_line, file_column, where)
+            found.append(Diagnostic("LNG101", Severity.ERROR, problem.message, location))
+    return found
+
+
+def _parsed(project: Project) -> Iterator[tuple[TextSite, Parsed[Any]]]:
+    for text_site in text_sites(project):
+        if text_site.reading is SiteKind.STATEMENTS:
+            yield text_site, _statements(text_site.text, project.dialect)
+        elif text_site.is_program_text:
+            parse = parse_condition if isinstance(text_site.holder, Expression) else parse_expression
+            yield text_site, parse(text_site.text, project.dialect)
+        elif text_site.reading is SiteKind.DECLARATIONS:
+            yield text_site, parse_declarations(text_site.text, project.dialect)
+
+
+def _statements(text: str, dialect: Dialect) -> Parsed[Any]:
+    """Statements, or the condition that the body of a transition may be."""
+    parsed = parse_statements(text, dialect)
+    if not parsed.problems:
+        return parsed
+    condition = parse_condition(text, dialect)
+    return parsed if condition.problems else condition
