@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 def read_document(data: bytes, *, format: str | None, path: str | None, as_tool: bool = False) -> Project:
-    """The project in the bytes of one file. `path` is what messages call them. Raises `FormatError`.
+    """Return the project in the bytes of one file. `path` is what messages call them. Raises `FormatError`.
 
     `as_tool`: as the tool of the format sees it. See `as_tool_sees`.
     """
@@ -55,7 +55,7 @@ def read_document(data: bytes, *, format: str | None, path: str | None, as_tool:
 
 
 def as_tool_sees(data: bytes, kind: Format, path: str | None = None) -> bytes:
-    """A file of the format `kind` without what writers of this package carry in it, which no other tool reads.
+    """Return a file of the format `kind` without what writers of this package carry in it, which no other tool reads.
 
     Data of vendors stays, as their tools read it. What else is there stays in its line.
     """
@@ -63,7 +63,7 @@ def as_tool_sees(data: bytes, kind: Format, path: str | None = None) -> bytes:
 
 
 def fingerprint(project: Project) -> bytes:
-    """A digest of everything in the model, to tell whether it was edited since it was read."""
+    """Return a digest of everything in the model, to tell whether it was edited since it was read."""
     with collector_paused():
         content = project.__pydantic_serializer__.to_json(project, exclude_none=True, exclude=set(Project.OBJECTS))
         digest = hashlib.blake2b(content)
@@ -75,7 +75,7 @@ def fingerprint(project: Project) -> bytes:
 def encode(
     project: Project, name: str, *, flavour: str, fresh: bool, limit: float = 0
 ) -> tuple[bytes, ConversionReport]:
-    """The bytes of `project` in the format `name` (``simaticml-V16``), and what became of each item.
+    """Return the bytes of `project` in the format `name` (``simaticml-V16``), and what became of each item.
 
     `limit`: for so many seconds the charts are run in both tools.
     """
@@ -126,7 +126,7 @@ def encode(
 
 
 def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
-    """The paths in the source of what has another name in the `copy` that was written."""
+    """Return the paths in the source of what has another name in the `copy` that was written."""
     called = {new.report_path: old.report_path for old, new in zip(project.pous, copy.pous, strict=True)}
     pairs = [
         (old, new)
@@ -176,7 +176,7 @@ def locate_in_folder(project: Project, report: ConversionReport, called: Mapping
 
 
 def normalized(data: bytes, name: str) -> bytes:
-    """A file in the format `name` without what its tool ignores. Raises `UnknownFormatError`: there is nothing."""
+    """Return a file in the format `name` without what its tool ignores; `UnknownFormatError`: that is nothing."""
     kind = format_named(name)[0]
     result = kind.codec().normalize(data)
     if result is None:
@@ -220,9 +220,9 @@ _NAMED = 3
 
 
 def verify(project: Project, kind: Format, back: Project, report: ConversionReport) -> None:
-    """Compare what was written with what is read `back`: what does not come back is lost, whatever the writer says.
+    """Compare what was written with what is read `back`: what does not come back is lost, whatever was reported.
 
-    Networks are compared by what they say where the format draws them in its own way. `back` is changed by that.
+    Networks are compared by their meaning where the format draws them in its own way. `back` is changed by that.
     """
     if not kind.positions:
         from plcopen_sfc.languages.networks.alike import take_over_drawings  # noqa: PLC0415  # brings the parser
@@ -242,7 +242,7 @@ def _short(value: object) -> str:
 
 
 def _shown(value: object) -> str:
-    """A value of the model in words: the names and texts in it."""
+    """Return a value of the model in words: the names and texts in it."""
     match value:
         case None:
             return "nothing"
@@ -261,7 +261,7 @@ _SHOWN = 60
 
 
 def _patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
-    """The file that was read with the edits in it. Charts that nobody touched are neither drawn nor written."""
+    """Return the file that was read with the edits in it. Charts without edits are neither drawn nor written."""
     from plcopen_sfc.drawing import DrawingStyle, prepare, prepare_body  # noqa: PLC0415
     from plcopen_sfc.formats.xml.source_patch import patch  # noqa: PLC0415
     from plcopen_sfc.formats.xml.xml_codec import canonical  # noqa: PLC0415
@@ -280,12 +280,12 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
     if codec.is_rewritten(project, source.content):
         options = replace(options, untouched=frozenset())
 
-    def tree(said: Project, baseline: Project | None, notes: ConversionReport) -> etree._Element:
-        """The tree of a project, in the terms of the tool where the file has or needs them."""
+    def tree(edited: Project, baseline: Project | None, notes: ConversionReport) -> etree._Element:
+        """Return the tree of a project, in the terms of the tool where the file has or needs them."""
         written = replace(options, baseline=baseline)
         if options.untouched or not codec.is_rewritten(project, source.content):
-            return codec.to_tree(said, written, notes)
-        copy, marks = codec.rewrite(said, written, notes)
+            return codec.to_tree(edited, written, notes)
+        copy, marks = codec.rewrite(edited, written, notes)
         for _, _, body in copy.bodies():
             if isinstance(body, SfcBody):
                 prepare_body(body, style, positions=False)
@@ -297,7 +297,12 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
     # comments carry ids in TC6 1.01, which may be others now
     if canonical(back) != canonical(after):
         # rather a large diff than a lost edit
-        report.add(Outcome.APPROXIMATED, "file", source.path or "", "the edits did not fit into its text; written anew")
+        report.add(
+            Outcome.APPROXIMATED,
+            "file",
+            source.path or "",
+            "the edits did not fit into its text; written from the model",
+        )
         options = WriteOptions(source.version, same=True, baseline=before)
         prepare(project, style, positions=kind.positions)
         data = codec.write(project, options, report)
@@ -305,7 +310,7 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
 
 
 def _patched_text(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
-    """The text that was read with the edits in it."""
+    """Return the text that was read with the edits in it."""
     from plcopen_sfc.formats.text_patch import patch  # noqa: PLC0415  # only to save edits
 
     codec = cast("TextCodec", kind.codec())
@@ -319,7 +324,12 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
         report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)
     if next(differences(project, codec.read(data).project), None) is not None:
         # rather a large diff than a lost edit
-        report.add(Outcome.APPROXIMATED, "file", source.path or "", "the edits did not fit into its text; written anew")
+        report.add(
+            Outcome.APPROXIMATED,
+            "file",
+            source.path or "",
+            "the edits did not fit into its text; written from the model",
+        )
         data = codec.write(project, options, ConversionReport())
         verify(project, kind, codec.read(data).project, report)
     return data

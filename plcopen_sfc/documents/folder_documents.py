@@ -30,23 +30,23 @@ SHARED = tuple(name for name in Project.model_fields if name not in (*Project.OB
 
 
 def without_objects(project: Project) -> Project:
-    """A copy of `project` that has nothing but what is beside its objects."""
+    """Return a copy of `project` that has nothing but what is beside its objects."""
     return project.model_copy(update={name: [] for name in Project.OBJECTS})
 
 
 def shared_fields(project: Project) -> dict[str, Any]:
-    """What belongs to the project itself, by the names of the fields; a copy."""
+    """Return what belongs to the project itself, by the names of the fields; a copy."""
     return {name: copy.deepcopy(getattr(project, name)) for name in SHARED}
 
 
 def is_bare(project: Project) -> bool:
-    """Whether a document says nothing of the project beside its objects and its header."""
+    """True if a document has nothing of the project beside its objects and its header."""
     plain = Project()
     return all(getattr(project, name) == getattr(plain, name) for name in SHARED if name not in ("header", "carried"))
 
 
 def merged(documents: dict[str, SourceDocument], kind: Format) -> Project:
-    """A project without objects that says what all of `documents` say beside theirs."""
+    """Return a project without objects that has what all of `documents` have beside theirs."""
     frames = [document.frame for document in documents.values()]
     fields: dict[str, Any] = {}
     plain = Project()
@@ -77,19 +77,19 @@ def _header(documents: dict[str, SourceDocument], kind: Format) -> FileHeader:
 
 
 def newest(kind: Format, versions: Iterable[str]) -> str:
-    """The newest of `versions` of a format."""
+    """Return the newest of `versions` of a format."""
     order = {version: place for place, version in enumerate(kind.versions)}
     return max(versions, key=lambda version: order.get(version, -1), default="")
 
 
 def _agreed(dumps: list[dict[str, Any]]) -> dict[str, Any]:
-    """The items that are in all of `dumps`."""
+    """Return the items that are in all of `dumps`."""
     first = dumps[0] if dumps else {}
     return {key: value for key, value in first.items() if all(dump.get(key) == value for dump in dumps)}
 
 
 def _merged_extension_data(values: list[Carried]) -> Carried | None:
-    """What documents carry for the project; their attributes describe the documents."""
+    """Return the extension data of the project in documents; their attributes describe the documents."""
     data = [item for value in values for item in value.data]
     elements = [item for value in values for item in value.elements]
     return Carried(data=copy.deepcopy(data), elements=elements) if data or elements else None
@@ -104,7 +104,7 @@ _MOST_BYTES = 200
 
 
 def file_stem(name: str) -> str:
-    """`name` as the name of a file without extension: what no file system takes is replaced by ``_``."""
+    """Return `name` as the name of a file without extension: what no file system takes is replaced by ``_``."""
     stem = _ILLEGAL.sub("_", unicodedata.normalize("NFC", name))[:_LONGEST]
     stem = stem.encode("utf-8", "replace")[:_MOST_BYTES].decode("utf-8", "ignore").strip().rstrip(".")
     if not stem or stem.partition(".")[0].casefold() in _DEVICES:
@@ -114,7 +114,7 @@ def file_stem(name: str) -> str:
 
 
 def legal_folder(folder: str) -> str:
-    """`folder` with names that every file system takes. Raises `ModelError` where it leads out of the project."""
+    """Return `folder` with names that every file system takes; raise `ModelError` if it leads out of the project."""
     parts = folder.replace("\\", "/").split("/")
     if folder.startswith(("/", "\\")) or ".." in parts or re.match(r"[A-Za-z]:", folder):
         raise ModelError(
@@ -139,7 +139,7 @@ class FileNames:
         self._taken.add(self._same(path))
 
     def free(self, folder: str, name: str, extension: str) -> str:
-        """A path in `folder` for an object called `name` that no other file has; it is taken from now on."""
+        """Return a path in `folder` for an object called `name` that no other file has; it is taken from now on."""
         start = f"{folder}/" if folder else ""
         stem = file_stem(name)
         path, number = f"{start}{stem}{extension}", 1
@@ -169,12 +169,12 @@ class PlannedDocument:
     added: bool = False
 
     def project(self) -> Project:
-        """The document as a project; which folder its objects stand in is for the path to say."""
+        """Return the document as a project; its path determines the folder of its objects."""
         return with_objects(self.frame, (as_in_file(thing) for thing in self.things))
 
 
 def plan_like(project: Project, source: FolderSource, kind: Format, *, is_own: bool) -> list[PlannedDocument]:
-    """The documents of a project that was read from those of `source`: every object stays where it was.
+    """Return the documents of a project that was read from those of `source`: every object stays where it was.
 
     One whose `folder` was changed moves there: with its document if all objects of that do, else into one of its own.
     New objects get documents of their own. A document whose objects are all gone is not planned. `is_own`: the folder
@@ -222,7 +222,7 @@ def plan_like(project: Project, source: FolderSource, kind: Format, *, is_own: b
 
 
 def plan_new(project: Project, kind: Format, version: str) -> list[PlannedDocument]:
-    """A document for each object of a project, in the folders of the tool, and one for what belongs to no object."""
+    """Plan a document for each object of a project, in the folders of the tool, and one for what has no object."""
     names = FileNames()
     codec = cast("FolderCodec", kind.codec())
     planned: list[PlannedDocument] = []
@@ -253,13 +253,13 @@ def _parent(path: str) -> str:
 
 
 def _has_objects_only(frame: Project) -> bool:
-    """Whether a document has nothing but objects, so that it means nothing without them."""
+    """True if a document has nothing but objects, so that it means nothing without them."""
     carried = frame.carried
     return is_bare(frame) and (carried is None or not (carried.elements or carried.data))
 
 
 def _frames(project: Project, source: FolderSource) -> dict[str | None, Project]:
-    """What is beside the objects of each document, with the edits of the project in it; None: of a new document.
+    """Return each document without its objects, with the edits of the project in it; None: a new document.
 
     An edit of what belongs to the project goes into the document that had it, or the first that speaks for the project.
     """
@@ -286,13 +286,13 @@ def _frames(project: Project, source: FolderSource) -> dict[str | None, Project]
 
 
 def _content(frame: Project, name: str) -> Any:
-    """The field `name` of a document, as far as it says something of the project."""
+    """Return the field `name` of a document, as far as it belongs to the project."""
     value = getattr(frame, name)
     return None if name == "carried" and value is not None and not (value.data or value.elements) else value
 
 
 def _edited_extension_data(frame: Project, value: Carried | None) -> Carried | None:
-    """What a document carries: its own attributes, and data and elements of the project."""
+    """Return the extension data of a document: its own attributes, and data and elements of the project."""
     if frame.carried is None:
         return value
     return Carried(

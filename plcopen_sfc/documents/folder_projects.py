@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 
 
 Progress = Callable[[Sequence[str]], Iterable[str]]
-"""Goes through the files of a folder and shows somebody how far it is."""
+"""Iterates over the files of a folder and shows the progress."""
 
 
 def load_folder(
@@ -140,7 +140,7 @@ class _Scan:
 
 
 def files_below(folder: str) -> list[str]:
-    """The paths of all files in `folder` that are not hidden, and of links to folders."""
+    """Return the paths of all files in `folder` that are not hidden, and of links to folders."""
     scan = _Scan(Path(folder))
     return [*scan.files, *scan.links]
 
@@ -158,7 +158,7 @@ def _read(source: FolderSource, kind: Format, name: str, *, as_tool: bool) -> li
 
 
 def _start(path: Path) -> bytes:
-    """Enough of a file to know what it is: a stranger may be of any size."""
+    """Return enough of a file to recognise it: a file of no document may have any size."""
     try:
         if path.exists() and not path.is_file():
             return b""  # a pipe would wait for ever
@@ -201,7 +201,7 @@ def _no_document(source: FolderSource, kind: Format) -> SfcError:
 
 
 def _findings(source: FolderSource, project: Project) -> list[Diagnostic]:
-    """What is wrong with the folder as a whole."""
+    """Return the findings about the folder as a whole."""
     found = [
         Diagnostic("DIR101", Severity.ERROR, f"not read: {error.message}", _place(error, Path(source.path, name)))
         for name, error in source.unreadable.items()
@@ -227,7 +227,7 @@ T = TypeVar("T", bound=ProjectObject)
 def _duplicates(
     source: FolderSource, things: Sequence[T], code: str, key: Callable[[T], Hashable | None]
 ) -> Iterator[Diagnostic]:
-    """Objects that have the same `key` as one before them: its name, its number."""
+    """Yield objects that have the same `key` as one before them: its name, its number."""
     first: dict[Hashable, T] = {}
     for thing in things:
         mine = key(thing)
@@ -264,7 +264,7 @@ def save_folder(
 ) -> ConversionReport:
     """Save `project` in the format `name` into `folder`, which is made where it is missing.
 
-    A project that was read from documents of this format keeps them: those that nobody edited stay byte for byte as
+    A project that was read from documents of this format keeps them: those without edits stay byte for byte as
     they are, an edit changes its lines. New objects get documents of their own. In the folder that the project was read
     from, a document is removed when its objects are. Everything is encoded before anything is written.
 
@@ -308,7 +308,7 @@ def save_folder(
 
 
 def edited_files(project: Project, path: str) -> Iterator[tuple[str, bytes, bytes]]:
-    """What saving a project to the file or folder that it was read from would change: path, bytes before and after.
+    """Yield what saving a project where it was read from would change: path, bytes before and after.
 
     A file that is not there has no bytes.
     """
@@ -329,7 +329,7 @@ def edited_files(project: Project, path: str) -> Iterator[tuple[str, bytes, byte
 
 
 def _folder_source(project: Project, kind: Format) -> FolderSource | None:
-    """The documents that the project was read from; None where they are of another format, or there are none."""
+    """Return the documents that the project was read from; None where they are of another format, or there are none."""
     source = project.source
     if isinstance(source, FolderSource) and source.format == kind.name:
         return source
@@ -359,7 +359,7 @@ def _encode(
     flavour: str,
     fresh: bool,
 ) -> dict[str, bytes]:
-    """The bytes of each document, by path."""
+    """Return the bytes of each document, by path."""
 
     def write(document: PlannedDocument) -> bytes:
         wanted = name if document.source is not None or name != source.format else f"{name}-{source.version}"
@@ -372,7 +372,7 @@ def _encode(
 
 
 def _write_each(planned: list[PlannedDocument], write: Callable[[PlannedDocument], bytes]) -> dict[str, bytes]:
-    """The bytes of each document, by path. Raises one `OldVersionError` for all documents that need a newer version."""
+    """Return the bytes of each document, by path; raise one `OldVersionError` for all that need a newer version."""
     contents: dict[str, bytes] = {}
     refused: list[OldVersionError] = []
     for document in planned:
@@ -388,7 +388,7 @@ def _write_each(planned: list[PlannedDocument], write: Callable[[PlannedDocument
 def _convert(
     project: Project, kind: Format, version: str, report: ConversionReport, limit: float
 ) -> tuple[list[PlannedDocument], dict[str, bytes]]:
-    """The documents of a project of another format: adapted as a whole, written one by one, read back as a whole."""
+    """Convert a project of another format: adapt it as a whole, write its documents, read it back as a whole."""
     codec = cast("FolderCodec", kind.codec())
     options = WriteOptions(version)
     copy, _, options, behaviour = prepared(project, kind, options, report)
@@ -416,7 +416,7 @@ def _convert(
 
 
 def _read_back(contents: dict[str, bytes], kind: Format, version: str, *, as_tool: bool) -> Project:
-    """The project in the documents that are to be written."""
+    """Return the project in the documents that are to be written."""
     back = FolderSource(kind.name, version, "", {}, {}, {}, [], [])
     things: list[ProjectObject] = []
     for path, data in contents.items():
@@ -425,12 +425,12 @@ def _read_back(contents: dict[str, bytes], kind: Format, version: str, *, as_too
 
 
 def _on_disk(path: Path) -> bytes | None:
-    """The bytes of a file; None where there is none."""
+    """Return the bytes of a file; None where there is none."""
     return read_bytes(path) if path.exists() else None
 
 
 def _refuse_if_changed(folder: str, expected: dict[str, bytes]) -> None:
-    """Refuse to overwrite what somebody else wrote since the project was read."""
+    """Refuse to overwrite a file that was changed since the project was read."""
     for path, content in expected.items():
         if _on_disk(Path(folder, path)) not in (None, content):
             raise FileAccessError(

@@ -56,7 +56,7 @@ class SourceDocument(NamedTuple):
 
     @property
     def source(self) -> FileSource:
-        """What the document was read from."""
+        """The file that the document was read from."""
         if not isinstance(self.frame.source, FileSource):
             raise TypeError("a document is read from one file")
         return self.frame.source
@@ -102,7 +102,7 @@ class FolderSource:
 
 
 def with_objects(frame: Project, things: Iterable[ProjectObject]) -> Project:
-    """A copy of `frame` with `things`, in their order."""
+    """Return a copy of `frame` with `things`, in their order."""
     lists: dict[str, list[ProjectObject]] = {name: [] for name in Project.OBJECTS}
     for thing in things:
         lists[_LIST_OF[type(thing).__name__]].append(thing)
@@ -113,7 +113,7 @@ _LIST_OF = {"TagTable": "tag_tables", "DataTypeDeclaration": "data_types", "Data
 
 
 def documents_of(project: Project) -> Iterator[Project]:
-    """The documents that a project was read from, each as a project with the very objects that are in it.
+    """Yield the documents that a project was read from, each as a project with the very objects that are in it.
 
     A project that was not read from a folder is its one document. Objects that are in no document come last.
     """
@@ -134,7 +134,7 @@ def documents_of(project: Project) -> Iterator[Project]:
 
 
 def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
-    """The places of objects by their paths (``POU Main / step S3``), each with its path.
+    """Return the places of objects by their paths (``POU Main / step S3``), each with its path.
 
     The file is that of the document, in a folder the one that has the POU. The line is that of the object or of what is
     around it, as far as the format tells; there is none in a project that was not loaded.
@@ -155,7 +155,7 @@ def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
 
 
 def _lines(document: Project) -> tuple[str | None, Mapping[str, int]]:
-    """The name of the file that a document was read from, and the lines of its objects by their paths."""
+    """Return the name of the file that a document was read from, and the lines of its objects by their paths."""
     source = document.source
     if not isinstance(source, FileSource):
         return None, {}

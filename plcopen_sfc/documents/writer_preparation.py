@@ -24,7 +24,7 @@ from plcopen_sfc.semantics.profile import PROFILES, default_profile
 class Prepared(NamedTuple):
     """A project for a writer: a copy with its texts in the dialect of the target, and with the drawings it needs.
 
-    `meant` is what the written file means when this package reads it, which is the copy itself unless the format says
+    `meant` is the meaning of the written file when this package reads it: the copy itself, unless the format writes
     some things in other terms; `options` are those to write with. `behaviour` is everything that is executed of the
     project, before anything but the dialect was adapted to the target; None where no tool executes such files.
     """
@@ -36,7 +36,7 @@ class Prepared(NamedTuple):
 
 
 def prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Prepared:
-    """A copy of `project` for the writer of the format `kind`."""
+    """Return a copy of `project` for the writer of the format `kind`."""
     dialect = kind.dialect or (Dialect.IEC if options.flavour else None)
     same_dialect = dialect in (None, project.dialect)
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
@@ -93,7 +93,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
 
 
 def _forget_direct_text(project: Project) -> None:
-    """Forget that program text stands in ``ST`` itself: every format writes its text as its tool does."""
+    """Forget that program text is directly in ``ST``: every format writes its text as its tool does."""
     for _, _, body in project.bodies():
         if isinstance(body, StBody | IlBody) and is_direct(body.markup):
             body.markup = None
@@ -106,7 +106,7 @@ def _forget_direct_text(project: Project) -> None:
 def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionReport, *, wholly: bool) -> None:
     """Translate the program text between SCL and the others.
 
-    IEC 61131-3 and CODESYS are left as they stand unless `wholly`: their tools read most of each other's text, and
+    IEC 61131-3 and CODESYS are left as they are unless `wholly`: their tools read most of each other's text, and
     files of one often hold what is of the other. A text with something that only its own dialect has is translated.
     """
     own = project.dialect
@@ -132,7 +132,7 @@ _OUTCOMES = {
     Severity.WARNING: Outcome.APPROXIMATED,
     Severity.ERROR: Outcome.NOT_EXECUTED,
 }
-"""What became of a text by what its translation has to say: without a counterpart it is left as it stands."""
+"""Outcome of a text by the severity of the notes of its translation: without a counterpart it is left as it is."""
 
 
 def _note_limits(project: Project, report: ConversionReport) -> None:

@@ -11,12 +11,12 @@ from plcopen_sfc.model.dialect import Dialect
 
 _ROOT = re.compile(r"<(?![?!])(?:([\w.-]+):)?([\w.-]+)((?:\s+[\w:.-]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>")
 HEAD = 65536
-"""How many bytes of a file are looked at to recognise its format."""
+"""Bytes of a file that are looked at to recognise its format."""
 
 
 @dataclass(frozen=True)
 class FileHead:
-    """What recognising needs to know of a file: its first text, and the root element where it is XML."""
+    """Start of a file, for recognition: its first text, and the root element where it is XML."""
 
     text: str
     root: str = ""
@@ -25,7 +25,7 @@ class FileHead:
     xhtml_prefix: bool = False
 
     def mentions(self, text: str) -> bool:
-        """Whether `text` occurs anywhere in the file, in any of the encodings that XML uses."""
+        """True if `text` occurs anywhere in the file, in any of the encodings that XML uses."""
         return any(text.encode(codec) in self.data for codec in ("utf-8", "utf-16-le", "utf-16-be"))
 
 
@@ -65,10 +65,10 @@ _STEP7 = "Migrate the project into TIA Portal (Project > Migrate project). " + _
 
 @dataclass(frozen=True)
 class UnreadFormat:
-    """A format that is recognised: `title` says what it is, `advice` what to do.
+    """A format that is recognised: `title` tells what it is, `advice` what to do.
 
     `root` matches the name of the root element of XML, `namespace` is a part of its namespace, `text` matches the start
-    of a text. `extensions` count where the content says nothing; with `insists` also where a text looks like one of a
+    of a text. `extensions` count where the content does not tell; with `insists` also where a text looks like one of a
     format that is read.
     """
 

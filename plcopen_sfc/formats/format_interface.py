@@ -23,11 +23,11 @@ TIA_PORTAL = "TIA Portal"
 
 
 Marks: TypeAlias = Mapping[int, Mapping[str, Any]]
-"""What to keep beside objects that were rewritten, by their `id()`."""
+"""Fields to keep beside objects that were rewritten, by their `id()`."""
 
 
 class ReadResult(NamedTuple):
-    """A project that was read, what there is to say about its file, and the version of the format that it has."""
+    """A project that was read, the findings about its file, and the version of the format that it has."""
 
     project: Project
     diagnostics: list[Diagnostic]
@@ -35,7 +35,7 @@ class ReadResult(NamedTuple):
 
 
 class DrawingNeed(StrEnum):
-    """What drawing of a chart a writer needs."""
+    """Drawing of a chart that a writer needs."""
 
     NONE = "none"
     PLAIN = "plain"
@@ -44,7 +44,7 @@ class DrawingNeed(StrEnum):
 
 @dataclass(frozen=True)
 class WriteOptions:
-    """How to write: `version` of the format, `flavour` of a family of readers (``beremiz``). Empty: the usual.
+    """Options of writing: `version` of the format, `flavour` of a family of readers (``beremiz``). Empty: the usual.
 
     `same`: the project was read from this format in this version; ids come back by themselves then. `source` is the
     file that it was read from, to keep to its habits.
@@ -53,9 +53,9 @@ class WriteOptions:
     `whole` is the project of which the one that is written is a document of its own; `added`: its objects are those of
     `Codec.added_objects`.
     `marks` are what to keep beside objects that were rewritten, by their `id()`.
-    `of_graph`: the project says what S7-GRAPH executes: a transition without condition is TRUE, each row of a step
+    `of_graph`: the project has the semantics of S7-GRAPH: a transition without condition is TRUE, each row of a step
     writes its operand for itself, in the order of the rows.
-    `of_codesys`: it says what CODESYS executes, step actions and SFC flags too.
+    `of_codesys`: it has the semantics of CODESYS, step actions and SFC flags too.
     `final_scan`: actions of the project are executed once more after their step was left (IEC 61131-3, 6.7.4.6).
     """
 
@@ -82,22 +82,22 @@ class Codec(ABC):
 
     @abstractmethod
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-        """Write a file anew."""
+        """Write a file from the model alone."""
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
-        """The file without what only this package reads."""
+        """Return the file without what only this package reads."""
         return data
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
-        """The line of each object of `project` in the file `content`, by the path that the report gives it."""
+        """Return the line of each object of `project` in the file `content`, by the path that the report gives it."""
         return {}
 
     def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
-        """What is wrong with a file by the schema of the format; empty for a valid one, or where there is no schema."""
+        """Return the errors of a file by the schema of the format; empty for a valid one, and without a schema."""
         return []
 
     def normalize(self, data: bytes) -> bytes | None:
-        """The file without what its tool does not look at; None where the format has nothing of the kind."""
+        """Return the file without what its tool does not look at; None where the format has nothing of the kind."""
         return None
 
     def fit(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
@@ -110,7 +110,7 @@ class Codec(ABC):
         """Replace in `project`, a copy, what the tool lacks by what does the same, and is read back as such."""
 
     def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
-        """A copy that says in terms of the tool what the project means, and what the reader restores it from."""
+        """Return a copy in terms of the tool that means the same, and what the reader restores the project from."""
         return project, {}
 
     def is_rewritten(self, project: Project, content: bytes) -> bool:
@@ -123,11 +123,11 @@ class TextCodec(Codec):
 
     @abstractmethod
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
-        """The text of a project, object by object."""
+        """Return the text of a project, object by object."""
 
     @abstractmethod
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
-        """The text of a file, and where the objects stand in it."""
+        """Return the text of a file, and the places of the objects in it."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ class Format:
     `tool` is what reports call the tools that execute its files; empty: none does. `module` is imported when the format
     is used. `recognises` looks at the start of a file (see
     `formats.registry.Head`). `capabilities` are for people: what charts keep in this format in its own terms. `dialect`
-    is that of the structured text in its files; None: a file may hold any and says which. `xml`, `text`, `folders`: the
+    is that of the structured text in its files; None: a file may hold any and names it. `xml`, `text`, `folders`: the
     codec is an `XmlCodec`, a `TextCodec`, a `FolderCodec`. `ids`: its files keep the ids of steps, transitions and
     elements of networks.
     """
@@ -160,6 +160,6 @@ class Format:
     folders: bool = False
 
     def codec(self) -> Codec:
-        """What reads and writes it: ``CODEC`` of its module."""
+        """Import and return its codec: ``CODEC`` of its module."""
         codec: Codec = import_module(self.module).CODEC
         return codec

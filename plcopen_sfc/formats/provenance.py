@@ -1,4 +1,4 @@
-"""What readers remember of the objects and charts that they read, to tell later what was edited."""
+"""Provenance of the objects and charts that were read, to tell later what was edited."""
 
 from __future__ import annotations
 
@@ -31,12 +31,11 @@ P = TypeVar("P", bound=ProjectObject)
 
 @dataclass(frozen=True, slots=True)
 class _Provenance:
-    """Where an object or a chart comes from.
+    """Provenance of an object or a chart.
 
     `known` are the fields that were there before it was read; `digest` is that of its content as it was read, None
-    before that. `place` is the document of a folder and the place of the object in it, `folder` what the file itself
-    says of the folder of the object. `body` is the name of the body, and the bytes of the file, that a chart was read
-    from.
+    before that. `place` is the document of a folder and the place of the object in it, `folder` the one that the file
+    itself has for the object. `body` is the name of the body, and the bytes of the file, that a chart was read from.
     """
 
     known: tuple[str, ...] = ()
@@ -59,7 +58,7 @@ def _provenance(thing: LateElement) -> _Provenance:
 
 
 def read_later(model: type[L], fields: dict[str, Any], read: Callable[[], L]) -> L:
-    """An element with `fields` that `read` reads when a script looks at more of it."""
+    """Return an element with `fields` that `read` reads when a script looks at more of it."""
 
     def supply(thing: L) -> L:
         whole = read()
@@ -81,7 +80,7 @@ def is_untouched(thing: ProjectObject | SfcNetwork) -> bool:
 
 
 def content_digest(thing: ProjectObject) -> bytes:
-    """A digest of the content of an object: the same for an unread one and the same one read and not edited."""
+    """Return a digest of the content of an object: the same for an unread one and the same one read and not edited."""
     if not is_untouched(thing):
         return _own_digest(thing)
     known = {name: thing.__dict__[name] for name in _provenance(thing).known}
@@ -89,7 +88,7 @@ def content_digest(thing: ProjectObject) -> bytes:
 
 
 def _own_digest(thing: LateElement) -> bytes:
-    """A digest of the fields of an element; untouched charts count by where they were read from and stay unread."""
+    """Return a digest of the fields of an element; untouched charts count by their source and stay unread."""
     exclude: dict[str, Any] = {}
     names: list[str] = []
     if isinstance(thing, Pou):
@@ -107,7 +106,7 @@ def _own_digest(thing: LateElement) -> bytes:
 
 
 def _charts_in(pou: Pou) -> Iterator[tuple[tuple[str | int, ...], str, SfcBody]]:
-    """The SFC bodies of a POU, with where each stands in its fields, and its name."""
+    """Yield the SFC bodies of a POU, each with its path in the fields, and its name."""
     for index, body in enumerate(pou.bodies):
         if isinstance(body, SfcBody):
             yield ("bodies", index), pou.name, body
@@ -131,7 +130,7 @@ def is_from(body: SfcBody, name: str, content: bytes) -> bool:
 def put_in_folder(thing: ProjectObject, document: str, place: int, folder: str | None) -> None:
     """Remember that an object was read from a document of a folder: its `place` in it, and the `folder` around it.
 
-    None for the folder leaves that as the object says it.
+    None for the folder leaves that of the object.
     """
     thing._provenance = replace(_provenance(thing), place=(document, place))
     if folder is not None:
@@ -139,12 +138,12 @@ def put_in_folder(thing: ProjectObject, document: str, place: int, folder: str |
 
 
 def place_in_folder(thing: ProjectObject) -> tuple[str, int] | None:
-    """The document of a folder that an object was read from, and its place in it."""
+    """Return the document of a folder that an object was read from, and its place in it."""
     return _provenance(thing).place
 
 
 def as_in_file(thing: P) -> P:
-    """A copy without what the place of its document in the folder says of it."""
+    """Return a copy without what follows from the place of its document in the folder."""
     copy = thing.model_copy()
     if thing.is_unread and "folder" not in _provenance(thing).known:
         copy.__dict__.pop("folder", None)

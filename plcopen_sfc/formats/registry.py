@@ -15,7 +15,7 @@ def _is_tc6(head: FileHead) -> bool:
 
 
 def _is_codesys(head: FileHead) -> bool:
-    # a file converted from CODESYS may carry its data too, but then its texts stand in elements with a prefix
+    # a file converted from CODESYS may carry its data too, but then its texts are in elements with a prefix
     return _is_tc6(head) and not head.xhtml_prefix and head.mentions("http://www.3s-software.com/plcopenxml/")
 
 
@@ -54,7 +54,7 @@ def _is_scl(head: FileHead) -> bool:
 def _is_simaticml(head: FileHead) -> bool:
     if head.root == "Document":
         return "<Engineering" in head.text or re.search(r"<(?:SW|Hmi)\.", head.text) is not None
-    # parts of documents, and what else Openness exports: the reader says what they are
+    # parts of documents, and other exports of Openness: the reader tells what they are
     openness = "http://www.siemens.com/automation/Openness/"
     return head.root.startswith("SW.") or head.namespace.startswith(openness) or head.root in ("FlgNet", "CAEXFile")
 
@@ -174,7 +174,7 @@ FORMATS: tuple[Format, ...] = (
 
 
 def format_named(name: str) -> tuple[Format, str]:
-    """The format of this name and the version in it (``plcopen-2.0``). Raises `UnknownFormatError`."""
+    """Return the format of this name and the version in it (``plcopen-2.0``). Raises `UnknownFormatError`."""
     check_argument(name, str, "format is the name of one")
     for candidate in FORMATS:
         if name == candidate.name:
@@ -210,7 +210,7 @@ _TOOLS = (
 
 
 def for_tia(name: str, tia: str) -> str:
-    """The name of the format `name` in the version of TIA Portal that is spelled `tia`: ``V16``, ``16``, ``v14sp1``.
+    """Return the name of the format `name` in the version `tia` of TIA Portal, spelled ``V16``, ``16`` or ``v14sp1``.
 
     Raises `UnknownFormatError` where the format has no such versions, `UnknownVersionError` for one that is not known.
     """
@@ -231,7 +231,7 @@ TIA_FORMAT = "simaticml"
 
 
 def recognise(data: bytes, *, file: str | None = None) -> Format:
-    """The format of a file's content.
+    """Return the format of a file's content.
 
     Raises `UnreadFormatError` for files of tools that are not read, `UnknownFormatError`, or what is wrong with the XML
     where it is XML.
@@ -246,7 +246,7 @@ def recognise(data: bytes, *, file: str | None = None) -> Format:
         raise UnknownFormatError(
             "JSON, but not a model that plcopen_sfc has saved", location=Location(file), hint=_HINT
         )
-    # what is wrong with it as XML says more than that nobody knows it
+    # an error of its XML tells more than that the format is unknown
     from plcopen_sfc.formats.plcopen.tc6_versions import find_version  # noqa: PLC0415  # only for files in trouble
     from plcopen_sfc.formats.xml.xml_parsing import parse  # noqa: PLC0415
 
@@ -255,7 +255,7 @@ def recognise(data: bytes, *, file: str | None = None) -> Format:
 
 
 def recognised_as(kind: Format, start: bytes) -> bool:
-    """Whether the first `HEAD` bytes of a file look like `kind`."""
+    """True if the first `HEAD` bytes of a file look like `kind`."""
     return kind.recognises(head_of(start))
 
 

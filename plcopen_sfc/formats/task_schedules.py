@@ -21,12 +21,12 @@ from plcopen_sfc.model.project import Task, TaskSettings
 CYCLIC = "Cyclic"
 EVENT = "Event"
 SCHEDULE_FIELDS = ("interval", "single", "settings")
-"""The fields of a task that say when it runs."""
+"""The fields of a task with its schedule."""
 
 
 @dataclass(frozen=True, slots=True)
 class Schedule:
-    """When a task runs: in cycles of `interval`, at rising edges of `event`, or as `kind` of CODESYS says it.
+    """Schedule of a task: in cycles of `interval`, at rising edges of `event`, or by the `kind` of CODESYS.
 
     `interval` is a literal of IEC 61131-3 or the name of a variable. `kind` is empty where IEC 61131-3 has it too.
     """
@@ -37,7 +37,7 @@ class Schedule:
 
 
 def schedule_of(task: Task) -> Schedule:
-    """When a task runs."""
+    """Return the schedule of a task."""
     interval = duration_literal(task.interval)
     settings = task.settings
     if settings is None or settings.kind is None:
@@ -51,7 +51,7 @@ def schedule_of(task: Task) -> Schedule:
 
 
 def codesys_form(task: Task) -> dict[str, Any]:
-    """The fields of a task that say to CODESYS when it runs.
+    """Return the schedule fields of a task for CODESYS.
 
     A task of CODESYS has one kind: that at an event has no cycle besides.
     """
@@ -73,9 +73,9 @@ def codesys_form(task: Task) -> dict[str, Any]:
 
 
 def iec_form(task: Task, lists: Container[str] = frozenset()) -> dict[str, Any]:
-    """The fields of a task that say to tools of IEC 61131-3 when it runs: they know no settings.
+    """Return the schedule fields of a task for tools of IEC 61131-3, which know no settings.
 
-    `lists` are the names, in lower case, of lists of global variables that do not stand before those variables there.
+    `lists` are the names, in lower case, of lists of global variables, by which those variables are not called there.
     """
     schedule = schedule_of(task)
     same = nanoseconds(task.interval) == nanoseconds(schedule.interval) is not None
@@ -92,13 +92,13 @@ def _without_list(text: str | None, lists: Container[str]) -> str | None:
     return name if dot and around.casefold() in lists else text
 
 
-def said_schedule(task: Task) -> dict[str, Any]:
-    """The fields of a task that say when it runs, as plain data."""
+def schedule_fields(task: Task) -> dict[str, Any]:
+    """Return the schedule fields of a task as plain data."""
     return task.model_dump(mode="json", include=set(SCHEDULE_FIELDS), exclude_none=True)
 
 
 def _with_unit(settings: TaskSettings) -> str | None:
-    """The cycle in the settings of CODESYS, with its unit."""
+    """Return the cycle in the settings of CODESYS, with its unit."""
     text = (settings.interval or "").strip()
     if not text.isdigit():
         return text or None
@@ -119,7 +119,7 @@ _TIME_OF_DAY = re.compile(r"(\d+):(\d+):(\d+)(?:\.(\d+))?")
 
 
 def duration_literal(interval: str | None) -> str | None:
-    """An interval as a literal of IEC 61131-3: ``T#100ms`` for ``PT0.1S``, ``00:00:00.1`` and ``100ms``.
+    """Return an interval as a literal of IEC 61131-3: ``T#100ms`` for ``PT0.1S``, ``00:00:00.1`` and ``100ms``.
 
     Any other is given back as it is.
     """
@@ -137,7 +137,7 @@ def duration_literal(interval: str | None) -> str | None:
 
 
 def nanoseconds(interval: str | None) -> int | None:
-    """The length of an interval; None where it is none, or the name of a variable."""
+    """Return the length of an interval; None where it is none, or the name of a variable."""
     literal = duration_literal(interval) or ""
     if "#" not in literal:
         return None
@@ -149,7 +149,7 @@ def nanoseconds(interval: str | None) -> int | None:
 
 
 def iso_duration(interval: str | None) -> str | None:
-    """An interval as CODESYS writes it: ``PT0.02S`` for ``T#20ms``. None: it is no length of time."""
+    """Return an interval as CODESYS writes it: ``PT0.02S`` for ``T#20ms``. None: it is no length of time."""
     length = nanoseconds(interval)
     if length is None or length < 0:
         return None
@@ -158,7 +158,7 @@ def iso_duration(interval: str | None) -> str | None:
 
 
 def clock_time(interval: str | None) -> str | None:
-    """An interval as the ``xsd:time`` of TC6 1.01: ``00:00:00.02`` for ``T#20ms``. None: no duration below a day."""
+    """Return an interval as the ``xsd:time`` of TC6 1.01, ``00:00:00.02`` for ``T#20ms``; None from a day on."""
     length = nanoseconds(interval)
     if length is None:
         return None

@@ -20,7 +20,7 @@ from plcopen_sfc.languages.edits import Edit, apply_edits
 
 
 class SourceText(NamedTuple):
-    """The text of a file as it stands there, line ends and all, its encoding, and whether that is only a guess."""
+    """The text of a file as it is, with its line ends, its encoding, and whether that is only a guess."""
 
     text: str
     encoding: str
@@ -44,7 +44,7 @@ _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16-le"), (c
 
 
 def decode(data: bytes) -> SourceText:
-    """The text of a file: in the encoding of its byte order mark, in UTF-8, else in a code page (a guess)."""
+    """Return the text of a file: in the encoding of its byte order mark, in UTF-8, else in a code page (a guess)."""
     marked = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), "utf-8")
     for encoding in (marked, "cp1252"):
         try:
@@ -64,7 +64,7 @@ Key: TypeAlias = tuple[str, str]
 class WrittenBlock:
     """An object as a writer writes it: `text` in whole lines, or `blocks` on lines below each other.
 
-    `apart`: an empty line stands before it. `verbatim`: the text is as it stands in the model, layout and all.
+    `apart`: an empty line comes before it. `verbatim`: the text is that of the model, with its layout.
     `block`: it is put into the text as whole lines, indented as its first line is there, never word by word.
     """
 
@@ -76,7 +76,7 @@ class WrittenBlock:
     block: bool = False
 
     def lines(self) -> Iterator[str]:
-        """The text, its blocks joined."""
+        """Yield the text, its blocks joined."""
         if not self.blocks:
             yield self.text
         for number, block in enumerate(self.blocks):
@@ -85,13 +85,13 @@ class WrittenBlock:
             yield from block.lines()
 
     def whole(self) -> str:
-        """The text in one."""
+        """Return the text as one string."""
         return "\n".join(self.lines())
 
 
 @dataclass(frozen=True)
 class BlockSpan:
-    """Where objects stand in a text: usually one, several where they are declared together (``a, b : INT``)."""
+    """Places of objects in a text: usually one, several where they are declared together (``a, b : INT``)."""
 
     keys: tuple[Key, ...]
     span: tuple[int, int]
@@ -99,7 +99,7 @@ class BlockSpan:
 
 
 def numbered(keys: Sequence[Key]) -> list[Key]:
-    """`keys` with a number behind the names of those that occur more than once."""
+    """Return `keys` with a number behind the names of those that occur more than once."""
     seen: dict[Key, int] = {}
     unique: list[Key] = []
     for kind, name in keys:
@@ -112,7 +112,7 @@ def numbered(keys: Sequence[Key]) -> list[Key]:
 
 
 def patch(source: SourceText, spans: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> str:
-    """The text of `source` with what differs between the blocks `before` and `after` put into it."""
+    """Return the text of `source` with what differs between the blocks `before` and `after` put into it."""
     if source.text == _file(before, source.newline):  # the text is as the writer writes it, and stays so
         return _file(after, source.newline)
     return apply_edits(source.text, _Patch(source.text, source.newline).edits(spans, before, after))
@@ -151,7 +151,7 @@ class _Patch:
                 following.setdefault(last, []).append(new)
         final = following.get(last, [])
         if around.spans and final and final[-1] is after.blocks[-1]:
-            # what ends the new text stands behind all that is there, in whatever order that is
+            # what ends the new text goes behind all that is there, in whatever order that is
             following.pop(last)
             following.setdefault(len(around.spans) - 1, []).extend(final)
         for number, inner in enumerate(around.spans):
@@ -178,12 +178,12 @@ class _Patch:
         old, new = before.whole(), after.whole()
         if after.verbatim:
             return Edit(start, end, self._with_newlines(new))
-        anew = self._laid_out(new, start)
+        laid_out = self._laid_out(new, start)
         is_one_text = not (before.blocks or after.blocks or after.block)
         if not is_one_text or source.count("\n") >= _LONG or source == self._laid_out(old, start):
-            return Edit(start, end, anew)
+            return Edit(start, end, laid_out)
         merged = _merged(source, old.strip(), new.strip())
-        return Edit(start, end, anew if merged is None else self._with_newlines(merged))
+        return Edit(start, end, laid_out if merged is None else self._with_newlines(merged))
 
     def _removed(self, around: BlockSpan, *, apart: bool) -> Edit:
         start, end = around.span
@@ -231,7 +231,7 @@ class _Patch:
         return found.group() if found is not None else ""
 
     def _line_start(self, offset: int) -> int | None:
-        """Where the line of `offset` starts, if nothing but spaces stands before it there."""
+        """Return the start of the line of `offset`, if there are only spaces before it."""
         start = max(self._text.rfind("\n", 0, offset), self._text.rfind("\r", 0, offset)) + 1
         return start if not self._text[start:offset].strip() else None
 
@@ -250,7 +250,7 @@ def _pairs(
 ) -> Iterator[tuple[WrittenBlock | None, WrittenBlock | None]]:
     """Which old block became which new one; None where it is removed or added.
 
-    First those that say the same, then those of the same key, then those of the same kind at the same place: renamed.
+    First those of the same text, then those of the same key, then those of the same kind at the same place: renamed.
     """
     for old, new in _runs(before, after, [p.whole() for p in before], [p.whole() for p in after]):
         for olds, news in _runs(old, new, [p.key for p in old], [p.key for p in new]):
@@ -298,12 +298,12 @@ _WORDS = re.compile(
 
 
 def _merged(source: str, old: str, new: str) -> str | None:
-    """`source`, which says `old` in its own layout, changed to say `new`; None where they differ too much."""
+    """Return `source`, which is `old` in its own layout, changed to `new`; None where they differ too much."""
     words, old_words, new_words = (list(_WORDS.finditer(text)) for text in (source, old, new))
     marks, old_marks, new_marks = ([_mark(word.group()) for word in found] for found in (words, old_words, new_words))
     place = _places(old_marks, marks)
     edits: list[Edit] = []
-    said, position = [], 0  # what the source says after the edits
+    words_after, position = [], 0  # the words of the source after the edits
     for operation, low, high, new_low, new_high in SequenceMatcher(
         a=old_marks, b=new_marks, autojunk=False
     ).get_opcodes():
@@ -313,19 +313,19 @@ def _merged(source: str, old: str, new: str) -> str | None:
         first = at[0] if at else place.get(low - 1, -1) + 1 if low else 0
         if -1 in at or at != list(range(first, first + high - low)) or (not at and low and low - 1 not in place):
             return None
-        said += marks[position:first] + new_marks[new_low:new_high]
+        words_after += marks[position:first] + new_marks[new_low:new_high]
         position = first + high - low
         edits.append(_word_edit(words[first:position], words[:first], new, new_words, slice(new_low, new_high)))
     text = apply_edits(source, edits)
-    said += marks[position:]
-    return text if [_mark(word) for word in _WORDS.findall(text)] == said else None
+    words_after += marks[position:]
+    return text if [_mark(word) for word in _WORDS.findall(text)] == words_after else None
 
 
 def _word_edit(gone: list[_Word], before: list[_Word], new: str, new_words: list[_Word], at: slice) -> Edit:
-    """Replaces the words `gone`, which stand behind those `before`, by the words of `new` that stand `at`."""
+    """Return the edit of the words `gone`, which follow those `before`, into the words of `new` at `at`."""
     end_before = before[-1].end() if before else 0
     put = new_words[at]
-    if not gone:  # with the spaces that stand before it in the new text
+    if not gone:  # with the spaces before it in the new text
         gap = new_words[at.start - 1].end() if at.start else 0
         return Edit(end_before, end_before, new[gap : put[-1].end()])
     if not put:  # with the spaces before it
@@ -334,7 +334,7 @@ def _word_edit(gone: list[_Word], before: list[_Word], new: str, new_words: list
 
 
 def _mark(word: str) -> str:
-    """What a word says: case does not matter, nor how a comment is written."""
+    """Return the meaning of a word: case does not matter, nor the kind of comment."""
     if word.startswith("//"):
         return f"// {word[2:].strip()}"
     if word.startswith("(*"):
@@ -343,6 +343,6 @@ def _mark(word: str) -> str:
 
 
 def _places(old: Sequence[str], words: Sequence[str]) -> dict[int, int]:
-    """Which word of the source each old word is."""
+    """Return the word of the source for each old word."""
     matcher = SequenceMatcher(a=old, b=words, autojunk=False)
     return {block.a + i: block.b + i for block in matcher.get_matching_blocks() for i in range(block.size)}

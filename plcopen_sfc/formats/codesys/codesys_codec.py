@@ -76,7 +76,7 @@ DATA_READERS: dict[str, DataReader] = {
     names.ELEMENT_TYPE: read_element_type,
     names.FBD_ATTRIBUTES: read_fbd_attributes,
 }
-"""Who reads which data."""
+"""The reader of each kind of data."""
 
 
 NATIVE_FIELDS = {
@@ -136,7 +136,7 @@ DATA_RANK = {
     names.OBJECT_ID: 80,
     names.MIXED_LIST: 90,
 }
-"""The order of data at one owner; what is not named here stands in the middle."""
+"""The order of data at one owner; what is not named here is in the middle."""
 
 
 _NO_QUALIFIER = "CODESYS and TwinCAT offer N R S L D P SD DS SL"
@@ -153,7 +153,7 @@ LACKS = {
     "negated step output": "CODESYS has no negated step outputs; its importer may not see the negation",
     "negated action block": "CODESYS has no negated action blocks; its importer may not see the negation",
 }
-"""What charts can hold and these tools do not know (82 exports of SP4 to SP21 and TwinCAT 3.5.6 to 3.5.13)."""
+"""Elements of charts that these tools do not know (82 exports of SP4 to SP21 and TwinCAT 3.5.6 to 3.5.13)."""
 
 CODESYS_DIALECT = Tc6Dialect(
     version=V2_0,
@@ -188,13 +188,13 @@ class CodesysCodec(Tc6Codec):
         return reading
 
     def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
-        """A copy of `project` in terms of the tool, and what the reader restores the source from."""
+        """Return a copy of `project` in terms of the tool, and what the reader restores the source from."""
         for place in embedded_code(project):
             report.add(Outcome.NOT_EXECUTED, "code in C", place, "CODESYS and TwinCAT do not compile {{ .. }}")
         return super().rewrite(project, options, report)
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-        """The tree of the export. The tools write TC6 2.0; a file that was put into 2.01 by hand stays so."""
+        """Return the tree of the export. The tools write TC6 2.0; a file that was put into 2.01 by hand stays so."""
         stale = drop_stale(project, options.baseline, report) if options.baseline is not None else frozenset()
         dialect = replace(CODESYS_DIALECT, version=V2_01) if options.version == V2_01.name else CODESYS_DIALECT
         root = write_project(project, dialect, report, options, stale)
@@ -206,7 +206,7 @@ class CodesysCodec(Tc6Codec):
         return XmlStyle(encoding="utf-8", bom=True, newline="\r\n", self_closing=" />")
 
     def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
-        """What is wrong with a file by the schema of the format."""
+        """Return the errors of a file by the schema of the format."""
         return validate_codesys(content, file=file)
 
 
@@ -217,7 +217,7 @@ _Declared = Interface | DataTypeDeclaration | VariableSection
 
 
 def drop_stale(project: Project, baseline: Project, report: ConversionReport) -> frozenset[int]:
-    """The objects (by `id()`) whose text was typed for what `baseline` declares; each is in the report."""
+    """Return the objects (by `id()`) whose text was typed for what `baseline` declares; each is in the report."""
     before, after = _by_path(baseline), _by_path(project)
     stale: set[int] = set()
     for path, things in after.items():
@@ -226,13 +226,13 @@ def drop_stale(project: Project, baseline: Project, report: ConversionReport) ->
             continue
         if list(map(_content, things)) != list(map(_content, old)):
             stale.add(id(thing))
-            why = "it no longer says what is declared; the tool builds it anew, without pragmas and comments between"
+            why = "it no longer fits what is declared; the tool builds it again, without pragmas and comments between"
             report.add(Outcome.APPROXIMATED, "declaration text", path, why)
     return frozenset(stale)
 
 
 def _by_path(project: Project) -> dict[str, list[_Declared]]:
-    """What is declared by its path; a list of global variables may have several sections, and its text at the first."""
+    """Return declarations by path; a list of global variables may have several sections, and its text at the first."""
     found: dict[str, list[_Declared]] = {}
     for path, thing in _declared(project):
         found.setdefault(path, []).append(thing)

@@ -1,12 +1,12 @@
 """Validation of PLCopen XML as CODESYS V3 and TwinCAT 3 write it, foreign data included.
 
 These tools keep whole POUs, data types and variable lists in `addData`, where the schema of TC6 lets anything pass;
-exports of TwinCAT hold nothing else. Here they are checked where they stand, as if they stood in `types/pous`.
+exports of TwinCAT hold nothing else. Here they are checked in their place, as if they were in `types/pous`.
 
 Codes: those of `plcopen_sfc.formats.plcopen.tc6_versions`, and
 
 ======  ==============================================================
-XSD020  foreign data does not hold what its name says
+XSD020  foreign data without the content that its name promises
 XSD021  an attribute of a chart element that is not known
 XSD022  the value of an attribute of a chart element is none it can have
 ======  ==============================================================
@@ -81,7 +81,7 @@ _VALUES = {
 
 
 def validate_codesys(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
-    """What is wrong with a PLCopen XML file of CODESYS or TwinCAT, foreign data included; empty for a valid one.
+    """Return the errors of a PLCopen XML file of CODESYS or TwinCAT, foreign data included; empty for a valid one.
 
     Deviations from TC6 are errors, in hidden POUs as well. Deviations in the vendor's own elements are warnings: there
     is no published schema of them, and newer versions of the tools may write more than is known here.
@@ -103,13 +103,13 @@ def validate_codesys(data: bytes, *, file: str | None = None) -> list[Diagnostic
             break
         place = Location(file, lines.line(element), path=element_path(element))
         found.append(Diagnostic(code, severity, message, place))
-    # What is said about the whole file comes last.
+    # Findings about the whole file come last.
     found.sort(key=lambda finding: (finding.location.line is None, finding.location.line or 0))
     return found
 
 
 def _judge(element: etree._Element) -> Severity:
-    """An error, unless the element belongs to the vendor and not to TC6, as the description of a device does."""
+    """Return an error, unless the element belongs to the vendor and not to TC6, as the description of a device does."""
     node: etree._Element | None = element
     while node is not None:
         local = etree.QName(node).localname if isinstance(node.tag, str) else ""
@@ -141,7 +141,7 @@ def _payload_findings(root: etree._Element, namespace: str) -> Iterator[_Finding
         elif wanted == "attributes":
             yield from _attribute_findings(payload, f"{{{namespace}}}attribute")
         elif payload.tag == wanted and wanted in _OF_TC6.values():
-            message = f"<{wanted}> of {name} stands in no namespace and will not be found; it belongs into {namespace}"
+            message = f"<{wanted}> of {name} is in no namespace and will not be found; it belongs into {namespace}"
             yield payload, "XSD020", Severity.ERROR, message
 
 
@@ -166,7 +166,7 @@ _FREE = frozenset(guid for guid, (pattern, _) in _VALUES.items() if pattern is _
 
 @lru_cache(maxsize=1024)
 def _objection(guid: str, text: str) -> tuple[str, str] | None:
-    """What is wrong with an attribute of the SFC editor: code and message. The same few occur thousands of times."""
+    """Return the error of an attribute of the SFC editor: code and message. The same few occur thousands of times."""
     rule = _VALUES.get(guid) or _VALUES.get(guid.lower())
     if rule is None:
         return "XSD021", f"the attribute {guid} is not known; it may be of a newer version, and is kept as it is"

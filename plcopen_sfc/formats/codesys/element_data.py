@@ -40,7 +40,7 @@ def only_child(data: etree._Element, name: str) -> etree._Element | None:
 
 
 def plain_child_text(data: etree._Element, name: str) -> str | None:
-    """The text of the one child of `data`, where that is all there is in it."""
+    """Return the text of the one child of `data`, where that is all there is in it."""
     child = only_child(data, name)
     return None if child is None or len(child) or child.attrib else child.text or ""
 
@@ -85,7 +85,7 @@ def _carry_attributes(fields: Fields, unknown: list[etree._Element], rule: str) 
 
 
 def is_reformatted(raw: str) -> bool:
-    """Whether a formatter of XML has put the end tag of a value on a line of its own. The tools never do."""
+    """True if a formatter of XML has put the end tag of a value on a line of its own. The tools never do."""
     return bool(re.search(r"\n[ \t]+$", raw))
 
 
@@ -133,16 +133,14 @@ _STEP_TEXTS = {
 
 
 def _derived_name(fields: Fields, owner: str) -> str | None:
-    """What the Name attribute says, where the rest of the element says it too. None: the element says nothing."""
+    """Return the value of the Name attribute that follows from the rest of the element; None where none does."""
     return fields.get("target" if owner == "action" else "name")
 
 
 def _check_name(ctx: Tc6ReadContext, attribute: etree._Element, fields: Fields, owner: str, value: str) -> None:
     derived = _derived_name(fields, owner)
     if derived is not None and derived.strip() != value:
-        ctx.warn(
-            "CDS101", f"the Name attribute says {value!r}, the element {derived!r}", attribute, f"{owner} {derived}"
-        )
+        ctx.warn("CDS101", f"the Name attribute is {value!r}, the element {derived!r}", attribute, f"{owner} {derived}")
 
 
 _PENDING = "name_attribute"
@@ -163,7 +161,7 @@ _MONITORINGS = {Monitoring(value): str(i) for i, value in enumerate(names.MONITO
 
 @lru_cache(maxsize=32)
 def core_version(product_version: str) -> tuple[int, ...]:
-    """The version of the CODESYS core: ``CODESYS V3.5 SP14 Patch 1`` and TwinCAT's ``3.5.13.20`` as (3, 5, 14, 1)."""
+    """Return the version of the CODESYS core: (3, 5, 14, 1) for ``CODESYS V3.5 SP14 Patch 1``."""
     match = re.search(r"V?(\d+)\.(\d+)(?:\s+SP(\d+))?(?:\s+Patch\s+(\d+))?((?:\.\d+)*)", product_version)
     if match is None:
         return ()
@@ -181,7 +179,7 @@ def _truth(value: bool | None) -> str:
 
 
 def _attribute_table(carried: Carried | None, pairs: list[tuple[str, str | None]]) -> etree._Element:
-    """The attribute table: `pairs` of GUID and value (None or empty: left out), and those that were carried."""
+    """Return the attribute table: `pairs` of GUID and value (None or empty: left out), and those that were carried."""
     kept: dict[str, str] = {}
     for data in carried.data if carried is not None else ():
         if data.name == names.SFC_ELEMENT:
@@ -213,7 +211,7 @@ _MODEL_VALUES = {
 
 
 def padded(text: str, raw: str) -> str:
-    """`text` with the blanks that stand around `raw` where a formatter has put the end tag on a line of its own."""
+    """Return `text` with the blanks around `raw` where a formatter has put the end tag on a line of its own."""
     if not is_reformatted(raw):
         return text
     return raw[: len(raw) - len(raw.lstrip())] + text + raw[len(raw.rstrip()) :]
@@ -229,7 +227,7 @@ def _name_of(action: object) -> str | None:
 
 
 def _modern(ctx: Tc6WriteContext, *version: int) -> bool:
-    """Whether the target tool's core is at least `version`; an unknown one is taken for the newest."""
+    """True if the target tool's core is at least `version`; an unknown one is taken for the newest."""
     core = core_version(ctx.project.header.version)
     return not core or core >= version
 
@@ -260,7 +258,7 @@ def _comment(comment: object) -> str | None:
 
 
 def condition_text(transition: Transition) -> str:
-    """What the editor shows at a transition: the expression, or the name of the transition object."""
+    """Return the text of a transition in the editor: the expression, or the name of the transition object."""
     condition = transition.condition
     if isinstance(condition, Expression):
         return condition.text

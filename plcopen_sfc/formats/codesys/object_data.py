@@ -46,7 +46,7 @@ from plcopen_sfc.report import ConversionReport
 
 
 def write_data(ctx: Tc6WriteContext, thing: Model, owner: str) -> Iterator[Written]:
-    """The tool's own data of `thing`."""
+    """Yield the tool's own data of `thing`."""
     for kind, writer in (*ELEMENT_WRITERS, *_OBJECT_WRITERS):
         if isinstance(thing, kind):
             yield from writer(ctx, thing, owner)
@@ -269,7 +269,7 @@ def _write_declared(
 
 
 def _mixed_list(ctx: Tc6WriteContext, parts: list[VariableSection]) -> etree._Element:
-    """The sections of a list of global variables, whose variables are in the report with the list."""
+    """Return the sections of a list of global variables, whose variables are in the report with the list."""
     element = etree.Element(ctx.version_tag("MixedAttrsVarList"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
     report, ctx.report = ctx.report, ConversionReport()
     for part in parts:
@@ -355,8 +355,8 @@ def read_inheritance(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields,
     kept = found.keep()
     if kept is None or len(found.extends) > 1:
         return False
-    said = fields.get("carried")
-    if kept_inheritance(Carried.model_validate(said) if said else None) != found:
+    known = fields.get("carried")
+    if kept_inheritance(Carried.model_validate(known) if known else None) != found:
         carried(fields)["data"] += [each.model_dump(mode="json") for each in kept.data]
     return True
 

@@ -44,7 +44,7 @@ _User = tuple[Step, ActionAssociation]
 
 @dataclass(slots=True)
 class _Item:
-    """What associations have in common: `text` are the statements of an action, None for a variable.
+    """A target that associations have in common: `text` are the statements of an action, None for a variable.
 
     `written`: bodies name it, so that it matters when it is written among them. `on` is TRUE while it is executed,
     `pulse` in scans after which nothing follows (P1 and P0).
@@ -73,7 +73,7 @@ class ActionFitter:
     """Puts the actions of a chart into `logic` where matiec would execute them otherwise.
 
     `final_scan` is that of `ChartFitter`. `places` are the places of the steps in the source, `calls` has the kinds of
-    the associations that stand for step actions, `in_place` the names of actions that have none in the source.
+    the associations that replace step actions, `in_place` the names of actions that have none in the source.
     """
 
     unit: FittedPou
@@ -108,11 +108,11 @@ class ActionFitter:
         self._execute(controlled)
 
     def _steps(self) -> list[Step]:
-        """The steps in the order of the source."""
+        """Return the steps in the order of the source."""
         return sorted(self.chart.steps, key=lambda step: self.places.get(step.id, len(self.places)))
 
     def _items(self) -> Iterator[_Item]:
-        """What associations drive, but for step actions, in the order of first use."""
+        """Yield the targets of associations, but for step actions, in the order of first use."""
         found: dict[str, _Item] = {}
         for step in self._steps():
             for line in step.actions:
@@ -135,7 +135,7 @@ class ActionFitter:
         return None  # drawn for the converters before matiec, which translate it
 
     def _named(self, texts: list[str]) -> set[str]:
-        """The names in the texts of actions that make a difference to when a variable is driven.
+        """Return the names in the texts of actions that make a difference to when a variable is driven.
 
         CODESYS documents when it writes a variable among the actions; IEC 61131-3 has only its value after the scan.
         """
@@ -151,7 +151,7 @@ class ActionFitter:
         return found
 
     def _is_controlled(self, item: _Item) -> bool:
-        """True if matiec would not execute it as the associations say."""
+        """True if matiec would not execute it as the associations do."""
         if item.text is None and not is_plain(item.target):
             return True
         if any(line.condition is not None or line.negated for _, line in item.users):
@@ -213,7 +213,7 @@ class ActionFitter:
         item.on, item.pulse = _without(on, reset), _without(pulses, reset)
 
     def _term(self, target: str, qualifier: Qualifier, users: list[_User], reset: str) -> str:
-        """What one qualifier adds to a control."""
+        """Return the term that one qualifier adds to a control."""
         active, declare, logic = _any(users), self.unit.declare, self.logic
         if qualifier is Qualifier.N:
             return active
@@ -241,7 +241,7 @@ class ActionFitter:
         return stored
 
     def _over(self, target: str, users: list[_User], active: str) -> str:
-        """A variable that is TRUE from when `active` has been TRUE for the time until it ends."""
+        """Return a variable that is TRUE from when `active` has been TRUE for the time until it ends."""
         timer, over = self.unit.declare(f"{target}_timer", "TON"), self.unit.declare(f"{target}_over")
         times = {line.duration or "" for _, line in users}
         time = times.pop()
@@ -298,7 +298,7 @@ class ActionFitter:
 
 
 def _turns(item: _Item, was: str, turn: str) -> str:
-    """The statements of an item in the turns; without turns it is the only one."""
+    """Return the statements of an item in the turns; without turns it is the only one."""
     ended = f"{was} AND NOT {_term(item.now)}"
     if item.text is not None:
         active = f"{turn} = 1 AND {ended} OR {turn} = 2 AND {_term(item.now)}" if turn else f"{item.now} OR {was}"
@@ -313,7 +313,7 @@ def _switched(target: str, on: str, off: str) -> str:
 
 
 def _flag(step: Step, line: ActionAssociation) -> str:
-    """An expression that is TRUE while an association acts."""
+    """Return an expression that is TRUE while an association acts."""
     flag = f"NOT {step.name}.X" if line.negated else f"{step.name}.X"
     condition = line.condition
     return f"{flag} AND ({condition.text})" if isinstance(condition, Expression) else flag
@@ -324,13 +324,13 @@ def _any(users: list[_User]) -> str:
 
 
 def _without(terms: list[str], reset: str) -> str:
-    """Any of the terms, and nothing that resets."""
+    """Return the OR of the terms, and not the reset."""
     found = " OR ".join(terms)
     return f"{_term(found)} AND NOT {_term(reset)}" if found and reset else found
 
 
 def _term(text: str) -> str:
-    """An expression as an operand."""
+    """Return an expression as an operand."""
     return f"({text})" if " " in text else text
 
 

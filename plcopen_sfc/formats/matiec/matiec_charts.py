@@ -55,7 +55,7 @@ class ChartFitter:
     ids: Iterator[int] = field(init=False)
 
     def __post_init__(self) -> None:
-        """What is added to the chart gets new ids."""
+        """Give new ids to elements that are added to the chart."""
         self.ids = count(self.chart.new_id())
 
     def fit(self) -> None:
@@ -86,7 +86,7 @@ class ChartFitter:
         self.unit.pou.transitions = [t for t in self.unit.pou.transitions if t.name.casefold() in used]
 
     def _keeps_drawn_logic(self) -> bool:
-        """True if wired conditions stay as they are drawn; what is drawn besides is translated by nobody."""
+        """True if wired conditions stay as they are drawn; no converter translates what is drawn besides."""
         unit, chart = self.unit, self.chart
         if not unit.keeps_drawings or not is_taken(chart.logic, unit.dialect):
             return False
@@ -109,7 +109,7 @@ class ChartFitter:
         self.unit.note_negations(write_negations_out(nodes), f"{self.unit.path} / transition {condition.name}")
         return True
 
-    # -- what cannot be said -------------------------------------------------------------------------------------------
+    # -- what matiec lacks ---------------------------------------------------------------------------------------------
 
     def _refuse_parts(self) -> None:
         chart, path = self.chart, self.unit.path
@@ -201,7 +201,7 @@ class ChartFitter:
             step.min_time = None
 
     def _note_loops(self, labels: Mapping[int, str]) -> None:
-        """Report steps that are left and entered at once: in matiec their time starts anew, in CODESYS it goes on."""
+        """Report steps that are left and entered at once: in matiec their time starts again, in CODESYS it goes on."""
         chart, unit = self.chart, self.unit
         texts = [t.condition.text for t in chart.transitions if isinstance(t.condition, Expression)]
         texts += [action.body.text for action in unit.pou.actions if isinstance(action.body, StBody)]
@@ -209,7 +209,7 @@ class ChartFitter:
             for step in chart.steps:
                 loops = step.id in transition.sources and step.id in transition.targets
                 if loops and any(re.search(rf"\b{step.name}\.T\b", text, re.IGNORECASE) for text in texts):
-                    why = f"the time of {step.name} starts anew with it in matiec, and goes on in CODESYS"
+                    why = f"the time of {step.name} starts again with it in matiec, and goes on in CODESYS"
                     path = f"{unit.path} / transition {labels[transition.id]}"
                     unit.note(Outcome.APPROXIMATED, "transition", path, why)
 
@@ -341,7 +341,7 @@ class ChartFitter:
         return lines
 
     def _wrong(self, step: Step, found: ActionAssociation) -> list[str]:
-        """What of an association matiec does not execute."""
+        """Return the parts of an association that matiec does not execute."""
         wrong: list[str] = []
         if found.qualifier not in _QUALIFIERS and found.qualifier is not Qualifier.R0:
             wrong.append(f"matiec does not execute the qualifier {found.qualifier}")
@@ -386,7 +386,7 @@ class ChartFitter:
         )
 
     def _action(self, wish: str, body: Body, path: str) -> str:
-        """An action of the POU with this body; returns its name."""
+        """Add an action with this body to the POU; return its name."""
         name = self.unit.new_name(wish)
         self.in_place.add(name.casefold())
         self.unit.pou.actions.append(Action(name=name, body=self.unit.action(body, path, wish)))
@@ -425,7 +425,7 @@ class ChartFitter:
     def _put_logic(self) -> None:
         """The action, stored by the steps that can be active in the first scan; actions in the order of first use.
 
-        What the action drives is driven before bodies are executed, as other variables. The converter of Beremiz and
+        Variables of the action are written before bodies are executed, as other variables. The converter of Beremiz and
         OpenPLC lets the first step alone start it, behind the actions of that step.
         """
         actions = self.unit.pou.actions

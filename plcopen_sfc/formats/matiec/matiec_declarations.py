@@ -81,7 +81,7 @@ class TypeFitter:
         variable.initial = self._value(variable.type, variable.initial, path)
 
     def _type(self, kind: DataType, path: str, constants: Mapping[str, str]) -> DataType:
-        """A type without strings of a length, whose variables matiec does not find, and with numbers for limits."""
+        """Return a type without lengths of strings, of which matiec finds no variables, and with numbers for limits."""
         if isinstance(kind, ArrayType):
             if isinstance(kind.base, ArrayType):
                 self._lost("type", path, "matiec has no arrays of arrays; write one of two dimensions")
@@ -111,7 +111,7 @@ class TypeFitter:
         return number
 
     def _value(self, kind: DataType, value: Value | None, path: str) -> Value | None:
-        """An initial value; None for one that matiec does not take."""
+        """Return an initial value; None for one that matiec does not take."""
         kind = self._plain(kind)
         wrong = ""
         if isinstance(kind, ElementaryType) and isinstance(value, ArrayValue | StructValue):
@@ -135,7 +135,7 @@ class TypeFitter:
         return value
 
     def _plain(self, kind: DataType) -> DataType:
-        """The type that a name stands for."""
+        """Return the type that a name means."""
         for _ in self._declared:
             found = self._declared.get(kind.name.casefold()) if isinstance(kind, DerivedType) else None
             if found is None:
@@ -185,7 +185,7 @@ class _Namer:
             variable.type = self.named(variable.type, f"{owner}_{variable.name}")
 
     def named(self, kind: DataType, wish: str) -> DataType:
-        """The type, or the new name of one that has none."""
+        """Return the type, or the new name of one that has none."""
         if isinstance(kind, ArrayType):
             kind.base = self.named(kind.base, f"{wish}_element")
             return kind
@@ -196,7 +196,7 @@ class _Namer:
         return self.declared(kind, wish)
 
     def declared(self, kind: DataType, wish: str) -> DerivedType:
-        """A new data type for `kind`."""
+        """Return a new data type for `kind`."""
         name, number = matiec_name(f"T_{wish}"), 1
         while name.casefold() in self.used:
             number += 1
@@ -208,7 +208,7 @@ class _Namer:
 
 
 def declare_globals(project: Project, report: ConversionReport) -> None:
-    """Move lists that stand in the project alone into a configuration, and declare in POUs what they use of globals."""
+    """Move lists of the project alone into a configuration, and declare in POUs the global variables that they use."""
     lists = project.global_variables
     owners: list[Configuration | Resource] = [*project.applications, *project.configurations]
     owners += [resource for configuration in project.configurations for resource in configuration.resources]
@@ -309,7 +309,7 @@ def _declare(pou: Pou, found: list[tuple[Variable, VariableSection]]) -> None:
 
 
 def variable_names(project: Project) -> Iterator[str]:
-    """The names of all variables of a project, in lower case."""
+    """Yield the names of all variables of a project, in lower case."""
     for section in project.global_sections():
         yield from (variable.name.casefold() for variable in section.variables)
     for pou in project.pous:
@@ -317,7 +317,7 @@ def variable_names(project: Project) -> Iterator[str]:
 
 
 def with_quotes(variable: Variable, names: Container[str]) -> Variable:
-    """The variable with its value as a literal, if it is a string; a value of `names` is that of a constant."""
+    """Return the variable with its value as a literal, if it is a string; a value of `names` is that of a constant."""
     value = variable.initial
     if not isinstance(variable.type, StringType) or not isinstance(value, SimpleValue) or value.text is None:
         return variable

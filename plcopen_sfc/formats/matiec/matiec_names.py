@@ -79,7 +79,7 @@ def is_matiec_name(name: str) -> bool:
 
 
 def matiec_name(name: str) -> str:
-    """A name near `name` that matiec takes."""
+    """Return a name near `name` that matiec takes."""
     plain = unicodedata.normalize("NFKD", name.translate(_LETTERS)).encode("ascii", "ignore").decode()
     plain = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9_]", "_", plain)).rstrip("_") or "x"
     return plain if is_matiec_name(plain) else f"x_{plain.lstrip('_')}"
@@ -89,7 +89,7 @@ def matiec_name(name: str) -> str:
 
 
 def _placed(project: Project) -> Iterator[tuple[str, str]]:
-    """What has a place of its own: actions, transitions, steps, members of structures."""
+    """Yield the names with a scope of their own: actions, transitions, steps, members of structures."""
     for pou in project.pous:
         inner = [action.name for action in pou.actions] + [transition.name for transition in pou.transitions]
         inner += [step.name for step in pou.chart.steps] if pou.chart is not None else []
@@ -120,7 +120,7 @@ def _steps(project: Project) -> Iterator[tuple[str, str, set[str]]]:
 
 
 def used_types(kind: DataType) -> list[str]:
-    """The names of the types that a type names."""
+    """Return the names of the types that a type names."""
     if isinstance(kind, DerivedType):
         return [kind.name]
     if isinstance(kind, ArrayType | PointerType):
@@ -129,7 +129,7 @@ def used_types(kind: DataType) -> list[str]:
 
 
 def _declared(project: Project) -> Iterator[tuple[str, str]]:
-    """Variables and values of enumerations; global variables first, for a POU may declare them as external."""
+    """Yield variables and values of enumerations; global variables first, for a POU may declare them as external."""
     for section in project.global_variables:
         around = f"{section.name}." if section.name else ""
         yield from [(f"{around}{one.name}", one.name) for one in section.variables]
@@ -144,7 +144,7 @@ def _units(project: Project) -> Iterator[tuple[str, str]]:
 
 
 def note_undeclared(project: Project, report: ConversionReport) -> None:
-    """Report each name that nothing declares, at the first place where it stands."""
+    """Report each name that nothing declares, at the first place where it is used."""
     found: dict[str, tuple[str, str]] = {}
     for name, path in (*_types(project), *_programs(project), *_names(project)):
         if not name.upper().startswith(UNDECLARED_PREFIX):

@@ -40,7 +40,7 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 UNDECLARED_PREFIX = "NOT_EXECUTED"
-"""How names begin that are declared nowhere: matiec refuses a text in which nothing right could be written."""
+"""Start of names that are declared nowhere: matiec refuses a text for which there is no right one."""
 
 
 @dataclass(slots=True)
@@ -70,7 +70,7 @@ class FittedPou:
 
     @property
     def path(self) -> str:
-        """What the report calls the POU."""
+        """Path of the POU in reports."""
         return self.pou.report_path
 
     def note(self, outcome: Outcome, what: str, path: str, why: str) -> None:
@@ -78,7 +78,7 @@ class FittedPou:
         self.report.add(outcome, what, path, why)
 
     def new_name(self, wish: str) -> str:
-        """A name near `wish` that nothing in the POU has."""
+        """Return a name near `wish` that nothing in the POU has."""
         base = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9_]", "_", wish)).strip("_") or "x"
         base = f"x_{base}" if base[0].isdigit() or base.upper() in IEC_KEYWORDS else base
         name, number = base, 1
@@ -102,12 +102,12 @@ class FittedPou:
         return name
 
     def idle(self) -> str:
-        """The variable that is written where something must stand and nothing is to be done."""
+        """Return the variable that is written where a statement is required and nothing is to be done."""
         self._idle = self._idle or self.declare("idle")
         return self._idle
 
     def result(self, function: str) -> str | None:
-        """The variable for the result of a function that nothing else takes."""
+        """Return the variable for the result of a function that nothing else takes."""
         key = function.casefold()
         if key not in self.functions:
             return None
@@ -116,11 +116,11 @@ class FittedPou:
         return self._results[key]
 
     def uncompilable(self, what: str) -> str:
-        """A statement that does not compile, for what cannot be said."""
+        """Return a statement that does not compile, for what matiec lacks."""
         return f"{self.missing(what)} := TRUE;"
 
     def missing(self, what: str) -> str:
-        """A name that is declared nowhere."""
+        """Return a name that is declared nowhere."""
         return self.new_name(f"{UNDECLARED_PREFIX}_{what}")
 
     def declare_helpers(self, helpers: Iterable[Helper]) -> list[str]:
@@ -137,7 +137,7 @@ class FittedPou:
         return wrong
 
     def fitted(self, body: Body, path: str, wish: str) -> Body:
-        """A body of a POU or an action in a form that is executed: as it is drawn, or as statements."""
+        """Return a body of a POU or an action in a form that is executed: as it is drawn, or as statements."""
         if self.keeps_drawings and isinstance(body, FbdBody | LdBody):
             nodes = [node for network in body.networks for node in network.nodes]
             if is_taken(nodes, self.dialect):
@@ -147,7 +147,7 @@ class FittedPou:
         return StBody(text=self.uncompilable(wish) if text is None else text)
 
     def action(self, body: Body, path: str, wish: str) -> Body:
-        """The body of an action: RETURN in it would end the whole POU, which matiec compiles without a word."""
+        """Return the body of an action: RETURN in it would end the whole POU, which matiec compiles without a word."""
         fitted = self.fitted(body, path, wish)
         if isinstance(fitted, StBody):
             parsed = parse_statements(fitted.text, self.dialect)
@@ -166,7 +166,7 @@ class FittedPou:
             self.note(Outcome.TRANSLATED, "negated variable", path, why)
 
     def statements(self, body: Body, path: str) -> str | None:
-        """A body as statements; None where they cannot say it, which is reported."""
+        """Return a body as statements; None where that is not possible, which is reported."""
         if isinstance(body, StBody):
             return body.text
         if isinstance(body, FbdBody | LdBody):

@@ -60,16 +60,16 @@ def fit_project(
 
 
 def _is_of_matiec_tools(project: Project) -> bool:
-    """True if the project is of Beremiz or OpenPLC, which execute it as it stands.
+    """True if the project is of Beremiz or OpenPLC, which execute it as it is.
 
-    Their editor leaves ``Unknown`` and ``Unnamed`` in the header until somebody fills it in (seen in 8 of 10 files).
+    Their editor leaves ``Unknown`` and ``Unnamed`` in the header until a user fills it in (seen in 8 of 10 files).
     """
     names = (project.header.company.casefold(), project.header.product.casefold())
     return any(tool in name for tool in _OF_THESE_TOOLS for name in names) or names == ("unknown", "unnamed")
 
 
 def _typed_functions(project: Project) -> dict[str, DataType]:
-    """The types of the results of functions; those without a result get one, which matiec wants."""
+    """Return the types of the results of functions; those without a result get one, which matiec wants."""
     kinds: dict[str, DataType] = {}
     for pou in project.pous:
         if pou.kind is not PouKind.FUNCTION:
@@ -134,7 +134,7 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None) -> None:
 
 
 def _drawn_in(body: Body) -> list[list[Node]]:
-    """The elements of each network of a body, or of its chart."""
+    """Return the elements of each network of a body, or of its chart."""
     if isinstance(body, SfcBody):
         return [body.chart.logic]
     return [network.nodes for network in body.networks] if isinstance(body, FbdBody | LdBody) else []
@@ -156,7 +156,7 @@ def _check_addresses(unit: FittedPou) -> None:
 
 
 def _by_location(section: VariableSection) -> list[VariableSection]:
-    """Variables with and without an address: matiec does not take them in one section."""
+    """Return variables with and without an address: matiec does not take them in one section."""
     parts = []
     for located in (False, True):
         variables = [v for v in section.variables if (v.address is not None) is located]
@@ -166,7 +166,7 @@ def _by_location(section: VariableSection) -> list[VariableSection]:
 
 
 def _one_body(unit: FittedPou) -> Body:
-    """The body of a POU: a chart, instructions, or all its statements."""
+    """Return the body of a POU: a chart, instructions, or all its statements."""
     bodies = unit.pou.bodies
     charts = [body for body in bodies if isinstance(body, SfcBody) and body.chart.steps]
     alone: list[Body] = [*charts] or [body for body in bodies if isinstance(body, IlBody)]
@@ -189,14 +189,14 @@ def _one_body(unit: FittedPou) -> Body:
 
 
 def _types_in_order(project: Project) -> list[DataTypeDeclaration]:
-    """The data types, each behind those that it uses: matiec knows what it has read."""
+    """Return the data types, each behind those that it uses: matiec knows what it has read."""
     types = {one.name.casefold(): one for one in project.data_types}
     uses = {name: {u.casefold() for u in used_types(one.type)} & types.keys() for name, one in types.items()}
     return [types[name] for name in _ordered(uses)]
 
 
 def pous_in_order(project: Project) -> list[Pou]:
-    """The POUs, each behind those that it calls."""
+    """Return the POUs, each behind those that it calls."""
     pous = {pou.name.casefold(): pou for pou in project.pous}
     kinds = sorted(pous, key=lambda name: _ORDER.index(pous[name].kind))
     functions = {name for name in kinds if pous[name].kind is PouKind.FUNCTION}
@@ -212,7 +212,7 @@ def _ordered(uses: dict[str, set[str]]) -> list[str]:
 
 
 def _called(pou: Pou, functions: set[str], dialect: Dialect) -> set[str]:
-    """The names of types and functions that a POU uses, in lower case; members may have the names of blocks."""
+    """Return the names of types and functions that a POU uses, in lower case; members may have the names of blocks."""
     names = {name.casefold() for variable in pou.variables() for name in used_types(variable.type)}
     for _, _, body in pou.named_bodies():
         texts = [body.text] if isinstance(body, StBody | IlBody) else []
@@ -294,7 +294,7 @@ def _instances(configuration: Configuration) -> list[PouInstance]:
 
 
 def _free(name: str, used: set[str], path: str, report: ConversionReport) -> str:
-    """A name that nothing else has: matiec and the converters before it take each of them once."""
+    """Return a name that nothing else has: matiec and the converters before it take each of them once."""
     new, number = name, 0
     while new.casefold() in used:
         number += 1

@@ -37,7 +37,7 @@ Result = Callable[[str], str | None]
 
 
 def compilable_statements(text: str, dialect: Dialect, idle: Idle, result: Result) -> str:
-    """Statements in the form that matiec takes; a text with syntax errors gets plain comments only."""
+    """Return statements in the form that matiec takes; a text with syntax errors gets plain comments only."""
     parsed = parse_statements(text, dialect)
     if not parsed.problems:
         if not _working(parsed.tree.statements):
@@ -49,7 +49,7 @@ def compilable_statements(text: str, dialect: Dialect, idle: Idle, result: Resul
 
 
 def _used(node: n.Node, result: Result) -> n.Node:
-    """A call of a function as an assignment: matiec knows no other."""
+    """Return a call of a function as an assignment: matiec knows no other."""
     call = node.call if isinstance(node, n.CallStatement) else None
     if isinstance(call, n.Call) and isinstance(call.callee, n.Name):
         name = result(call.callee.identifier)
@@ -59,7 +59,7 @@ def _used(node: n.Node, result: Result) -> n.Node:
 
 
 def _filled(node: n.Node, idle: Idle) -> n.Node:
-    """A node whose lists of statements have no empty statement and are not empty."""
+    """Return a node whose lists of statements have no empty statement and are not empty."""
     new: dict[str, tuple[n.Statement, ...] | None] = {}
     for name in ("statements", "otherwise"):
         found = getattr(node, name, None)
@@ -94,7 +94,7 @@ def _with_semicolons(text: str, dialect: Dialect) -> str:
 
 
 def compilable_instructions(text: str, dialect: Dialect) -> str:
-    """Instructions in the form that matiec takes: the parameters of a call stand on lines of their own."""
+    """Return instructions in the form that matiec takes: the parameters of a call on lines of their own."""
     edits = []
     tokens = tokenize(text, dialect).tokens
     for index, token in enumerate(tokens):
@@ -112,7 +112,7 @@ def compilable_instructions(text: str, dialect: Dialect) -> str:
 
 
 def compilable_comments(text: str, dialect: Dialect) -> str:
-    """The text with ``(* *)`` as its only comments and without pragmas."""
+    """Return the text with ``(* *)`` as its only comments and without pragmas."""
     comments = tokenize(text, dialect).comments
     pragmas = [c for c in comments if c.kind is CommentKind.PRAGMA]
     others = [Edit(*c.span, _as_block(c)) for c in comments if c.kind is not CommentKind.PRAGMA]
@@ -133,7 +133,7 @@ def _as_block(comment: Comment) -> str:
 
 
 def plain_comment(text: str) -> str:
-    """The inside of a comment without the marks of another: matiec has no comments in comments."""
+    """Return the inside of a comment without the marks of another: matiec has no comments in comments."""
     while "(*" in text or "*)" in text:
         text = text.replace("(*", "( *").replace("*)", "* )")
     return f"{text} " if text.endswith("*") else text
@@ -263,7 +263,7 @@ class OperandConverter:
         self._missing = missing
 
     def kind(self, value: n.Expression) -> str:
-        """The numeric or bit type of an expression, empty for literals that take any and for what is not known."""
+        """Return the numeric or bit type of an expression, empty for literals that take any and for unknown ones."""
         if isinstance(value, n.Parenthesized):
             return self.kind(value.inner)
         if isinstance(value, n.Unary):
@@ -283,7 +283,7 @@ class OperandConverter:
         return found if found in _NUMBERS else ""
 
     def operation(self, node: n.Operation) -> n.Node:
-        """An operation with operands of one type."""
+        """Return an operation with operands of one type."""
         if node.operator not in _ARITHMETIC | _LOGIC | _COMPARISONS:
             return node
         kinds = [self.kind(operand) for operand in node.operands]
@@ -304,7 +304,7 @@ class OperandConverter:
         return replace(node, operands=operands) if changed else node
 
     def assignment(self, node: n.Assignment) -> n.Node:
-        """An assignment of a value of the type of its target."""
+        """Return an assignment of a value of the type of its target."""
         target, kind = self.kind(node.target), self.kind(node.value)
         if not target or node.kind is not n.AssignmentKind.ASSIGN:
             return node
@@ -337,7 +337,7 @@ def _widens(kind: str, to: str) -> bool:
 
 
 def _as(common: str, kind: str, value: n.Expression) -> n.Expression:
-    """An operand as one of the type `common`; literals without a type take any, whole ones but those of REAL."""
+    """Return an operand as one of the type `common`; literals without a type take any, whole ones but those of REAL."""
     if kind and kind != common:
         return n.Call(n.Name(f"{kind}_TO_{common}"), (n.Argument(_without_parentheses(value)),))
     if kind or common not in _REALS:

@@ -20,7 +20,7 @@ from plcopen_sfc.report import ConversionReport, Outcome
 
 @dataclass(frozen=True)
 class ChartHost:
-    """What the charts of a tool can say.
+    """Abilities of the charts of a tool.
 
     `title` is what reports call it. `is_codesys`: associations take an action of the POU by its name, steps have entry,
     main and exit actions and minimum times, conditions are expressions or names of transition objects and never
@@ -36,11 +36,11 @@ class ChartHost:
         return Dialect.CODESYS if self.is_codesys else Dialect.IEC
 
     def active(self, step: Step) -> str:
-        """The variable that tells whether a step is active."""
+        """Return the variable that tells whether a step is active."""
         return f"{step.name}.{'x' if self.is_codesys else 'X'}"
 
     def elapsed(self, step: Step) -> str:
-        """The variable that tells for how long a step has been active."""
+        """Return the variable that tells for how long a step has been active."""
         return f"{step.name}.{'t' if self.is_codesys else 'T'}"
 
 
@@ -73,7 +73,7 @@ class ChartRewriting:
         self.report.add(outcome, what, f"{path} / {place}" if place else path, why)
 
     def text(self, condition: Condition | None) -> str | None:
-        """The text of a condition; None where it cannot be one expression, as with a timer."""
+        """Return the text of a condition; None where it cannot be one expression, as with a timer."""
         if condition is None:
             return None
         if is_empty_network(condition):
@@ -84,14 +84,14 @@ class ChartRewriting:
         return print_node(found.tree, self.host.dialect)
 
     def interlock(self, step: Step) -> str | None:
-        """The interlock of a step: TRUE where it has none, None where no expression says it."""
+        """Return the interlock of a step: TRUE where it has none, None where it is no expression."""
         if step.id not in self._interlocks:
             condition = step.interlock.condition if step.interlock is not None else None
             self._interlocks[step.id] = "TRUE" if condition is None else self.text(condition)
         return self._interlocks[step.id]
 
     def new_name(self, wish: str) -> str:
-        """A name that nothing in the POU or around it has."""
+        """Return a name that nothing in the POU or around it has."""
         name, number = identifier(wish), 1
         while name.casefold() in self.taken:
             number += 1
@@ -101,7 +101,7 @@ class ChartRewriting:
 
 
 def taken_names(project: Project, chart: Chart) -> set[str]:
-    """The names that something in the POU of a chart has, or around it, in lower case."""
+    """Return the names that something in the POU of a chart has, or around it, in lower case."""
     pou = chart.pou
     names = [thing.name for thing in project.objects()]
     for parts in (pou.actions, pou.transitions, pou.methods):
@@ -135,12 +135,12 @@ def _leads(pin: InputPin | None) -> bool:
 
 
 def term(text: str) -> str:
-    """An expression as a part of another one."""
+    """Return an expression as a part of another one."""
     return text if text.replace(".", "").replace("_", "").isalnum() else f"({text})"
 
 
 def guarded(condition: str, lines: list[str]) -> list[str]:
-    """Statements that are executed only while `condition` is TRUE."""
+    """Return statements that are executed only while `condition` is TRUE."""
     if condition == "TRUE" or not lines:
         return lines
     return [f"IF {condition} THEN", *(f"    {line}" for line in lines), "END_IF;"]

@@ -55,7 +55,7 @@ def has_globals(project: Project) -> bool:
 
 
 def add_globals(project: Project, host: ChartHost, report: ConversionReport, marks: SourceMarks) -> None:
-    """Add the global variables that stand for tags and data blocks to `project`, a copy."""
+    """Add global variables for tags and data blocks to `project`, a copy."""
     sections = _Globals(project, host, report).sections()
     for section in sections:
         marks[id(section)] = added_section(section)
@@ -74,7 +74,7 @@ def add_globals(project: Project, host: ChartHost, report: ConversionReport, mar
 
 
 def _cyclic_blocks(project: Project, host: ChartHost, report: ConversionReport) -> list[str]:
-    """The organization blocks that a resource of TC6 executes in every cycle; the others are in the report."""
+    """Return the organization blocks that a resource of TC6 executes in every cycle; the others are in the report."""
     found: list[str] = []
     for pou in project.pous:
         if pou.kind is not PouKind.ORGANIZATION_BLOCK:
@@ -109,7 +109,7 @@ def report_types(project: Project, host: ChartHost, report: ConversionReport) ->
 
 
 def is_foreign_type(kind: DataType) -> str | None:
-    """The name of a data type of S7 in `kind` that no other tool has; None where there is none."""
+    """Return the name of a data type of S7 in `kind` that no other tool has; None where there is none."""
     match kind:
         case DerivedType(name=name) if name.strip('"').upper() in _OF_S7:
             return name
@@ -136,7 +136,7 @@ class _Globals:
         self.types = {each.name.casefold(): each.type for each in self.project.data_types}
 
     def sections(self) -> list[VariableSection]:
-        """The lists of variables."""
+        """Return the lists of variables."""
         found: list[VariableSection] = []
         for table in self.project.tag_tables:
             found += self._table(table)
@@ -238,7 +238,7 @@ class _Globals:
         return [section]
 
     def _instance(self, name: str, type_name: str, block: DataBlock) -> Variable:
-        """The variable for an instance, with the start values that it has and its type has not."""
+        """Return the variable for an instance, with the start values that it has and its type has not."""
         own = next((pou for pou in self.project.pous if pou.name.casefold() == type_name.casefold()), None)
         usual = {v.name.casefold(): v.initial for v in own.variables()} if own is not None else {}
         given = [
@@ -263,7 +263,7 @@ class _Globals:
 
 
 def _type_of(text: str) -> DataType | None:
-    """A type as tags name it."""
+    """Return a type as tags name it."""
     section = next(iter(read_declarations(f"VAR x : {text}; END_VAR", Dialect.SCL).sections), None)
     return section.variables[0].type if section is not None and section.variables else None
 
@@ -294,7 +294,7 @@ def _new_name(wish: str, taken: set[str]) -> str:
 
 
 def has_lists(project: Project) -> bool:
-    """True if a project has lists of global variables whose names stand in texts."""
+    """True if a project has lists of global variables whose names are used in texts."""
     return any(True for _ in _lists(project))
 
 
@@ -304,12 +304,12 @@ def _lists(project: Project) -> Iterator[VariableSection]:
         if section.name:
             yield section
     for section in (s for c in project.configurations for r in c.resources for s in r.global_variables):
-        if section.name and section.object_id is not None:  # in IEC 61131-3 the name of a list says nothing
+        if section.name and section.object_id is not None:  # in IEC 61131-3 the name of a list means nothing
             yield section
 
 
 def list_names(project: Project) -> frozenset[str]:
-    """The names of all lists of global variables, in lower case."""
+    """Return the names of all lists of global variables, in lower case."""
     return frozenset(section.name.casefold() for section in project.global_sections() if section.name)
 
 
@@ -411,7 +411,7 @@ class _Unqualifier:
         return text_site.text if condition.problems else render(condition, transform(condition.tree, change))
 
     def _names_in(self, site: Site) -> set[str]:
-        """The names that hide global ones."""
+        """Return the names that hide global ones."""
         pou = site.pou
         if pou is None:
             return set()

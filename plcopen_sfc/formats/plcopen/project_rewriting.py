@@ -50,9 +50,9 @@ from plcopen_sfc.report import ConversionReport, Outcome
 def rewrite_project(
     project: Project, host: ChartHost, options: WriteOptions, report: ConversionReport
 ) -> tuple[Project, SourceMarks]:
-    """A copy of `project` that says what the `host` is to execute in its terms, and what to keep of the source where.
+    """Return a copy of `project` in terms that the `host` executes, and what to keep of the source where.
 
-    `project` itself, which is changed, where that changes nothing that the source says.
+    `project` itself, which is changed, where nothing of the source changes.
     """
     if not options.same:
         _adapt_coils(project, report)
@@ -106,7 +106,7 @@ _SET_BY_CHARTS = frozenset(
 
 
 def _without_result(project: Project) -> Iterator[Interface]:
-    """The interfaces of functions of S7 whose result is of the type Void: others have no result then."""
+    """Yield the interfaces of functions of S7 whose result is of the type Void: others have no result then."""
     for pou in project.pous:
         if pou.interface is not None and any(is_void(section) for section in pou.interface.sections):
             yield pou.interface
@@ -123,7 +123,7 @@ def is_rewritten(project: Project, content: bytes, host: ChartHost) -> bool:
 
 
 def _drawn(project: Project) -> Iterator[tuple[str, str, FbdBody | LdBody]]:
-    """All networks of bodies and conditions, each with the path of what is around it and its own."""
+    """Yield all networks of bodies and conditions, each with the path of what is around it and its own."""
     for name, pou, body in project.bodies():
         if isinstance(body, FbdBody | LdBody):
             yield pou.report_path_of(name), pou.report_path_of(name), body
@@ -138,7 +138,7 @@ def _drawn(project: Project) -> Iterator[tuple[str, str, FbdBody | LdBody]]:
 def _report_memories(project: Project, host: ChartHost, report: ConversionReport) -> None:
     """Report boxes of S7 that have the operand of their memory at a pin: edges, and flip-flops that are no instances.
 
-    Conditions become expressions in CODESYS, which has its own words for what none says.
+    Conditions become expressions in CODESYS, which has its own words where there is none.
     """
     for around, place, body in _drawn(project):
         boxes = [node for network in body.networks for node in network.nodes if isinstance(node, Block)]
@@ -163,7 +163,7 @@ def _adapt_coils(project: Project, report: ConversionReport) -> None:
 def _order_elements(project: Project, report: ConversionReport) -> None:
     """Put elements into the order in which the source executes them, and number them so: CODESYS knows no places.
 
-    The elements of its exports all stand at (0, 0), in the order of the file and without numbers.
+    The elements of its exports are all at (0, 0), in the order of the file and without numbers.
     """
     for around, place, body in _drawn(project):
         if around != place:
@@ -287,7 +287,7 @@ class _ChartRewriter:
         text = self._rewriting.text(condition)
         if text is None:
             text = self._rewriting.new_name(f"Condition_of_{self._chart.label(transition)}_is_missing")
-            why = f"it cannot be written as an expression; the undeclared name {text} stands in its place"
+            why = f"it cannot be written as an expression; the undeclared name {text} is in its place"
             self._note(
                 Outcome.NOT_EXECUTED, "condition", label, f"{why}, so that {self._host.title} does not compile it"
             )
@@ -309,21 +309,23 @@ class _ChartRewriter:
         return [*((step.id, "supervision") for step in supervised), *((step.id, "min_time") for step in timed)]
 
     def _held(self, step: Step, text: str) -> str:
-        """The condition of a transition with the supervision of a step that it leaves."""
+        """Return the condition of a transition with the supervision of a step that it leaves."""
         fault = step.supervision.condition if step.supervision is not None else None
-        said = self._rewriting.text(fault)
+        fault_text = self._rewriting.text(fault)
         place = f"step {step.name}"
-        if said is None:
+        if fault_text is None:
             why = f"it does not hold the step in {self._host.title}: it cannot be written as an expression"
             self._note(Outcome.NOT_EXECUTED, "supervision", place, why)
             return text
         settings = self._chart.graph_settings
         if settings is not None and settings.acknowledge_errors_required is False:
-            self._note(Outcome.TRANSLATED, "supervision", place, f"NOT {term(said)} in the conditions that leave it")
+            self._note(
+                Outcome.TRANSLATED, "supervision", place, f"NOT {term(fault_text)} in the conditions that leave it"
+            )
         else:
             why = "the step is left as soon as the fault is gone; S7-GRAPH also waits for its acknowledgement by ACK_EF"
             self._note(Outcome.APPROXIMATED, "supervision", place, why)
-        return _and(text, f"NOT {term(said)}")
+        return _and(text, f"NOT {term(fault_text)}")
 
     def _report_graph(self) -> None:
         """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
@@ -356,7 +358,7 @@ class _ChartRewriter:
 
 
 def _does_something(body: Body | None) -> bool:
-    """True unless a body is empty, as those of permanent operations that nobody has programmed."""
+    """True unless a body is empty, as those of permanent instructions without a program."""
     if isinstance(body, FbdBody | LdBody):
         return any(network.nodes for network in body.networks)
     return body is not None and bool(getattr(body, "text", " ").strip())

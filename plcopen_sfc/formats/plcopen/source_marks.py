@@ -27,17 +27,17 @@ ADDED_FIELD = "added"
 TEXTS_FIELD = "texts"
 """At a body: texts of the source by their fields, each with the digest of what was written for it."""
 NO_RESULT_FIELD = "no_result"
-"""At an interface: the section in which S7 says that a function has no result, and its place."""
+"""At an interface: the section by which a function of S7 has no result, and its place."""
 
 SourceMarks = dict[int, dict[str, Any]]
-"""What to keep at objects of a project, by their `id()`."""
+"""Fields to keep at objects of a project, by their `id()`."""
 
 STEP_FIELDS = ("actions", "entry_action", "main_action", "exit_action")
-"""The fields of a step that are written otherwise than the source says them."""
+"""The fields of a step that are written otherwise than in the source."""
 
 
 def rewritten_step(step: Step, source: Step, uses: Iterable[str] = ()) -> dict[str, Any]:
-    """The mark of `step`, which is written in place of `source` and executes the added actions `uses`."""
+    """Return the mark of `step`, which is written in place of `source` and executes the added actions `uses`."""
     fields = source.model_dump(mode="json", include=set(STEP_FIELDS), exclude_none=True)
     names = sorted({name.casefold() for name in uses})
     return {REWRITTEN_FIELD: {"source": fields, "digest": _of_step(step), "uses": names}}
@@ -46,7 +46,7 @@ def rewritten_step(step: Step, source: Step, uses: Iterable[str] = ()) -> dict[s
 def rewritten_transition(
     transition: Transition, source: Transition, held: Iterable[tuple[int, str]] = ()
 ) -> dict[str, Any]:
-    """The mark of `transition`, which is written in place of `source`.
+    """Return the mark of `transition`, which is written in place of `source`.
 
     `held`: the ids of steps and the fields of them that the condition executes, such as the minimum time.
     """
@@ -56,27 +56,27 @@ def rewritten_transition(
 
 
 def added_part(body: StBody) -> dict[str, Any]:
-    """The mark of an action or transition object that the source does not have."""
+    """Return the mark of an action or transition object that the source does not have."""
     return {ADDED_FIELD: digest(body.text)}
 
 
 def added_section(section: VariableSection) -> dict[str, Any]:
-    """The mark of a list of variables that the source does not have."""
+    """Return the mark of a list of variables that the source does not have."""
     return {ADDED_FIELD: _of_section(section)}
 
 
 def mark(name: str, source: Fields, written: Fields) -> dict[str, Any]:
-    """The mark of an element of which the source says `source`, and the file `written`; none where that is the same."""
+    """Return the mark of an element with the fields `source`, written as `written`; none where they are equal."""
     return {name: {"source": source, "digest": _of_fields(written)}} if source != written else {}
 
 
-def marked(fields: Fields, name: str, said: Fields) -> Fields | None:
-    """What the source says of an element of which the file says `said`: None without a mark, or after an edit.
+def marked(fields: Fields, name: str, written: Fields) -> Fields | None:
+    """Return the fields in the source of an element that is `written` in the file: None without mark or after an edit.
 
     Takes the mark `name` out of the fields of the element.
     """
     found = fields.pop(name, None)
-    source = found.get("source") if isinstance(found, dict) and found.get("digest") == _of_fields(said) else None
+    source = found.get("source") if isinstance(found, dict) and found.get("digest") == _of_fields(written) else None
     return source if isinstance(source, dict) else None
 
 
@@ -101,7 +101,7 @@ def restore_chart(
 
     Returns the names, in lower case, of the added parts that the other elements execute.
 
-    `edited`: added actions and transition objects that somebody has changed since, by their names in lower case.
+    `edited`: added actions and transition objects that were changed since, by their names in lower case.
     `warn` is told of elements for which the source counts no more.
     """
     executed: set[str] = set()
@@ -140,7 +140,7 @@ _HELD_FIELDS = ("min_time", "supervision")
 
 
 def _uses(mark: dict[str, Any] | None) -> set[str]:
-    """The added parts that an element executes as it was written."""
+    """Return the added parts that an element executes as it was written."""
     names = mark.get("uses") if mark is not None else None
     return set(names) if isinstance(names, list) else set()
 
@@ -167,7 +167,7 @@ def _put(thing: Step | Transition, mark: dict[str, Any], names: Iterable[str]) -
 
 
 def added_parts(parts: list[Fields]) -> tuple[set[str], set[str]]:
-    """The names, in lower case, of actions or transition objects that were added, and of those edited since.
+    """Return the names, in lower case, of actions or transition objects that were added, and of those edited since.
 
     Takes their marks.
     """
@@ -185,7 +185,7 @@ def added_parts(parts: list[Fields]) -> tuple[set[str], set[str]]:
 
 
 def sources_of_section(section: Fields) -> list[Fields] | None:
-    """What the source has in place of an added list of variables that is as it was written; None for any other.
+    """Return the source of an added list of variables that is as it was written; None for any other list.
 
     Takes the marks of the list.
     """
@@ -220,7 +220,7 @@ def is_added_configuration(configuration: Fields) -> bool:
 
 
 def digest(text: str) -> str:
-    """A short digest of a text; blanks at its ends and ends of lines do not matter."""
+    """Return a short digest of a text; blanks at its ends and ends of lines do not matter."""
     return hashlib.sha256("\n".join(text.split("\r\n")).strip().encode()).hexdigest()[:12]
 
 
@@ -231,8 +231,8 @@ def _of_step(step: Step) -> str:
 
 
 def _of_row(row: ActionAssociation) -> list[str | None]:
-    said = [row.qualifier.value, row.target, _plain(row.body), row.duration or None, row.indicator or None]
-    return [*said, "negated"] if row.negated else said
+    parts = [row.qualifier.value, row.target, _plain(row.body), row.duration or None, row.indicator or None]
+    return [*parts, "negated"] if row.negated else parts
 
 
 def _plain(body: object) -> str | None:
@@ -244,17 +244,17 @@ def _plain(body: object) -> str | None:
 def _of_condition(condition: Condition | None) -> str:
     match condition:
         case Expression():
-            said = condition.text
+            text = condition.text
         case NamedCondition() | BodyCondition():
-            said = condition.name
+            text = condition.name
         case _:
-            said = ""
-    return digest(json.dumps([said, condition is not None and condition.negated]))
+            text = ""
+    return digest(json.dumps([text, condition is not None and condition.negated]))
 
 
 def _of_section(section: VariableSection) -> str:
-    return digest(json.dumps(_said(section), sort_keys=True))
+    return digest(json.dumps(_plain_fields(section), sort_keys=True))
 
 
-def _said(thing: Model) -> Any:
+def _plain_fields(thing: Model) -> Any:
     return thing.model_dump(mode="json", exclude_defaults=True, exclude={"comment", "carried", "object_id"})

@@ -34,7 +34,7 @@ _MEANT = {
     Qualifier.P0: "the statements of the step that are executed once when it was left",
 }
 _KEPT_ONLY = ("max_time", "warning_time", "interlock", "supervision")
-"""Fields of a step that are extension data only: they come back as the source says them."""
+"""Fields of a step that are extension data only: they come back as in the source."""
 _NO_TEXT = "its network cannot be written as an expression"
 
 
@@ -44,7 +44,7 @@ def has_special_rows(chart: SfcNetwork) -> bool:
 
 
 def mixed_operands(chart: SfcNetwork) -> set[str]:
-    """The operands that some rows drive and others set or reset: S7-GRAPH writes them one after the other.
+    """Return the operands that some rows drive and others set or reset: S7-GRAPH writes them one after the other.
 
     Action control of IEC 61131-3 has one input for each qualifier instead, and what is set stays.
     """
@@ -53,16 +53,16 @@ def mixed_operands(chart: SfcNetwork) -> set[str]:
 
 
 def timed_operands(chart: SfcNetwork) -> set[str]:
-    """The operands that several rows drive, one of them for a time: IEC 61131-3 has one time for all of them."""
+    """Return the operands that several rows drive, one of them for a time: IEC 61131-3 has one time for all of them."""
     coils = [row for _, row in chart.associations() if row.target is not None and _is_coil(row)]
     counts = Counter(map(_key, coils))
     return {_key(row) for row in coils if row.duration is not None and counts[_key(row)] > 1}
 
 
 def overwritten_rows(step: Step) -> list[ActionAssociation]:
-    """The rows R of a step whose operand a later row S of it sets: S7-GRAPH executes rows in their order.
+    """Return the rows R of a step whose operand a later row S of it sets: S7-GRAPH executes rows in their order.
 
-    Rows that stand before one that calls or assigns something are left alone: it may read the operand in between.
+    Rows before one that calls or assigns something are left alone: it may read the operand in between.
     """
     found: list[ActionAssociation] = []
     set_later: set[str] = set()
@@ -86,7 +86,7 @@ def _is_special(row: ActionAssociation) -> bool:
 
 @dataclass(slots=True)
 class _Rows:
-    """What a step executes in place of its rows: while it is active, once at its start, once when it was left.
+    """Statements of a step in place of its rows: while it is active, once at its start, once when it was left.
 
     `first` and `final` are what happens once at the start and when it was left, but after the coils were written.
     """
@@ -129,7 +129,7 @@ class StepRewriter:
         )
 
     def rewrite(self, step: Step) -> None:
-        """Change a step; what cannot be said is in the report."""
+        """Change a step; what the tool cannot execute is in the report."""
         source = self._rewriting.source_steps[step.id]
         uses: list[str] = []
         if step.exclude and not self._host.is_codesys and self._is_entered(step):
@@ -202,7 +202,7 @@ class StepRewriter:
         step.actions = [*step.actions, row]
 
     def _free_ids(self, step: Step) -> Iterator[int]:
-        """Ids for new rows of a step: first those of rows that they replace, then those that only its drawing has.
+        """Yield ids for new rows of a step: first those of replaced rows, then those that only its drawing has.
 
         A file that was read has such rows where the source was put back for them.
         """
@@ -217,7 +217,7 @@ class StepRewriter:
                 yield from (number for number in drawn if number not in used)
         yield max([self._chart.new_id(), *(number + 1 for number in used)])
 
-    # -- what CODESYS and TC6 say of steps in their own ways
+    # -- steps in terms of CODESYS and of TC6
 
     def _name_bodies(self, step: Step, uses: list[str]) -> None:
         """Give bodies in place a name: CODESYS executes actions of the POU."""
@@ -231,7 +231,7 @@ class StepRewriter:
             step.actions = rows
 
     def _named_row(self, step: Step, row: ActionAssociation, uses: list[str]) -> ActionAssociation | None:
-        """A row that executes an action of the POU; None where it became the entry or exit action of its step."""
+        """Return a row that executes an action of the POU; None if it became the entry or exit action of its step."""
         kind = {Qualifier.P1: "entry", Qualifier.P0: "exit"}.get(row.qualifier, "")
         if self._runs_no_final_scan(step, row):
             kind = {Qualifier.P: "entry", Qualifier.N: "main", Qualifier.NONE: "main"}.get(row.qualifier, kind)
@@ -330,7 +330,7 @@ class StepRewriter:
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is a statement {where}{needs}")
 
     def _refusal(self, step: Step, row: ActionAssociation, event: ActionEvent | None) -> str | None:
-        """Why no statement says what a row does; None where one does."""
+        """Return why no statement does the same as a row; None where one does."""
         title = self._host.title
         locked = row.interlock or row.event is ActionEvent.C
         if event not in (None, ActionEvent.S1, ActionEvent.S0):
@@ -368,7 +368,7 @@ class StepRewriter:
         return any(row.qualifier is not Qualifier.S or r.duration is not None or r.interlock for r in coils)
 
     def _needed(self, step: Step, row: ActionAssociation) -> str | None:
-        """What must hold besides that the step is active; None where no expression says it."""
+        """Return the condition of a row besides its active step; None where it is no expression."""
         interlock = self._rewriting.interlock(step) if row.interlock or row.event is ActionEvent.C else "TRUE"
         condition = self._rewriting.text(row.condition) if row.condition is not None else "TRUE"
         if interlock is None or condition is None:
@@ -377,7 +377,7 @@ class StepRewriter:
         return " AND ".join(term(part) for part in parts) if len(parts) > 1 else (parts or ["TRUE"])[0]
 
     def _driven(self, coil: ActionAssociation) -> str | None:
-        """The OR over all rows of the chart that drive a coil; None where one of them cannot be said."""
+        """Return the OR over all rows of the chart that drive a coil; None where one of them is no expression."""
         terms: list[str] = []
         for step, row in self._rows:
             if row.target is None or _key(row) != _key(coil) or not _is_coil(row):
@@ -424,10 +424,10 @@ def _statements(row: ActionAssociation) -> list[str]:
 
 
 def _called(row: ActionAssociation) -> str:
-    """What people call a row: its qualifier and what it writes or calls."""
+    """Return the words for a row: its qualifier and what it writes or calls."""
     if row.body is not None:
-        said = row.body.text.strip() if isinstance(row.body, StBody) else row.body.language
+        words = row.body.text.strip() if isinstance(row.body, StBody) else row.body.language
     else:
-        said = row.target or ""
-    said = f"{said} := {row.value}" if row.value is not None else said
-    return f"{row.qualifier.value} {said}" if row.qualifier is not Qualifier.NONE else said
+        words = row.target or ""
+    words = f"{words} := {row.value}" if row.value is not None else words
+    return f"{row.qualifier.value} {words}" if row.qualifier is not Qualifier.NONE else words

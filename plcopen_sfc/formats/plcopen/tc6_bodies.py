@@ -50,7 +50,7 @@ def read_inner_body(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
 
 
 def finished_body(fields: Fields) -> Fields | SfcBody:
-    """The finished body, when all that its surroundings say of it is known."""
+    """Return the finished body, when all that belongs to it is read."""
     chart = fields.get("chart")
     if not isinstance(chart, UnreadChart):
         return fields
@@ -82,7 +82,7 @@ def _chart_fields(unread: UnreadChart) -> Fields:
 
 
 def unfit_data(error: ValidationError, file: str | None) -> StructureError:
-    """What to say where carried data, which anybody may have edited, does not fit the model."""
+    """Return the error of extension data, which may have been edited, that do not fit the model."""
     first = error.errors()[0]
     path = ".".join(map(str, first["loc"]))
     return StructureError(f"carried data does not fit the model at {path}: {first['msg']}", location=Location(file))
@@ -145,7 +145,7 @@ def read_part(ctx: Tc6ReadContext, element: etree._Element, owner: str) -> Field
 def _drop_added(fields: Fields) -> None:
     """Leave out the parts of a POU that were added to it, but for those that were edited or are still executed.
 
-    What an element executes that was edited itself, or that executes an edited part, is known when its chart is read.
+    Only a chart that is read tells which parts an element executes that was edited itself or executes an edited part.
     """
     charts = [body["chart"] for body in fields["bodies"] if isinstance(body.get("chart"), UnreadChart)]
     parts = [*fields["actions"], *fields["transitions"]]
@@ -159,7 +159,7 @@ def _drop_added(fields: Fields) -> None:
 
 
 def read_pou(ctx: Tc6ReadContext, element: etree._Element, place: str) -> Fields:
-    """Read ``pou``, wherever it stands."""
+    """Read ``pou``, in any place."""
     left = attributes(element)
     fields: Fields = {
         "name": take_required(ctx, element, left, "name"),
@@ -241,7 +241,7 @@ def write_body(ctx: Tc6WriteContext, parent: etree._Element, name: str, body: Bo
         if body.source == "plcopen":  # it was in no language that TC6 knows, and is not now
             add_markup(element, body.content.replace(f'"{NEUTRAL}"', f'"{ctx.version.namespace}"'))
             native = native | {"source", "content"}
-        else:  # of another format: carried, and said to be no ST
+        else:  # of another format: kept, and marked as no ST
             xhtml_child(ctx, sub(ctx, element, "ST"))
             also = {"language": body.language}
             ctx.note(Outcome.EXTENSION_DATA, "body", "", f"a body of {body.source}; other tools see an empty one")
@@ -271,7 +271,7 @@ _POU_KINDS = {PouKind.PROGRAM: "program", PouKind.FUNCTION_BLOCK: "functionBlock
 
 
 def write_pou(ctx: Tc6WriteContext, parent: etree._Element, pou: Pou, *, in_place: bool) -> None:
-    """Write ``pou``. `in_place`: it stands where its `place` says, which then need not be carried."""
+    """Write ``pou``. `in_place`: it is in its `place`, which then need not be kept."""
     element = sub(ctx, parent, "pou", {"name": pou.name, "pouType": _POU_KINDS.get(pou.kind, "program")})
     ctx.place.append(f"POU {pou.name}")
     ctx.body_name = pou.name

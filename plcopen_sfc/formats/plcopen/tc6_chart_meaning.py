@@ -53,7 +53,7 @@ class DrawnChart:
             self.elements[fields["id"]] = element
 
     def interpret(self) -> Fields:
-        """The fields of the chart; what is wrong with it goes to the context."""
+        """Return the fields of the chart; what is wrong with it goes to the context."""
         self.ids.settle()
         self._settle_references()
         self._resolve_conditions()
@@ -70,7 +70,7 @@ class DrawnChart:
         return self.chart
 
     def _places(self) -> Places:
-        """A tool that exports no layout puts everything at 0, 0."""
+        """Return the kind of places: a tool that exports no layout puts everything at 0, 0."""
         if self.ctx.placeless and not any(any(symbol.get("position", ())) for symbol in self.symbols):
             return Places.NONE
         return Places.GIVEN
@@ -152,17 +152,17 @@ class DrawnChart:
                 symbol["entries"] = carried_entries
 
     def _entry_id(self, entry: Fields, local_id: str | None) -> int:
-        """The id of a line of a block: its ``localId``, or a new one where that is missing or taken."""
+        """Return the id of a line of a block: its ``localId``, or a new one where that is missing or taken."""
         number = int(local_id) if local_id and local_id.isascii() and local_id.isdigit() else None
         if not number or number in self.ids.used:
-            # 0 is what Beremiz writes at every action: an id that says nothing
+            # 0 is what Beremiz writes at every action: an id without meaning
             entry["local_id"] = None if self.ctx.version.first_generation else number or 0
             return self.ids.new()
         self.ids.used.add(number)
         return number
 
     def _is_step_action(self, step: Fields, association: Fields, entry: Fields, symbol: Fields) -> bool:
-        """Make a marked association the step action again that it stands for."""
+        """Make a marked association the step action again that it replaces."""
         kind = association.pop(STEP_ACTION_FIELD, None)
         if kind not in tuple(StepActionKind):
             return False
@@ -296,7 +296,7 @@ class DrawnChart:
 
 
 def _connections(holder: Fields) -> list[Fields]:
-    """All wires that end at an element, whatever its pins are."""
+    """Return all wires that end at an element, whatever its pins are."""
     pins = holder.get("inputs", ())
     if "kind" in holder and isinstance(holder["kind"], SymbolKind):
         return [connection for pin in pins for connection in pin.get("connections", ())]
@@ -309,7 +309,7 @@ def _connections(holder: Fields) -> list[Fields]:
 
 
 def _is_plain_expression(node: Fields) -> bool:
-    """Whether an ``inVariable`` says nothing but its expression, so that it can be the text of a condition."""
+    """True if an ``inVariable`` has nothing but its expression, so that it can be the text of a condition."""
     return (
         node["kind"] == "input"
         and not node.get("negated")

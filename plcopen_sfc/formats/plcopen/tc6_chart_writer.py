@@ -55,7 +55,7 @@ class Tc6ChartWriter:
         self.drawn_step_actions = self._drawn_step_actions()
 
     def _drawn_conditions(self) -> dict[int, str]:
-        """The text of each drawn expression, by the id of its symbol."""
+        """Return the text of each drawn expression, by the id of its symbol."""
         texts: dict[int, str] = {}
         for symbol in self.drawing.symbols:
             if symbol.kind is SymbolKind.TRANSITION and symbol.condition is not None:
@@ -65,7 +65,7 @@ class Tc6ChartWriter:
         return texts
 
     def _drawn_step_actions(self) -> dict[int, set[StepActionKind]]:
-        """Which step actions of each step stand in an action block."""
+        """Return the step actions of each step that are drawn in an action block."""
         drawn: dict[int, set[StepActionKind]] = {}
         for symbol in self.drawing.symbols:
             kinds = {entry.step_action for entry in symbol.entries or () if entry.step_action is not None}
@@ -82,7 +82,7 @@ class Tc6ChartWriter:
         return self.chart.drawing
 
     def transition_of(self, symbol: Symbol) -> Transition:
-        """The transition that a symbol stands for, or the first of several."""
+        """Return the transition of a symbol, or the first of several."""
         return self.transitions[symbol.transitions[0] if symbol.transitions else symbol.id]
 
     def write(self, parent: etree._Element) -> None:
@@ -100,7 +100,7 @@ class Tc6ChartWriter:
             add_unknown(self.ctx, parent, self.chart.carried)
 
     def write_symbol(self, parent: etree._Element, symbol: Symbol) -> None:
-        """Write one symbol with what it stands for."""
+        """Write one symbol with the element that it draws."""
         if symbol.kind is SymbolKind.STEP or symbol.kind is SymbolKind.MACRO_STEP:
             self.write_step(parent, symbol, self.steps[symbol.id])
         elif symbol.kind is SymbolKind.TRANSITION:
@@ -163,7 +163,7 @@ class Tc6ChartWriter:
         native = _TRANSITION
         attributes = {}
         if ctx.dialect.states_actions:
-            # these tools go by the order of the legs
+            # these tools go by the order of the branches
             native = native - {"priority"}
         elif transition.priority is not None:
             attributes["priority"] = str(transition.priority)
@@ -185,17 +185,17 @@ class Tc6ChartWriter:
         ctx.place.pop()
 
     def _order(self, symbol: Symbol) -> dict[str, Any]:
-        """The execution order of a step or transition, where the version has no place for it."""
+        """Return the execution order of a step or transition, where the version has no place for it."""
         if symbol.execution_order is None or not self.ctx.version.first_generation:
             return {}
         return {"execution_order": symbol.execution_order}
 
     def _shared(self, symbol: Symbol) -> dict[str, Any]:
-        """The ids of the transitions that one symbol stands for; tools that draw so get them by counting."""
+        """Return the ids of the transitions that one symbol draws; tools that draw so get them by counting."""
         return {SHARED_FIELD: symbol.transitions} if symbol.transitions and not self.ctx.counts_ids else {}
 
     def _left_of_wire(self, symbol: Symbol, transition: Transition) -> dict[str, Any]:
-        """What TC6 1.01 cannot say of the pin of a wired condition, which has no element of its own there."""
+        """Return fields of the pin of a wired condition, which has no element of its own in TC6 1.01."""
         condition = transition.condition
         pin = condition.input if isinstance(condition, WiredCondition) else symbol.condition
         if pin is None or not self.ctx.version.first_generation:
@@ -242,7 +242,7 @@ class Tc6ChartWriter:
         finish(self.ctx, element, symbol, "jumpStep", self.symbol_fields | {"name"})
 
     def jump_target(self, symbol: Symbol) -> str:
-        """The name of what a jump leads to, in the spelling of the file where it means the same."""
+        """Return the name of what a jump leads to, in the spelling of the file where it means the same."""
         name = None
         if symbol.target in self.steps:
             name = self.steps[symbol.target].name
@@ -360,7 +360,7 @@ class Tc6ChartWriter:
 
 
 def _features(condition: Condition | None) -> list[str]:
-    """What a condition asks of a reader."""
+    """Return what a condition asks of a reader."""
     if condition is None:
         return []
     kinds = {"body": "condition in a body", "wired": "condition wired to logic"}

@@ -32,7 +32,7 @@ from plcopen_sfc.report import ConversionReport
 
 
 class Tc6Codec(XmlCodec):
-    """PLCopen TC6 XML, and what its dialects share; `host` tells what the charts of the tool can say."""
+    """PLCopen TC6 XML, and what its dialects share; `host` has the abilities of the charts of the tool."""
 
     host: ClassVar[ChartHost] = TC6_CHARTS
 
@@ -41,7 +41,7 @@ class Tc6Codec(XmlCodec):
         return load_tc6(data, file=file)
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
-        """The line of each object of `project` in the file `content`, by the path that the report gives it."""
+        """Return the line of each object of `project` in the file `content`, by the path that the report gives it."""
         return source_lines(content, project)
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
@@ -49,7 +49,7 @@ class Tc6Codec(XmlCodec):
         put_logic(project, report)
 
     def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
-        """A copy of `project` in terms of the tool, and what the reader restores the source from."""
+        """Return a copy of `project` in terms of the tool, and what the reader restores the source from."""
         return rewrite_project(project, self.host, options, report)
 
     def is_rewritten(self, project: Project, content: bytes) -> bool:
@@ -61,7 +61,7 @@ class Tc6Codec(XmlCodec):
         fit_project(project, options, report, keeps_drawings=True)
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-        """The tree of the file for `project`."""
+        """Return the tree of the file for `project`."""
         if options.flavour == "beremiz":
             return write_project(project, BEREMIZ, report, options)
         version = version_named(options.version) or V2_01
@@ -72,7 +72,7 @@ class Tc6Codec(XmlCodec):
         return XmlStyle(encoding="utf-8", newline="\n", self_closing="/>", final_newline=True)
 
     def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
-        """What is wrong with a file by the schema of the format."""
+        """Return the errors of a file by the schema of the format."""
         return validate_tc6(content, file=file)
 
 
@@ -83,7 +83,7 @@ BEREMIZ = Tc6Dialect(version=V2_01)
 
 
 def source_lines(content: bytes, project: Project) -> dict[str, int]:
-    """The line of each object of `project` in `content`, by the path that a `ConversionReport` gives it."""
+    """Return the line of each object of `project` in `content`, by the path that a `ConversionReport` gives it."""
     root = parse(content)
     version = find_version(root)
     lines: dict[str, int] = {}
@@ -142,7 +142,7 @@ def _add_lines_of_blocks(found: dict[int, etree._Element], chart: SfcNetwork, ve
 
 
 def _names(chart: SfcNetwork) -> dict[int, list[str]]:
-    """What the report calls the objects of a chart, by their id."""
+    """Return the names of the objects of a chart in reports, by their id."""
     names = {step.id: [step.name, f"step {step.name}"] for step in chart.steps}
     names |= {transition: [label, f"transition {label}"] for transition, label in chart.labels().items()}
     for node in chart.logic:

@@ -28,7 +28,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_required,
 )
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, finish, given_attributes, sub
-from plcopen_sfc.formats.task_schedules import SCHEDULE_FIELDS, clock_time, codesys_form, iec_form, said_schedule
+from plcopen_sfc.formats.task_schedules import SCHEDULE_FIELDS, clock_time, codesys_form, iec_form, schedule_fields
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.project import Configuration, PouInstance, Resource, Task
 from plcopen_sfc.report import Outcome
@@ -93,7 +93,7 @@ def write_configuration(
 
 
 def read_resource(ctx: Tc6ReadContext, element: etree._Element, place: str) -> Fields:
-    """Read ``resource``; `place` is what POUs in it say of where they stand."""
+    """Read ``resource``; `place` is the `Pou.place` of POUs in it."""
     left = attributes(element)
     fields: Fields = {
         "name": take_required(ctx, element, left, "name"),
@@ -118,7 +118,7 @@ def read_resource(ctx: Tc6ReadContext, element: etree._Element, place: str) -> F
 
 
 def write_resource(ctx: Tc6WriteContext, parent: etree._Element, resource: Resource, place: str) -> None:
-    """Write ``resource``. `place` is what the POUs that belong into it say of where they stand."""
+    """Write ``resource``. `place` is the `Pou.place` of POUs that belong into it."""
     element = sub(ctx, parent, "resource", {"name": resource.name})
     ctx.place.append(f"resource {resource.name}")
     for task in resource.tasks:
@@ -149,8 +149,8 @@ def _read_task(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
             fields["instances"].append(_read_instance(ctx, child))
         else:
             read_common(ctx, fields, child, local, "task")
-    said = Task.model_validate({"name": "", **{name: fields.get(name) for name in SCHEDULE_FIELDS}})
-    source = marked(fields, SCHEDULE_FIELD, said_schedule(said))
+    written = Task.model_validate({"name": "", **{name: fields.get(name) for name in SCHEDULE_FIELDS}})
+    source = marked(fields, SCHEDULE_FIELD, schedule_fields(written))
     if source is not None:
         fields.update(dict.fromkeys(SCHEDULE_FIELDS) | source)
     carry_attributes(fields, left)
@@ -158,12 +158,12 @@ def _read_task(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
 
 
 def _write_task(ctx: Tc6WriteContext, parent: etree._Element, task: Task) -> None:
-    """Write ``task``. What the source says otherwise of when it runs is kept beside what is written for it."""
+    """Write ``task``. A schedule that is written otherwise than in the source is kept beside it."""
     form = codesys_form(task) if ctx.dialect.tool is Tool.CODESYS else iec_form(task, list_names(ctx.project))
     if ctx.version.first_generation and form["interval"] is not None and not _is_time(form["interval"]):
         form["interval"] = clock_time(form["interval"])
     shown = task.model_copy(update=form)
-    also = mark(SCHEDULE_FIELD, said_schedule(task), said_schedule(shown))
+    also = mark(SCHEDULE_FIELD, schedule_fields(task), schedule_fields(shown))
     element = sub(
         ctx,
         parent,
@@ -184,7 +184,7 @@ def _write_task(ctx: Tc6WriteContext, parent: etree._Element, task: Task) -> Non
 
 
 def _is_time(text: str) -> bool:
-    """Whether `text` is an ``xsd:time``, the only form of an interval in TC6 1.01."""
+    """True if `text` is an ``xsd:time``, the only form of an interval in TC6 1.01."""
     parts = text.split(":")
     return len(parts) == 3 and all(part[:2].isdigit() for part in parts)
 

@@ -72,7 +72,7 @@ def read_section(ctx: Tc6ReadContext, element: etree._Element, kind: str) -> Fie
 
 
 def parts_of_list(section: Fields) -> list[Fields]:
-    """A list of global variables as the sections that it is made of (`PARTS_FIELD`); alone where it is one."""
+    """Return a list of global variables as the sections that it is made of (`PARTS_FIELD`); alone where it is one."""
     parts = section.pop(PARTS_FIELD, None)
     if parts is None:
         return [section]
@@ -255,7 +255,7 @@ def read_data_type_declaration(ctx: Tc6ReadContext, element: etree._Element, pla
 def write_data_type_declaration(
     ctx: Tc6WriteContext, parent: etree._Element, declaration: DataTypeDeclaration, *, in_place: bool
 ) -> None:
-    """Write ``dataType``. `in_place`: it stands where its `place` says, which then need not be carried."""
+    """Write ``dataType``. `in_place`: it is in its `place`, which then need not be kept."""
     element = sub(ctx, parent, "dataType", {"name": declaration.name})
     ctx.place.append(f"type {declaration.name}")
     write_data_type(ctx, element, "baseType", declaration.type)

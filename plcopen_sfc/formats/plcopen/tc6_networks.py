@@ -244,7 +244,7 @@ def _written_modifiers(
 
 
 def write_node(ctx: Tc6WriteContext, parent: etree._Element, node: Node, *features: str) -> None:
-    """Write one FBD, LD or common element. `features`: what it asks of a reader by where it stands."""
+    """Write one FBD, LD or common element. `features`: what it asks of a reader by its place."""
     tag, attributes = _tag_and_attributes(ctx, node)
     local_id = node.id if node.local_id is None else node.local_id
     order = node.execution_order
@@ -262,7 +262,7 @@ def write_node(ctx: Tc6WriteContext, parent: etree._Element, node: Node, *featur
 
 
 def is_known(ctx: Tc6WriteContext, node: Node) -> bool:
-    """Whether the version has this kind of element."""
+    """True if the version has this kind of element."""
     return not (ctx.version.first_generation and isinstance(node, logic.VendorElement))
 
 
@@ -296,7 +296,7 @@ def _tag_and_attributes(ctx: Tc6WriteContext, node: NodeBase) -> tuple[str, dict
 
 
 def _write_content(ctx: Tc6WriteContext, element: etree._Element, node: Node) -> frozenset[str]:
-    """Write what stands inside; returns the fields that are written, be it here or as attributes."""
+    """Write the content; return the fields that are written, be it here or as attributes."""
     if isinstance(node, logic.Block):
         _write_parameters(ctx, element, node.parameters, always=True)
         return frozenset({"type_name", "instance", "parameters"})

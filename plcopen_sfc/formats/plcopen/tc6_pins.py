@@ -20,11 +20,11 @@ from plcopen_sfc.model.network import Connection, InputPin, OutputPin
 
 
 def read_connection(ctx: Tc6ReadContext, element: etree._Element) -> Fields | None:
-    """Read ``connection``; None where it does not say to what it leads."""
+    """Read ``connection``; None where it leads to no element."""
     left = attributes(element)
     source = take_integer(ctx, element, left, "refLocalId")
     if source is None:
-        ctx.error("SFC102", "a connection does not say to which element it leads", element)
+        ctx.error("SFC102", "a connection has no id of the element that it leads to", element)
         return None
     fields: Fields = {"source": source}
     pin = left.pop("formalParameter", None)
@@ -138,7 +138,7 @@ def read_geometry(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, 
 
 
 def geometry(width: float | None, height: float | None, execution_order: int | None) -> dict[str, str]:
-    """The attributes for size and execution order."""
+    """Return the attributes for size and execution order."""
     attributes = {}
     if height is not None:
         attributes["height"] = decimal(height)
@@ -175,7 +175,7 @@ class IdKeeper:
         fields["id"] = local_id
 
     def new(self) -> int:
-        """An id that nothing has. Only after all elements have claimed theirs."""
+        """Return an id that nothing has. Only after all elements have claimed theirs."""
         # ids are only added, so the next one is never below the last
         number = max(self.used, default=-1) + 1 if self.last is None else self.last + 1
         while number in self.used:

@@ -86,7 +86,7 @@ def read_project(
     placeless: bool = False,
     finish_chart: Callable[[Tc6ReadContext, Fields], None] | None = None,
 ) -> tuple[Fields, Tc6ReadContext]:
-    """Read ``project`` into the fields of a `Project`; what there is to say about it is in the context returned."""
+    """Read ``project`` into the fields of a `Project`; findings are in the context returned."""
     ctx = Tc6ReadContext(
         version,
         file=file,
@@ -244,7 +244,7 @@ def write_project(
     options: WriteOptions,
     stale: frozenset[int] = frozenset(),
 ) -> etree._Element:
-    """The tree of the file for `project`; what becomes of each item goes into `report`.
+    """Return the tree of the file for `project`; what becomes of each item goes into `report`.
 
     `stale` are the objects (by `id()`) whose declaration as text is left out.
     """
@@ -293,7 +293,7 @@ def write_project(
 
 
 def _time(ctx: Tc6WriteContext, text: str) -> str:
-    """A time as the schema wants it: some tools write ``2007-07-07 11:58:26``. Empty for what is no time.
+    """Return a time as the schema wants it: some tools write ``2007-07-07 11:58:26``. Empty for what is no time.
 
     In a file of the same format it stays as it was.
     """

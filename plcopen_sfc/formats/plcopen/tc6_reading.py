@@ -5,7 +5,7 @@ end, in one go, which is several times faster than building object by object. A 
 dictionary one by one: what is left in it at the end is not known, and is kept as extension data. The same holds for
 child elements.
 
-What TC6 has no place for is in data under a name of this package, in 1.01 in XML comments:
+Fields without a place in TC6 are in data under a name of this package, in 1.01 in XML comments:
 ``<data name="urn:plcopen-sfc:fields"><fields><field name="max_time">"T#5s"</field></fields></data>`` are fields of the
 model object that belongs to the element, each as JSON.
 """
@@ -41,10 +41,10 @@ _XHTML_TAG = f"{{{XHTML}}}"
 
 
 class UnreadChart:
-    """An ``SFC`` element that nobody has looked at yet.
+    """An ``SFC`` element that is not read yet.
 
-    `late` are fields that other elements say of the chart, `edited` the added actions and transition objects of its POU
-    that somebody has changed, `executed` those that the chart executes all the same
+    `late` are fields of the chart from other elements, `edited` the added actions and transition objects of its POU
+    that were changed since, `executed` those that the chart executes all the same
     (`plcopen_sfc.formats.plcopen.source_marks`). `ahead` is the chart where it had to be read at once.
     """
 
@@ -106,16 +106,16 @@ class Tc6ReadContext:
         self.data_readers = data_readers or {}
         self.text_element = _XHTML_TAG + usual_text_element
         self.placeless = placeless
-        """Whether the tool exports no layout."""
+        """True if the tool exports no layout."""
         self.diagnostics: list[Diagnostic] = []
         self.comment_reader: DataReader | None = None
         self.finish_chart: Callable[[Tc6ReadContext, Fields], None] | None = None
         self.pous: list[Fields] = []
         self.data_types: list[Fields] = []
         self.global_variables: list[Fields] = []
-        """Lists of global variables of the project for which those of a configuration stand."""
+        """Lists of global variables of the project that those of a configuration replace."""
         self.resource_place = ""
-        """What `Pou.place` says of POUs in the resource being read."""
+        """`Pou.place` of POUs in the resource being read."""
         self.place: list[str] = []
         """Names of the objects around the one being read, for messages."""
 
@@ -136,18 +136,18 @@ class Tc6ReadContext:
 
 
 def line_of(element: etree._Element) -> int | None:
-    """The line of `element` in its file."""
+    """Return the line of `element` in its file."""
     line = element.sourceline
     return line if isinstance(line, int) else None
 
 
 def attributes(element: etree._Element) -> dict[str, str]:
-    """The attributes of `element`, to take from."""
+    """Return the attributes of `element`, to take from."""
     return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
 
 
 def carried(fields: Fields) -> Fields:
-    """The carried part of an object being read, created when it is needed."""
+    """Return the extension data of an object being read, created when it is needed."""
     found: Fields | None = fields.get("carried")
     if found is None:
         found = fields["carried"] = {"data": [], "attributes": {}, "elements": []}
@@ -164,7 +164,7 @@ def carry_attributes(fields: Fields, left: dict[str, str]) -> None:
 
 
 def neutral(content: str, version: Tc6Version) -> str:
-    """Markup of TC6 elements that fits every version: the namespace stands as ``tc6``."""
+    """Markup of TC6 elements that fits every version: the namespace is written as ``tc6``."""
     return content.replace(f'"{version.namespace}"', f'"{NEUTRAL}"')
 
 
@@ -172,7 +172,7 @@ NEUTRAL = "tc6"
 
 
 def carry_element(ctx: Tc6ReadContext, fields: Fields, element: etree._Element) -> None:
-    """Keep a child element that no reader knows, and say so. Comments stay in the file only."""
+    """Keep a child element that no reader knows, with a warning. Comments stay in the file only."""
     if not isinstance(element.tag, str):
         if ctx.comment_reader is not None:
             ctx.comment_reader(ctx, element, fields, "")
@@ -188,20 +188,20 @@ def read_common(ctx: Tc6ReadContext, fields: Fields, element: etree._Element, lo
     elif local == "documentation":
         text = read_text(ctx, element)
         languages = fields.get("comment")
-        said = languages.get("texts") if isinstance(languages, dict) else None
-        if not isinstance(said, dict) or all_languages(said) != text:  # or somebody has edited it since
+        texts = languages.get("texts") if isinstance(languages, dict) else None
+        if not isinstance(texts, dict) or all_languages(texts) != text:  # or it was edited since
             fields["comment"] = text
     else:
         carry_element(ctx, fields, element)
 
 
 def all_languages(texts: dict[str, str]) -> str:
-    """A text in several languages as TC6 writes it: one below the other. Our own data keep them apart."""
+    """Return a text in several languages as TC6 writes it: one below the other. Extension data keep them apart."""
     return "\n".join(map(str, texts.values()))
 
 
 def read_foreign_data(ctx: Tc6ReadContext, fields: Fields, add_data: etree._Element, owner: str) -> None:
-    """Read ``addData``: what somebody understands goes into the fields, the rest is carried."""
+    """Read ``addData``: what a reader understands goes into the fields, the rest is extension data."""
     for data in add_data:
         if ctx.tags.get(data.tag) != "data":
             carry_element(ctx, fields, data)
@@ -237,7 +237,7 @@ def read_code(ctx: Tc6ReadContext, element: etree._Element) -> tuple[str, str | 
 
 
 def number(text: str | None) -> float | None:
-    """A decimal; None where it is missing or none."""
+    """Return a decimal; None where it is missing or none."""
     if text is None or "_" in text:
         return None
     try:
@@ -252,7 +252,7 @@ def number(text: str | None) -> float | None:
 
 
 def read_point(element: etree._Element) -> tuple[float, float] | None:
-    """A ``position`` or ``relPosition``; None where its numbers are damaged."""
+    """Return a ``position`` or ``relPosition``; None where its numbers are damaged."""
     values = element.items()
     if len(values) != 2:
         return None
@@ -324,7 +324,7 @@ def take_choice(
 
 
 def take_required(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> str:
-    """Take an attribute that the schema requires; an empty one stands in for a missing one, with a warning."""
+    """Take an attribute that the schema requires; an empty one replaces a missing one, with a warning."""
     text = left.pop(name, None)
     if text is None:
         ctx.warn("XML204", f"<{etree.QName(element).localname}> has no {name}", element)
@@ -334,7 +334,7 @@ def take_required(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, 
 
 FIELDS_DATA = "urn:plcopen-sfc:fields"
 STEP_ACTION_FIELD = "step_action"
-"""At an association: the step action that it stands for."""
+"""At an association: the step action that it replaces."""
 STEP_ACTION_QUALIFIERS = {
     StepActionKind.ENTRY: Qualifier.P1,
     StepActionKind.MAIN: Qualifier.N,
@@ -344,11 +344,11 @@ STEP_ACTION_QUALIFIERS = {
 APPLICATION_FIELD = "application"
 """At a configuration: it only holds an application."""
 SCHEDULE_FIELD = "schedule"
-"""At a task: when it runs as the source says it, and what was written for that."""
+"""At a task: its schedule in the source, and what was written for that."""
 INSTANCE_FIELD = "instance"
 """At a program instance: its name and type in the source, and what was written for them."""
 SHARED_FIELD = "shared_ids"
-"""At a transition below a convergence of steps: the ids of the transitions that it stands for."""
+"""At a transition below a convergence of steps: the ids of the transitions that it is drawn for."""
 
 
 def read_fields(ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
@@ -365,7 +365,7 @@ def read_fields(ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner
 
 
 def read_comment(ctx: Tc6ReadContext, comment: etree._Element, fields: Fields, owner: str) -> bool:
-    """Put fields back that stand in an XML comment; False where the comment is not one of ours."""
+    """Put fields back from an XML comment; False where the comment is not of this package."""
     text = comment.text or ""
     if not isinstance(comment, etree._Comment) or not text.startswith(COMMENT_MARK):
         return False

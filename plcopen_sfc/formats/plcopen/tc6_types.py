@@ -207,7 +207,7 @@ def _write_string(ctx: Tc6WriteContext, element: etree._Element, kind: StringTyp
 
 
 def _constant_number(ctx: Tc6WriteContext, name: str) -> str | None:
-    """The number that a global constant has as a decimal; None where there is no such one."""
+    """Return the number that a global constant has as a decimal; None where there is no such one."""
     wanted = name.rpartition(".")[2].casefold()
     for section in ctx.project.global_sections():
         for variable in section.variables if section.constant else ():

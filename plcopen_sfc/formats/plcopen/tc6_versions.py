@@ -34,7 +34,7 @@ class Tc6Version:
 
     @property
     def first_generation(self) -> bool:
-        """Whether this is the grammar of 1.0 and 1.01: no foreign data, one body per POU, no ids at actions."""
+        """True if this is the grammar of 1.0 and 1.01: no foreign data, one body per POU, no ids at actions."""
         return self.namespace == f"{PREFIX}.xsd"
 
     @cached_property
@@ -60,12 +60,12 @@ VERSIONS = (V1_01, V2_0, V2_01)
 
 
 def version_of(namespace: str) -> Tc6Version | None:
-    """The version with this namespace."""
+    """Return the version with this namespace."""
     return next((version for version in VERSIONS if version.namespace == namespace), None)
 
 
 def version_named(name: str) -> Tc6Version | None:
-    """The version of this name; 1.0 is written as 1.01."""
+    """Return the version of this name; 1.0 is written as 1.01."""
     return next((version for version in VERSIONS if version.name == ("1.01" if name == "1.0" else name)), None)
 
 
@@ -88,11 +88,11 @@ ELEMENTS = frozenset(
 """All element names of TC6 2.01; 1.01 uses a subset."""
 
 NO_TIME = "1970-01-01T00:00:00"
-"""Stands in a file whose model does not say when it was made: the schema wants a time."""
+"""Time of files whose model has none: the schema wants one."""
 
 
 def find_version(root: etree._Element, *, file: str | None = None) -> Tc6Version:
-    """The TC6 version of a document. Raises `StructureError` and `UnknownVersionError`."""
+    """Return the TC6 version of a document. Raises `StructureError` and `UnknownVersionError`."""
     name = etree.QName(root)
     place = Location(file, cast("int | None", root.sourceline), None, f"/{name.localname}")
     version = version_of(name.namespace or "")
@@ -121,10 +121,10 @@ _IEC_61131_10 = "www.iec.ch/public/TC65SC65BWG7TF10"
 
 
 def validate_tc6(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
-    """What is wrong with a TC6 XML file by the schema of its version; empty for a valid one.
+    """Return the errors of a TC6 XML file by the schema of its version; empty for a valid one.
 
-    The version is that of the namespace of the root element. As the schema wants it, what stands in foreign data
-    (`addData`) is not looked at: for files of CODESYS or TwinCAT use `codesys_schema.validate_codesys`.
+    The version is that of the namespace of the root element. As in the schema, foreign data
+    (`addData`) are not looked at: for files of CODESYS or TwinCAT use `codesys_schema.validate_codesys`.
     A valid file may still be wrong in ways that no schema sees, such as a wire to an object that does not exist.
 
     Raises `XmlSyntaxError`, `EncodingError` or `UnsafeXmlError` for what is not well-formed XML, or not safe to read.
@@ -137,7 +137,7 @@ def validate_tc6(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
 
 
 def tc6_version(root: etree._Element, file: str | None = None) -> Tc6Version | Diagnostic:
-    """The version of TC6 XML of a document, or what there is to say (``XSD001``) if it has none that we know."""
+    """Return the version of TC6 XML of a document, or the finding ``XSD001`` if it has no known one."""
     name = etree.QName(root)
     namespace = name.namespace or ""
     version = version_of(namespace)
@@ -154,7 +154,7 @@ def tc6_version(root: etree._Element, file: str | None = None) -> Tc6Version | D
         message += f". If it is one of these, correct xmlns to {near[0]}" if near else ""
     elif name.localname == "project":
         found = f"in the namespace {namespace}" if namespace else "in no namespace"
-        message = f"<project> stands {found}; TC6 XML has one of {known}"
+        message = f"<project> is {found}; TC6 XML has one of {known}"
     else:
         message = f"this is no TC6 XML: it begins with <{name.localname}>, not with <project>"
     place = Location(file, cast("int | None", root.sourceline), path=element_path(root))

@@ -36,7 +36,7 @@ _IDS = re.compile(rb"<!--" + COMMENT_MARK.encode() + rb' ?\{"(?:id|entries)"')
 
 @dataclass(frozen=True)
 class Tc6Dialect:
-    """How one tool or family of tools writes TC6 XML.
+    """TC6 XML as one tool or family of tools writes it.
 
     `data_writer` gives the tool's own data of an object (its fields in `native_fields` need no carrying then, nor do
     texts of its declaration that are kept under one of `native_texts`), `data_rank` its place among the others.
@@ -77,10 +77,10 @@ class Tc6WriteContext:
         self.untouched = options.untouched
         self.same = options.same
         self.marks = options.marks
-        """What to keep beside objects that were rewritten or added, by their `id()`."""
-        """Whether the project was read from this format in this version."""
+        """Fields to keep beside objects that were rewritten or added, by their `id()`."""
+        """True if the project was read from this format in this version."""
         self.counts_ids = options.same and _IDS.search(options.source) is None
-        """Whether TC6 1.01 gets no ids in comments: the file has none either, and they come back by counting."""
+        """True if TC6 1.01 gets no ids in comments: the file has none either, and they come back by counting."""
         self.stale = stale
         """Objects (by `id()`) whose declaration as text is not written."""
         self.body_name = ""
@@ -88,16 +88,16 @@ class Tc6WriteContext:
         self.place: list[str] = []
         self.project = project
         self.is_foreign = markup_of(project) is not Markup.TC6
-        """Whether the markup that objects carry is that of another format."""
+        """True if the markup that objects carry is that of another format."""
         self.takes_markup = not dialect.version.first_generation and not self.is_foreign
-        """Whether what objects carry can stand in the file as it is: TC6 1.01 has no place, markup of others none."""
+        """True if the file takes extension data as they are: TC6 1.01 has no place for them, no version for others."""
         self.resource_place = ""
-        """What `Pou.place` says of POUs in the resource being written."""
+        """`Pou.place` of POUs in the resource being written."""
         self.jump_name = ""
         """The name of what the jump being written leads to."""
 
     def version_tag(self, name: str) -> str:
-        """A name in the namespace of the version that is no element of TC6."""
+        """Return a name in the namespace of the version that is no element of TC6."""
         return f"{{{self.version.namespace}}}{name}"
 
     def keep(self, what: str, name: str = "", *features: str) -> None:
@@ -113,7 +113,7 @@ class Tc6WriteContext:
 def sub(
     ctx: Tc6WriteContext, parent: etree._Element, name: str, attributes: dict[str, str] | None = None
 ) -> etree._Element:
-    """A new child of `parent`, in the TC6 namespace."""
+    """Return a new child of `parent`, in the TC6 namespace."""
     return etree.SubElement(parent, ctx.names[name], attributes or {})
 
 
@@ -131,13 +131,13 @@ def write_text(ctx: Tc6WriteContext, parent: etree._Element, name: str, text: Te
 
 
 def xhtml_child(ctx: Tc6WriteContext, parent: etree._Element) -> etree._Element:
-    """The element that holds the text of ``formattedText``."""
+    """Return the element that holds the text of ``formattedText``."""
     tag = f"{{{XHTML}}}{ctx.dialect.text_element}"
     return etree.SubElement(parent, tag, nsmap=None if ctx.dialect.declares_xhtml else {None: XHTML})  # type: ignore[dict-item]
 
 
 def write_code(ctx: Tc6WriteContext, parent: etree._Element, text: str, markup: str | None) -> None:
-    """Write program text into ``ST`` or ``IL``: with its markup as long as that still says the same.
+    """Write program text into ``ST`` or ``IL``: with its markup as long as that means the same text.
 
     Old versions of Beremiz wrote the text into ``ST`` itself; it stays there in files of that version only.
     """
@@ -154,7 +154,7 @@ def _text_of(markup: str) -> str:
 
 
 def decimal(value: float) -> str:
-    """A number as ``xsd:decimal``."""
+    """Return a number as ``xsd:decimal``."""
     return str(int(value)) if float(value).is_integer() else format(value, ".15f").rstrip("0").rstrip(".")
 
 
@@ -164,7 +164,7 @@ def write_point(ctx: Tc6WriteContext, parent: etree._Element, name: str, point: 
 
 
 def boolean(value: bool) -> str:
-    """A truth as ``xsd:boolean``."""
+    """Return a truth as ``xsd:boolean``."""
     return "true" if value else "false"
 
 
@@ -237,10 +237,10 @@ def finish(
 
 
 _WITHOUT_DATA = frozenset({"parameter"})
-"""Elements without ``addData`` in every version of TC6: what they carry stands in an XML comment."""
+"""Elements without ``addData`` in every version of TC6: their extension data are in an XML comment."""
 _REWRITTEN = frozenset({"step", "transition", "action"})
 """Elements whose exclusion from the build `plcopen_sfc.formats.plcopen.project_rewriting` has seen to."""
-_WHY = {"priority": "CODESYS tries transitions from left to right, and they stand in that order"}
+_WHY = {"priority": "CODESYS tries transitions from left to right, and they are written in that order"}
 """Fields for which TC6 has a place that not all of its tools read."""
 _CHANGES = {
     "exclude": (Outcome.APPROXIMATED, "other tools execute what CODESYS leaves out"),
@@ -252,7 +252,7 @@ _CHANGES = {
 
 
 def data_left(ctx: Tc6WriteContext, carried: Carried | None) -> dict[str, Any]:
-    """The data of other tools at an object that has no ``addData``, as a field to carry."""
+    """Return the data of other tools at an object that has no ``addData``, as a field of extension data."""
     data = carried.data if carried is not None and ctx.takes_markup else []
     return {"carried": Carried(data=data).model_dump(mode="json", exclude_defaults=True)} if data else {}
 
@@ -289,7 +289,7 @@ def _add_data(
 
 
 def _merged(ctx: Tc6WriteContext, data: ForeignData, written: set[str]) -> bool:
-    """Whether the dialect has put carried data into its own data already."""
+    """True if the dialect has put carried data into its own data already."""
     texts = kept(Carried(data=[data]))
     if texts:
         return texts.keys() <= ctx.dialect.native_texts

@@ -40,7 +40,7 @@ class Insertion:
 
 
 def make_empty(writing: SourceStyle, node: SourceNode) -> Edit:
-    """The edit that writes an element without any content."""
+    """Return the edit that writes an element without any content."""
     empty_end = writing.empty_end(node.start)
     if empty_end is None:
         return Edit(node.open_end, node.close_start, "")
@@ -61,7 +61,7 @@ class ChildLayout:
         self._find_removals()
 
     def _find_removals(self) -> None:
-        """Children that go, together with their lines where nothing else stands on them."""
+        """Children that go, together with their lines where these have nothing else."""
         text = self._tree.text
         run: list[SourceNode] = []
         for child in self._parent.children:
@@ -87,7 +87,7 @@ class ChildLayout:
             self._removal_of[node] = change
 
     def removals(self) -> list[Edit]:
-        """The edits that remove the children in `going`; all content, if nothing but blanks would be left."""
+        """Return the edits that remove the children in `going`; all content, if nothing but blanks would be left."""
         parent = self._parent
         if not self._going or any(child not in self._going for child in parent.children):
             return self._removals
@@ -96,11 +96,11 @@ class ChildLayout:
         return [make_empty(self._writing, parent)]
 
     def removals_one_by_one(self) -> list[Edit]:
-        """The same where something new comes in instead."""
+        """Return the same edits where something new comes in instead."""
         return self._removals
 
     def insertion(self, anchor: SourceNode | None, following: SourceNode | None) -> Insertion:
-        """The place for new children between two that stay (None: the beginning or the end of the parent)."""
+        """Return the place for new children between two that stay (None: the beginning or the end of the parent)."""
         indent = self._writing.child_indent(self._parent)
         separator = "" if indent is None else self._tree.newline + indent
         if not self._parent.children and not self._tree.value_of(self._tree.content(self._parent)).strip():
@@ -130,7 +130,7 @@ class ChildLayout:
         return found
 
     def _behind(self, anchor: SourceNode, indent: str | None) -> int:
-        """Behind `anchor` and the comments that stand behind it on its line."""
+        """Return the place behind `anchor` and the comments behind it on its line."""
         place = anchor.end
         if indent is None:
             return place
@@ -143,7 +143,7 @@ class ChildLayout:
         return place
 
     def _ahead(self, following: SourceNode | None) -> int:
-        """Before `following` and the comments above it."""
+        """Return the place before `following` and the comments above it."""
         if following is None:
             return self._parent.open_end
         children = self._parent.children
@@ -163,7 +163,7 @@ _MAX_INSIDE = 20_000
 
 
 class RemovedElements:
-    """What was removed anywhere, to be found again when the same comes in elsewhere."""
+    """Elements that were removed anywhere, to be found again when the same comes in elsewhere."""
 
     def __init__(self, comparison: ElementComparison) -> None:
         self._comparison = comparison
@@ -178,7 +178,7 @@ class RemovedElements:
         self._new.append((node, element))
 
     def take(self, element: etree._Element) -> MatchedElement | None:
-        """Where `element` was before, if it is one of those removed; it can be taken only once."""
+        """Return the old place of `element`, if it is one of those removed; it can be taken only once."""
         while self._new:
             self._learn(*self._new.popleft())
         if not self._by_content:
@@ -202,7 +202,7 @@ class RemovedElements:
         self._by_content[self._comparison.bytes_of(element)].append((node, element))
         if item.keys:
             self._by_keys[item.tag, tuple(item.keys)].append((node, element))
-        # What stood inside may have been taken out before the rest was removed.
+        # A child may have been taken out before the rest was removed.
         children = [child for child in nodes_of(element) if not kind_of(child).startswith("#")]
         self._inside += len(children)
         if not children or self._inside > _MAX_INSIDE:
@@ -237,7 +237,7 @@ def missing_declarations(tree: SourceTree, node: SourceNode, scope: Mapping[str,
 
 
 def reindented(text: str, old: str, new: str) -> str:
-    """The text of one element, moved from indentation `old` to `new`. Text beside other nodes is left as it is."""
+    """Return the text of one element, moved from indentation `old` to `new`. Text beside other nodes stays as it is."""
     if old == new:
         return text
     tree = SourceTree(text)

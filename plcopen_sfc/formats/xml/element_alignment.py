@@ -36,7 +36,7 @@ DEFAULT_KEYS = (
 
 
 def default_keys(_tag: str, attributes: Mapping[str, str]) -> Keys:
-    """The identifying attributes that PLC formats use."""
+    """Return the identifying attributes that PLC formats use."""
     return [(name, attributes[name]) for name in DEFAULT_KEYS if name in attributes]
 
 
@@ -75,7 +75,7 @@ class AlignedItem:
 
 
 def similarity(left: AlignedItem, right: AlignedItem) -> float:
-    """How much of their content two items share, 0 to 1. Two items without any content are alike."""
+    """Return how much of their content two items share, 0 to 1. Two items without any content are alike."""
     total = left.features.total() + right.features.total()
     return 2 * (left.features & right.features).total() / total if total else 1.0
 
@@ -121,7 +121,7 @@ _Pair: TypeAlias = Callable[[int, int], None]
 
 
 def _key_names(items: Sequence[AlignedItem]) -> list[str]:
-    """Names of all keys, strongest first."""
+    """Return names of all keys, strongest first."""
     rank: dict[str, int] = {}
     for item in items:
         for position, (name, _) in enumerate(item.keys):
@@ -163,12 +163,12 @@ def _pair_equal(
     lefts, rights = lefts[head : len(lefts) - tail], rights[head : len(rights) - tail]
     if not lefts or not rights:
         return []
-    ours, theirs = [left[i].exact for i in lefts], [right[j].exact for j in rights]
+    left_values, right_values = [left[i].exact for i in lefts], [right[j].exact for j in rights]
     # Many equal items among many would take quadratic time; pairing what is alike still gives a right result.
-    if len(lefts) * len(rights) > _MAX_EXACT and len(set(theirs)) < len(theirs) // 2:
+    if len(lefts) * len(rights) > _MAX_EXACT and len(set(right_values)) < len(right_values) // 2:
         return [(lefts, rights)]
     replaced: list[tuple[list[int], list[int]]] = []
-    for operation, i1, i2, j1, j2 in SequenceMatcher(None, ours, theirs, autojunk=False).get_opcodes():
+    for operation, i1, i2, j1, j2 in SequenceMatcher(None, left_values, right_values, autojunk=False).get_opcodes():
         if operation == "equal":
             for i, j in zip(lefts[i1:i2], rights[j1:j2], strict=True):
                 pair(i, j)
@@ -210,7 +210,7 @@ def _between_neighbours(
     matches: Sequence[int | None],
     free: Sequence[bool],
 ) -> None:
-    """Pair what has other keys now (renamed, renumbered) but stands between the same neighbours and is alike."""
+    """Pair what has other keys now (renamed, renumbered) but is between the same neighbours and is alike."""
     waiting: defaultdict[str, list[int]] = defaultdict(list)
     for i, item in enumerate(left):
         if free[i]:
@@ -237,10 +237,10 @@ def _between_neighbours(
 
 
 def _renamed(left: AlignedItem, right: AlignedItem) -> bool:
-    """Whether two items with different strongest keys can be the same thing."""
-    ours, theirs = dict(left.keys), dict(right.keys)
-    both = ours.keys() & theirs.keys()
-    if any(ours[name] == theirs[name] for name in both):
+    """True if two items with different strongest keys can be the same thing."""
+    left_values, right_values = dict(left.keys), dict(right.keys)
+    both = left_values.keys() & right_values.keys()
+    if any(left_values[name] == right_values[name] for name in both):
         return True
     if len(both) > 1:
         return False
@@ -248,7 +248,7 @@ def _renamed(left: AlignedItem, right: AlignedItem) -> bool:
 
 
 def longest_rising(numbers: Sequence[int]) -> set[int]:
-    """Indices of a longest rising subsequence: what stays in place when a list was reordered."""
+    """Return indices of a longest rising subsequence: what stays in place when a list was reordered."""
     tails: list[int] = []
     ends: list[int] = []
     previous: list[int] = []
@@ -269,7 +269,7 @@ _FEATURE_LIMIT = 400
 
 
 class ElementComparison:
-    """What the alignment needs to know about elements, for one source and a pair of trees."""
+    """Elements made comparable for the alignment, for one source and a pair of trees."""
 
     def __init__(self, tree: SourceTree, before: etree._Element, after: etree._Element, keys: KeyFunction) -> None:
         self._tree = tree
@@ -279,7 +279,7 @@ class ElementComparison:
         self._plain = before.nsmap == after.nsmap
 
     def bytes_of(self, element: etree._Element) -> bytes:
-        """Equal for elements that say the same."""
+        """Return bytes that are equal for elements of the same content."""
         if not self._plain and isinstance(cast("object", element.tag), str):
             try:
                 return etree.tostring(element, method="c14n", exclusive=True, with_tail=False)
@@ -288,11 +288,11 @@ class ElementComparison:
         return etree.tostring(element, with_tail=False)
 
     def same(self, before: etree._Element, after: etree._Element) -> bool:
-        """Whether two elements are equal, down to the last descendant."""
+        """True if two elements are equal, down to the last descendant."""
         return before is after or self.bytes_of(before) == self.bytes_of(after)
 
     def tree_item(self, element: etree._Element, *, exact: bool = True) -> AlignedItem:
-        """An element of `before` or `after`."""
+        """Return an element of `before` or `after`."""
         tag = kind_of(element)
         keys: Keys = () if tag.startswith("#") else self._keys(tag, cast("Any", element.attrib))
         return AlignedItem(
@@ -300,7 +300,7 @@ class ElementComparison:
         )
 
     def source_item(self, node: SourceNode) -> AlignedItem:
-        """A node of the source."""
+        """Return a node of the source."""
         tree = self._tree
         tag = tree.tag(node)
         keys: Keys = self._keys(tag, tree.values(node)) if node.is_element else ()
@@ -308,7 +308,7 @@ class ElementComparison:
 
 
 def _tree_features(element: etree._Element, keys: Keys) -> Counter[Hashable]:
-    """What an element says, in small pieces; without its keys, for these are compared by themselves."""
+    """Return small facts of an element, without its keys, which are compared by themselves."""
     own = {name for name, _ in keys}
     found: Counter[Hashable] = Counter()
     for count, node in enumerate(element.iter()):
@@ -326,7 +326,7 @@ def _tree_features(element: etree._Element, keys: Keys) -> Counter[Hashable]:
 
 
 def _source_features(tree: SourceTree, node: SourceNode, keys: Keys) -> Counter[Hashable]:
-    """The same of an element in the source."""
+    """Return the same of an element in the source."""
     own = {name for name, _ in keys}
     found: Counter[Hashable] = Counter()
     waiting = [node]

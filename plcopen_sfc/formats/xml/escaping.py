@@ -1,8 +1,8 @@
 """Between the characters of a value and the characters that a file writes for it.
 
-`raw` is what stands in the file (`a &lt; b`, CRLF), `value` is what a parser reports (`a < b`, LF). A small change of a
+`raw` is the text in the file (`a &lt; b`, CRLF), `value` is what a parser reports (`a < b`, LF). A small change of a
 value shall change only a few characters of the raw text and leave every other reference as its author wrote it, so
-`RawText` remembers which raw characters stand for which characters of the value.
+`RawText` remembers which raw characters mean which characters of the value.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def _meaning(raw: str, reference: str | None, *, attribute: bool) -> str:
 
 
 class RawText:
-    """A stretch of raw text (of an attribute value, or between tags, or inside CDATA) and the value it stands for."""
+    """A stretch of raw text (of an attribute value, or between tags, or inside CDATA) and its value."""
 
     def __init__(self, raw: str, *, attribute: bool = False, cdata: bool = False) -> None:
         unit = _ATTRIBUTE_UNIT if attribute else _TEXT_UNIT
@@ -60,13 +60,13 @@ class RawText:
             self._raws.append(raw)
 
     def raw_position(self, position: int) -> int:
-        """Where in the raw text the character at `position` of the value begins."""
+        """Return the start in the raw text of the character at `position` of the value."""
         index = bisect_right(self._values, position) - 1
         return self._raws[index] + position - self._values[index]
 
 
 class Habits:
-    """What the author of a raw text escapes although he need not, seen from the text itself."""
+    """Characters that the author of a raw text escapes without need, seen from the text itself."""
 
     def __init__(self, raw: str, *, newline: str, greater: bool = True) -> None:
         self.newline = newline
@@ -76,7 +76,7 @@ class Habits:
 
 
 def escape_text(value: str, habits: Habits) -> str:
-    """`value` as text between tags."""
+    """Return `value` as text between tags."""
     raw = value.replace("&", "&amp;").replace("<", "&lt;").replace("\r", "&#13;")
     raw = raw.replace(">", "&gt;") if habits.greater else raw.replace("]]>", "]]&gt;")
     if habits.quot:
@@ -87,7 +87,7 @@ def escape_text(value: str, habits: Habits) -> str:
 
 
 def escape_attribute(value: str, quote: str, habits: Habits) -> str:
-    """`value` as an attribute value between two `quote` characters."""
+    """Return `value` as an attribute value between two `quote` characters."""
     raw = value.replace("&", "&amp;").replace("<", "&lt;")
     if habits.greater:
         raw = raw.replace(">", "&gt;")
@@ -106,7 +106,7 @@ _VALUE = re.compile(r"""("[^"]*"|'[^']*')""")
 
 
 def encode_text(text: str, codec: str) -> bytes:
-    """The XML document `text` in `codec`; characters that it lacks become character references.
+    """Return the XML document `text` in `codec`; characters that it lacks become character references.
 
     Raises `EncodingError` where XML has no references: in names, comments and processing instructions.
     """

@@ -26,7 +26,7 @@ from plcopen_sfc.model.project import Project
 def canonical_form(
     element: etree._Element, *, comments: bool = True, exclusive: bool = True, prefixes: Sequence[str] | None = None
 ) -> bytes:
-    """`element` without what follows it; `prefixes` are declared even where nothing but a value uses them.
+    """Return `element` without what follows it; `prefixes` are declared even where nothing but a value uses them.
 
     There is no canonical form of elements in namespaces whose names are relative (``xmlns:a="b"``): they come as they
     are, with comments.
@@ -46,16 +46,15 @@ def canonical_form(
 
 
 COMMENT_MARK = "plcopen_sfc "
-"""XML comments that begin with it are ours: they hold fields that the format cannot say, as JSON."""
+"""XML comments of this package begin with it: they hold fields that the format has no place for, as JSON."""
 OWN_DATA = "urn:plcopen-sfc:"
-"""The names of foreign data of ours begin with it: no other tool reads them."""
+"""The names of foreign data of this package begin with it: no other tool reads them."""
 
 
 def markup(element: etree._Element) -> str:
-    """`element` as text, with the namespaces it needs and no others, without what follows it.
+    """Return `element` as text, with the namespaces it needs and no others, without what follows it.
 
-    The form is canonical, so that the same content is the same text wherever it stands: how it was indented is left
-    out.
+    The form is canonical, so that the same content is the same text in every place: its indentation is left out.
     """
     element = copy.deepcopy(element)
     for node in _INDENTED(element):
@@ -82,7 +81,7 @@ _INDENTED: Any = etree.XPath(
 
 
 def inner_markup(element: etree._Element) -> str:
-    """The content of `element` as text, each child with the namespaces it needs, without blanks between children."""
+    """Return the content of `element` as text, each child with its namespaces, without blanks between children."""
     return _escaped(element.text) + "".join(markup(child) + _escaped(child.tail) for child in element)
 
 
@@ -100,7 +99,7 @@ def add_markup(parent: etree._Element, markup: str) -> None:
 
 
 def legal_text(text: str) -> str:
-    """`text` without the control characters that XML 1.0 cannot hold."""
+    """Return `text` without the control characters that XML 1.0 cannot hold."""
     return (
         text
         if text.isprintable()
@@ -109,24 +108,24 @@ def legal_text(text: str) -> str:
 
 
 def fields_left(thing: Model, native: frozenset[str]) -> dict[str, Any]:
-    """The fields of `thing` that are not in `native` and do not have their default value, as plain data."""
+    """Return the fields of `thing` that are not in `native` and do not have their default value, as plain data."""
     names = {name for name, default in _defaults(type(thing), native) if getattr(thing, name) != default}
     return thing.model_dump(mode="json", include=names, exclude_none=True) if names else {}
 
 
 @cache
 def _defaults(kind: type[Model], native: frozenset[str]) -> list[tuple[str, Any]]:
-    """The fields of a class but for `native`, and their default values to compare with: pydantic makes each anew."""
+    """Return the fields of a class but for `native`, with their default values, which pydantic makes each time."""
     fields = kind.model_fields.items()
     return [(name, info.get_default(call_default_factory=True)) for name, info in fields if name not in native]
 
 
 KEPT_MARKUP = "urn:plcopen-sfc:carried"
-"""The data that is put away has a name that begins so; the `Markup` that it is follows after a colon."""
+"""The name of such data begins so; the `Markup` that it is follows after a colon."""
 
 
 class Markup(StrEnum):
-    """Whose markup it is."""
+    """Owner of markup."""
 
     TC6 = "tc6"
     SIMATICML = "simaticml"
@@ -163,7 +162,7 @@ def _exchanged(carried: Carried, own: Markup, wanted: Markup) -> Carried:
     left = Carried(attributes=carried.attributes, elements=carried.elements)
     found = Carried()
     for data in carried.data:
-        if data.name == f"{KEPT_MARKUP}:{wanted}" and (taken := _taken_out(data)) is not None:
+        if data.name == f"{KEPT_MARKUP}:{wanted}" and (taken := _restored(data)) is not None:
             found.data += taken.data
             found.attributes |= taken.attributes
             found.elements += taken.elements
@@ -172,18 +171,18 @@ def _exchanged(carried: Carried, own: Markup, wanted: Markup) -> Carried:
         else:
             left.data.append(data)
     if left != Carried() or not carried.data:
-        found.data.append(_put_away(left, own))
+        found.data.append(_kept_as_data(left, own))
     return found
 
 
-def _put_away(carried: Carried, own: Markup) -> ForeignData:
+def _kept_as_data(carried: Carried, own: Markup) -> ForeignData:
     element = etree.Element(f"{{{KEPT_MARKUP}}}carried", nsmap={None: KEPT_MARKUP})  # type: ignore[dict-item]  # lxml-stubs
     element.text = carried.model_dump_json(exclude_defaults=True)
     return ForeignData(name=f"{KEPT_MARKUP}:{own}", content=markup(element))
 
 
-def _taken_out(data: ForeignData) -> Carried | None:
-    """What was put away; None where somebody has damaged it."""
+def _restored(data: ForeignData) -> Carried | None:
+    """Return the markup that was kept as data; None where it is damaged."""
     try:
         return Carried.model_validate_json(etree.fromstring(data.content).text or "")
     except (etree.XMLSyntaxError, ValidationError):

@@ -5,13 +5,13 @@ xmlschema, which is slow to load: `schema_validation` imports this module only f
 Codes (docs/diagnostics.md):
 
 ======  ==============================================================
-XSD002  an element that is unknown, or stands where it may not
+XSD002  an element that is unknown, or not allowed in its place
 XSD003  an element is missing
 XSD004  an attribute is missing
 XSD005  an unknown attribute
 XSD006  the value of an attribute is not of its type
 XSD007  the text of an element is not of its type
-XSD008  text where only elements may stand, or nothing at all
+XSD008  text where only elements are allowed, or nothing at all
 XSD009  an id that two elements have
 XSD019  anything else, in libxml2's words
 ======  ==============================================================
@@ -42,7 +42,7 @@ _MANY = 12
 
 
 def explain(element: etree._Element, schema: Path, fallback: str) -> list[Explanation]:
-    """What is wrong with an element that libxml2 objected to; `fallback` are libxml2's words for it."""
+    """Return the errors of an element that libxml2 objected to; `fallback` are libxml2's words for it."""
     grammar = Grammar.of(schema)
     declaration = grammar.declaration(element)
     found: list[Explanation] = []
@@ -115,7 +115,7 @@ def _wrong_value(grammar: Grammar, what: str, simple_type: Any, value: str) -> s
 
 
 def _repaired(grammar: Grammar, simple_type: Any, value: str) -> str | None:
-    """The value that was most likely meant."""
+    """Return the value that was most likely meant."""
     candidates = [value.strip(), value.strip().replace(" ", "T", 1), value.lower(), value.upper()]
     candidates += [str(known) for known in simple_type.enumeration or () if str(known).lower() == value.strip().lower()]
     if grammar.base(simple_type) == "decimal":
@@ -132,7 +132,7 @@ def _content(grammar: Grammar, declaration: Any, element: etree._Element) -> Ite
     children = [child for child in element if isinstance(child.tag, str)]
     if content.is_simple() or content.has_simple_content():
         if children:
-            yield "XSD002", f"<{tag}> holds text only; no element may stand in it", children[0]
+            yield "XSD002", f"<{tag}> holds text only; it must not contain an element", children[0]
             return
         text = "".join(str(part) for part in element.itertext())
         simple_type = content if content.is_simple() else content.content
@@ -147,19 +147,19 @@ def _content(grammar: Grammar, declaration: Any, element: etree._Element) -> Ite
     if text:
         yield "XSD008", _stray_text(grammar, declaration, tag, text), element
     elif empty and any(texts):
-        yield "XSD008", f"<{tag}> must be empty; not even blanks or line breaks may stand in it", element
+        yield "XSD008", f"<{tag}> must be empty; not even blanks or line breaks are allowed in it", element
     if empty and children:
-        yield "XSD002", f"<{tag}> must be empty; <{local_name(children[0].tag)}> may not stand in it", children[0]
+        yield "XSD002", f"<{tag}> must be empty; <{local_name(children[0].tag)}> is not allowed in it", children[0]
     elif not empty and not (text and not children and _holds_xhtml(declaration)):
         yield from _children(grammar, declaration, element)
 
 
 def _stray_text(grammar: Grammar, declaration: Any, tag: str, text: str) -> str:
-    message = f"text {_quoted(text)} stands directly in <{tag}>"
+    message = f"text {_quoted(text)} is directly in <{tag}>"
     if _holds_xhtml(declaration):
         return f'{message}; it belongs into an element of XHTML: <{tag}><xhtml xmlns="{_XHTML}">...</xhtml></{tag}>'
     known = grammar.children(declaration)
-    return f"{message}, where only elements may stand" + (f": {_list(known)}" if known else "")
+    return f"{message}, where only elements are allowed" + (f": {_list(known)}" if known else "")
 
 
 def _holds_xhtml(declaration: Any) -> bool:
@@ -190,13 +190,13 @@ def _xhtml(tag: str, rejection: RejectedChild, element: etree._Element) -> Itera
         yield "XSD002", f"<{tag}> holds more than one element; put all into one: {form}", rejection.child
     else:
         child = local_name(rejection.child.tag)
-        yield "XSD002", f"<{child}> may not stand in <{tag}>, only one element of XHTML: {form}", rejection.child
+        yield "XSD002", f"<{child}> is not allowed in <{tag}>, only one element of XHTML: {form}", rejection.child
 
 
 def _misplaced(
     known: list[str], element: etree._Element, child: etree._Element, rejection: RejectedChild
 ) -> Explanation:
-    """A child that stops the sequence: unknown, once too often, out of order, or something before it is missing."""
+    """Explain a child that stops the sequence: unknown, once too often, out of order, or behind a missing one."""
     tag, name = local_name(element.tag), local_name(child.tag)
     if child.tag not in known:
         return "XSD002", _unknown_child(tag, child, known), child
@@ -206,28 +206,28 @@ def _misplaced(
     reached = -1 if before is None else order.get(str(before.tag), -1)
     earlier = next(child.itersiblings(str(child.tag), preceding=True), None)
     if reached == own or (reached > own and earlier is not None):
-        return "XSD002", f"a second <{name}> in <{tag}>; only one may stand there", child
+        return "XSD002", f"a second <{name}> in <{tag}>; only one is allowed", child
     if before is not None and reached > own:
-        return "XSD002", f"<{name}> stands too late in <{tag}>: it must come before <{local_name(before.tag)}>", child
+        return "XSD002", f"<{name}> is too late in <{tag}>: it must come before <{local_name(before.tag)}>", child
     missing = [each for each in rejection.required or rejection.expected if order.get(each, own) != own]
     if not missing and before is None:
         # The whole sequence may be left out, but not begun in its middle.
         missing = known[:own]
     if not missing:
         excludes = f"; <{local_name(before.tag)}> excludes it" if before is not None else ""
-        return "XSD002", f"<{name}> may not stand here in <{tag}>{excludes}", child
+        return "XSD002", f"<{name}> is not allowed here in <{tag}>{excludes}", child
     if {each.tag for each in child.itersiblings()}.isdisjoint(missing):
         listed = missing[:1] if before is None and not rejection.expected else missing
         return "XSD003", f"{_missing(listed, known)} in <{tag}>, before <{name}>", child
-    return "XSD002", f"<{name}> stands too early in <{tag}>: {_list(missing)} must come first", child
+    return "XSD002", f"<{name}> is too early in <{tag}>: {_list(missing)} must come first", child
 
 
 def _unknown_child(tag: str, child: etree._Element, known: list[str]) -> str:
     name = local_name(child.tag)
     namesake = next((each for each in known if local_name(each) == name), None)
     if namesake is not None:
-        theirs, ours = etree.QName(child).namespace or "none", etree.QName(namesake).namespace or "none"
-        return f"<{name}> in <{tag}> is in the wrong namespace: {theirs} instead of {ours}"
+        found, wanted = etree.QName(child).namespace or "none", etree.QName(namesake).namespace or "none"
+        return f"<{name}> in <{tag}> is in the wrong namespace: {found} instead of {wanted}"
     message = f"<{tag}> knows no <{name}>"
     near = _similar(name, (local_name(each) for each in known))
     if near:
@@ -286,15 +286,15 @@ _KINDS = {
 
 
 def local_name(tag: object) -> str:
-    """A tag without its namespace."""
+    """Return a tag without its namespace."""
     return str(tag).rpartition("}")[2]
 
 
 @dataclass(frozen=True, slots=True)
 class RejectedChild:
-    """A child that may not stand where it stands, or (`child` None) the end of an element that came too early.
+    """A child that is not allowed in its place, or (`child` None) the end of an element that came too early.
 
-    `expected` are the tags that could have stood there, `required` those of them without which it does not go on.
+    `expected` are the tags that are allowed there, `required` those of them without which it does not go on.
     """
 
     child: etree._Element | None
@@ -316,7 +316,7 @@ class Grammar:
         return Grammar(path)
 
     def declaration(self, element: etree._Element) -> Any | None:
-        """The declaration that an element has by its place; None where the schema has none (foreign elements)."""
+        """Return the declaration of an element in its place; None where the schema has none (foreign elements)."""
         parent = element.getparent()
         if parent is None:
             return self._schema.maps.elements.get(element.tag)
@@ -324,18 +324,18 @@ class Grammar:
         found = None
         if above is not None and not above.type.has_simple_content():
             found = next((child for child in _child_declarations(above) if child.name == element.tag), None)
-        # In foreign data everything that is declared globally is checked, wherever it stands.
+        # In foreign data everything that is declared globally is checked in every place.
         wild = above is None or any(child.name is None for child in _child_declarations(above)) or _is_anything(above)
         return self._schema.maps.elements.get(element.tag) if found is None and wild else found
 
     @staticmethod
     def children(declaration: Any) -> list[str]:
-        """The tags that may stand in an element, in the order of the schema."""
+        """Return the tags that an element may contain, in the order of the schema."""
         return list(dict.fromkeys(child.name for child in _child_declarations(declaration) if child.name is not None))
 
     @staticmethod
     def rejection(declaration: Any, element: etree._Element) -> RejectedChild | None:
-        """The first thing that is wrong with the children of an element; None if their order is right."""
+        """Return the first thing that is wrong with the children of an element; None if their order is right."""
         # The content of the children is not of interest here, so they are looked at without it.
         children = [child for child in element if isinstance(child.tag, str)]
         shell = etree.Element(element.tag)
@@ -352,7 +352,7 @@ class Grammar:
 
     @staticmethod
     def kind(simple_type: Any) -> str:
-        """What a value of this type looks like, in words."""
+        """Return the form of a value of this type, in words."""
         if simple_type.enumeration:
             return "one of " + ", ".join(str(value) for value in simple_type.enumeration)
         low, high = simple_type.min_value, simple_type.max_value
@@ -367,12 +367,12 @@ class Grammar:
 
     @staticmethod
     def accepts(simple_type: Any, value: str) -> bool:
-        """Whether a value is one of this type."""
+        """True if a value is one of this type."""
         return bool(simple_type.is_valid(value))
 
     @staticmethod
     def base(simple_type: Any) -> str:
-        """The name of the type of XML Schema that a type stands on (``dateTime``)."""
+        """Return the name of the type of XML Schema that a type is derived from (``dateTime``)."""
         return _builtin(simple_type)
 
 

@@ -22,7 +22,7 @@ from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 
 @cache
 def schema_path(name: str) -> Path:
-    """The file of the schema `name` (``plcopen-2.01``).
+    """Return the file of the schema `name` (``plcopen-2.01``).
 
     Raises `FileAccessError` where the package was installed without its schemas.
     """
@@ -33,7 +33,7 @@ def schema_path(name: str) -> Path:
             return path
     raise FileAccessError(
         f"the schema {name}.xsd is missing from this installation of plcopen_sfc",
-        hint="Install the package anew, unpacked: libxml2 cannot read schemas inside an archive.",
+        hint="Install the package again, unpacked: libxml2 cannot read schemas inside an archive.",
     )
 
 
@@ -42,7 +42,7 @@ MAX_FINDINGS = 100
 
 
 Judge = Callable[[etree._Element], Severity]
-"""How bad a violation at an element is."""
+"""Severity of a violation at an element."""
 
 
 _KEYS = ("localId", "name", "Name", "guid", "alias", "instancePathAndName", "member", "formalParameter")
@@ -50,7 +50,7 @@ _per_thread = threading.local()
 
 
 def _validator(name: str) -> etree.XMLSchema:
-    """The compiled schema. One for each thread, because a validator keeps the errors of its last run."""
+    """Return the compiled schema. One for each thread, because a validator keeps the errors of its last run."""
     compiled: dict[str, etree.XMLSchema] = _per_thread.__dict__.setdefault("compiled", {})
     if name not in compiled:
         compiled[name] = etree.XMLSchema(etree.parse(schema_path(name), etree.XMLParser(no_network=True)))
@@ -58,12 +58,12 @@ def _validator(name: str) -> etree.XMLSchema:
 
 
 def is_valid(root: etree._Element, schema: str) -> bool:
-    """Whether the document of `root` is valid by the schema of this name, by libxml2's judgement."""
+    """True if the document of `root` is valid by the schema of this name, by libxml2's judgement."""
     return _validator(schema).validate(root)
 
 
 def faults(root: etree._Element, schema: str) -> list[tuple[etree._Element, str]]:
-    """The elements that libxml2 objects to by the schema of this name, with its words; empty for a valid document."""
+    """Return the elements that libxml2 objects to by the schema of this name, with its words; none if it is valid."""
     validator = _validator(schema)
     return [] if validator.validate(root) else list(_places(root, validator.error_log))
 
@@ -76,11 +76,11 @@ def findings(
     file: str | None = None,
     judge: Judge = lambda _element: Severity.ERROR,
 ) -> list[Diagnostic]:
-    """What is wrong with a document by the schema of this name; empty for a valid one.
+    """Return the errors of a document by the schema of this name; empty for a valid one.
 
-    `root` may stand inside of a document that another schema describes. `data` are the bytes that the document was read
+    `root` may be inside of a document that another schema describes. `data` are the bytes that the document was read
     from: the line numbers of long files are counted in them. At most
-    `MAX_FINDINGS`, then one more (``XSD099``) that says how many places were left out.
+    `MAX_FINDINGS`, then one more (``XSD099``) with the number of places that were left out.
     """
     validator = _validator(schema)
     if validator.validate(root):
@@ -109,7 +109,7 @@ def findings(
 
 
 def _places(root: etree._Element, log: etree._ListErrorLog) -> Iterator[tuple[etree._Element, str]]:
-    """The elements that libxml2 objects to, each once, with libxml2's own words for want of better ones."""
+    """Yield the elements that libxml2 objects to, each once, with libxml2's own words for want of better ones."""
     objections: dict[str, list[str]] = {}
     for entry in log:
         objections.setdefault(str(getattr(entry, "path", None) or "/*"), []).append(_plain(entry.message))
@@ -121,9 +121,9 @@ _STEP = re.compile(r"([^/\[\]]+)(?:\[(\d+)\])?")
 
 
 def _element_at(root: etree._Element, path: str) -> etree._Element:
-    """The element at a path as libxml2 writes it: ``/*/*[3]/v:own[2]``.
+    """Return the element at a path as libxml2 writes it: ``/*/*[3]/v:own[2]``.
 
-    It is no XPath to evaluate: prefixes are those of the elements, and ``*`` stands for the default namespace.
+    It is no XPath to evaluate: prefixes are those of the elements, and ``*`` means the default namespace.
     """
     element = root
     for name, number in _STEP.findall(path)[1:]:
@@ -146,7 +146,7 @@ def _plain(message: str) -> str:
 
 
 def element_path(element: etree._Element) -> str:
-    """Where an element stands, with names instead of numbers where there are any: an XPath for people.
+    """Return the place of an element, with names instead of numbers where there are any: an XPath for people.
 
     Namespaces are left out.
     """

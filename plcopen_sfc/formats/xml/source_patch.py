@@ -71,7 +71,7 @@ class SourceMerge:
         self._moved: dict[etree._Element, MatchedElement] = {}
 
     def run(self) -> str:
-        """The edited text."""
+        """Return the edited text."""
         root = self._tree.root
         if not self._tree.tag(root) == kind_of(self._before) == kind_of(self._after):
             raise PatchError(
@@ -234,7 +234,7 @@ class SourceMerge:
             self._fill(node, raw, node.open_end)
 
     def _fill(self, node: SourceNode, raw: str, end: int) -> None:
-        """Put content into an element, in place of what stands there up to `end`."""
+        """Put content into an element, in place of its content up to `end`."""
         if node.is_closed:
             self._replace(self._tree.tag_end(node), node.end, f">{raw}</{node.name}>")
         else:
@@ -263,7 +263,7 @@ class SourceMerge:
         self._fill(node, self._mixed_anew(node, after, matched, set(found)), node.close_start)
 
     def _runs(self, node: SourceNode, known: set[SourceNode]) -> list[list[TextSegment]]:
-        """The text before, between and behind the children in `known`."""
+        """Return the text before, between and behind the children in `known`."""
         runs: list[list[TextSegment]] = [[]]
         position = node.open_end
         for child in node.children:
@@ -289,7 +289,7 @@ class SourceMerge:
     def _mixed_anew(
         self, node: SourceNode, after: etree._Element, matched: list[MatchedElement | None], known: set[SourceNode]
     ) -> str:
-        """The content written anew, out of the old pieces where they are still wanted."""
+        """Return the content, out of the old texts where they are still wanted."""
         tree = self._tree
         scope = tree.scope(node)
         empty_end = self._writing.empty_end(node.start)
@@ -313,7 +313,7 @@ class SourceMerge:
         return "".join(parts)
 
     def _unknown_behind(self, node: SourceNode, place: SourceNode | None, known: set[SourceNode]) -> list[str]:
-        """The source's own nodes directly behind `place`, which the trees do not have."""
+        """Return the source's own nodes directly behind `place`, which the trees do not have."""
         found: list[str] = []
         for child in node.children[node.children.index(place) + 1 if place else 0 :]:
             if child in known:
@@ -342,7 +342,7 @@ class SourceMerge:
     def _slice(
         self, node: SourceNode, before: etree._Element, after: etree._Element, scope: Mapping[str, str] | None = None
     ) -> str:
-        """The source text of `node` with the edits inside it, to stand where `scope` holds."""
+        """Return the source text of `node` with the edits inside it, for a place where `scope` holds."""
         outer = self._edits, self._insertions
         self._edits, self._insertions = [], []
         if scope is not None:
@@ -357,7 +357,7 @@ class SourceMerge:
         return apply_edits(self._tree.text, edits, node.start, node.end)
 
     def _reuse(self, element: etree._Element, scope: Mapping[str, str], indent: str | None) -> str | None:
-        """The source text of an element that was moved; None for a new one."""
+        """Return the source text of an element that was moved; None for a new one."""
         origin = self._moved.pop(element, None) or self._removed.take(element)
         if origin is None:
             return None
@@ -373,7 +373,7 @@ def _texts(element: etree._Element) -> list[str]:
 
 
 def patch(source: bytes, before: etree._Element, after: etree._Element, *, keys: KeyFunction = default_keys) -> bytes:
-    """`source` with the difference from `before` to `after` applied; byte for byte the same where they are equal.
+    """Return `source` with the difference from `before` to `after`; byte for byte the same where they are equal.
 
     `keys` names the identifying attributes of an element, strongest first. Raises `PatchError` if the result would not
     be well-formed or `before` does not describe `source`, and `EncodingError` if a new name cannot be written in the

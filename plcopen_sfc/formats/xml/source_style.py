@@ -24,7 +24,7 @@ _XML_SPACE = f"{{{XML_NAMESPACE}}}space"
 
 
 def kind_of(element: etree._Element) -> str:
-    """The tag of an element; `COMMENT` or `INSTRUCTION` for those."""
+    """Return the tag of an element; `COMMENT` or `INSTRUCTION` for those."""
     tag = cast("object", element.tag)
     if isinstance(tag, str):
         return tag
@@ -37,7 +37,7 @@ def nodes_of(element: etree._Element) -> list[etree._Element]:
 
 
 def is_mixed(element: etree._Element) -> bool:
-    """Whether text stands beside other nodes in an element, so that its white space counts."""
+    """True if an element has text beside other nodes, so that its white space counts."""
     if len(element) == 0:
         return False
     if element.get(_XML_SPACE) == "preserve":
@@ -46,7 +46,7 @@ def is_mixed(element: etree._Element) -> bool:
 
 
 class SourceStyle:
-    """How a file is written, as far as new pieces of it need to know."""
+    """Style of a source file, for new text in it."""
 
     def __init__(self, tree: SourceTree, codec: str) -> None:
         self.tree = tree
@@ -60,7 +60,7 @@ class SourceStyle:
         self._unit: str | None = None
 
     def encodable(self, text: str) -> bool:
-        """Whether the encoding of the file has all these characters."""
+        """True if the encoding of the file has all these characters."""
         try:
             text.encode(self.codec)
         except UnicodeEncodeError:
@@ -68,7 +68,7 @@ class SourceStyle:
         return True
 
     def empty_end(self, position: int) -> str | None:
-        """How an empty element ends near `position`, "/>" or " />"; None where the file writes `<a></a>`."""
+        """Return the end of an empty element near `position`, "/>" or " />"; None where the file writes `<a></a>`."""
         if not self._collapses:
             return None
         text = self.tree.text
@@ -80,7 +80,7 @@ class SourceStyle:
         return " />" if text[found - 1] in " \t\r\n" else "/>"
 
     def unit(self, node: SourceNode) -> str:
-        """What one level of indentation is, near `node`."""
+        """Return one level of indentation near `node`."""
         here: SourceNode | None = node
         while here is not None:
             step = self._step(here)
@@ -112,7 +112,7 @@ class SourceStyle:
         return None
 
     def child_indent(self, parent: SourceNode) -> str | None:
-        """The indentation of the children of `parent`; None where they stand in one line with it."""
+        """Return the indentation of the children of `parent`; None where they are in one line with it."""
         for child in parent.children:
             indent = self.tree.line_indent(child)
             if indent is not None:
@@ -144,7 +144,7 @@ class NewMarkup:
         unit: str,
         empty_end: str | None,
     ) -> str:
-        """`element` as text, from its first `<`; its children on lines of their own unless `indent` is None."""
+        """Return `element` as text, from its first `<`; its children on lines of their own unless `indent` is None."""
         if (moved := self._reuse(element, scope, indent)) is not None:
             return moved
         if not isinstance(cast("object", element.tag), str):
@@ -184,11 +184,11 @@ class NewMarkup:
         return "".join(parts)
 
     def note(self, element: etree._Element) -> str:
-        """A comment or processing instruction."""
+        """Return a comment or processing instruction."""
         return etree.tostring(element, encoding="unicode", with_tail=False).replace("\n", self._writing.newline)
 
     def text(self, element: etree._Element) -> str:
-        """The text of an element without children, as CDATA if the tree marks it so and it can be."""
+        """Return the text of an element without children, as CDATA if the tree marks it so and it can be."""
         value = element.text or ""
         # lxml tells of CDATA only when it writes; anywhere else it escapes the "<".
         wanted = value and b"<![CDATA[" in etree.tostring(element, with_tail=False)
@@ -210,7 +210,7 @@ def qualified_name(
     *,
     attribute: bool = False,
 ) -> str:
-    """`name` as written in `scope`; a namespace that is not in scope is put into `declared` (and `scope`).
+    """Return `name` as written in `scope`; a namespace that is not in scope is put into `declared` (and `scope`).
 
     `hints` are the prefixes that the tree uses; they are taken if they do not hide another namespace.
     """
@@ -249,7 +249,7 @@ def attribute_changes(writing: SourceStyle, attribute: SourceAttribute, value: s
 
 
 def with_source_blanks(current: str, old: str, new: str) -> str:
-    """`new` with the blanks that the source has around the text, if the writer does not keep them.
+    """Return `new` with the blanks that the source has around the text, if the writer does not keep them.
 
     `current` is the text in the source, `old` what the writer made of it: a difference in the blanks at both ends is
     not part of the edit.

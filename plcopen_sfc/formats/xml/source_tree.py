@@ -21,7 +21,7 @@ XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 
 
 class PatchError(SfcError):
-    """An edit could not be put into the source text. Nothing was written; this is an error of ours, not the user's."""
+    """An edit that does not go into the source text: a fault of the package, not of the user. Nothing was written."""
 
 
 class SourceNode:
@@ -44,12 +44,12 @@ class SourceNode:
 
     @property
     def is_element(self) -> bool:
-        """Whether this is an element."""
+        """True if this is an element."""
         return not self.name.startswith("#")
 
     @property
     def is_closed(self) -> bool:
-        """Whether this is written as one tag, `<a/>`."""
+        """True if this is written as one tag, `<a/>`."""
         return self.open_end == self.end
 
 
@@ -131,7 +131,7 @@ class SourceTree:
     # What is in a tag
 
     def attributes(self, node: SourceNode) -> list[SourceAttribute]:
-        """Attributes in the order written, namespace declarations among them."""
+        """Return attributes in the order written, namespace declarations among them."""
         if node.attributes is None:
             node.attributes = []
             if node.is_element:
@@ -152,7 +152,7 @@ class SourceTree:
         return attributes[-1].end if attributes else self.name_end(node)
 
     def value(self, attribute: SourceAttribute) -> str:
-        """The value of an attribute, as a parser reports it."""
+        """Return the value of an attribute, as a parser reports it."""
         return RawText(self.text[attribute.value_start : attribute.value_end], attribute=True).value
 
     def declared(self, node: SourceNode) -> dict[str, str]:
@@ -166,7 +166,7 @@ class SourceTree:
         return node.declared
 
     def scope(self, node: SourceNode | None) -> dict[str, str]:
-        """All namespaces in scope inside `node`, by prefix."""
+        """Return all namespaces in scope inside `node`, by prefix."""
         chain: list[dict[str, str]] = []
         while node is not None:
             chain.append(self.declared(node))
@@ -177,7 +177,7 @@ class SourceTree:
         return scope
 
     def namespace(self, node: SourceNode, prefix: str) -> str:
-        """The namespace that `prefix` stands for in `node`; "" for none."""
+        """Return the namespace that `prefix` means in `node`; "" for none."""
         here: SourceNode | None = node
         while here is not None:
             found = self.declared(here).get(prefix)
@@ -187,7 +187,7 @@ class SourceTree:
         return XML_NAMESPACE if prefix == "xml" else ""
 
     def tag(self, node: SourceNode) -> str:
-        """The tag as lxml names it, `{namespace}local`; `COMMENT` or `INSTRUCTION`."""
+        """Return the tag as lxml names it, `{namespace}local`; `COMMENT` or `INSTRUCTION`."""
         if not node.is_element:
             return node.name
         prefix, _, local = node.name.rpartition(":")
@@ -195,7 +195,7 @@ class SourceTree:
         return f"{{{uri}}}{local}" if uri else local
 
     def named_attributes(self, node: SourceNode) -> dict[str, SourceAttribute]:
-        """Attributes by the name that lxml gives them, without namespace declarations."""
+        """Return attributes by the name that lxml gives them, without namespace declarations."""
         found: dict[str, SourceAttribute] = {}
         for attribute in self.attributes(node):
             prefix, _, local = attribute.name.rpartition(":")
@@ -227,15 +227,15 @@ class SourceTree:
         return found
 
     def raw(self, segment: TextSegment) -> RawText:
-        """The segment's characters and their meaning."""
+        """Return the segment's characters and their meaning."""
         return RawText(self.text[segment.start : segment.end], cdata=segment.cdata)
 
     def value_of(self, segments: list[TextSegment]) -> str:
-        """The text that some segments mean together."""
+        """Return the text that some segments mean together."""
         return "".join(self.raw(segment).value for segment in segments)
 
     def content(self, node: SourceNode) -> list[TextSegment]:
-        """All character data directly in an element."""
+        """Return all character data directly in an element."""
         found: list[TextSegment] = []
         position = node.open_end
         for child in node.children:
@@ -244,21 +244,21 @@ class SourceTree:
         return found + self.segments(position, node.close_start)
 
     def inner(self, node: SourceNode) -> str:
-        """The text of a comment or processing instruction."""
+        """Return the text of a comment or processing instruction."""
         text = self.text[node.start : node.end]
         return text[4:-3] if node.name == COMMENT else text[2:-2].partition(" ")[2]
 
-    # How things stand on lines
+    # Lines and blanks
 
     def line_indent(self, node: SourceNode) -> str | None:
-        """The blanks before a node that is the first on its line; None if something else stands before it."""
+        """Return the blanks before a node that is the first on its line; None if there is something else before it."""
         start = self.blank_before(node.start)
         if start > 0 and self.text[start - 1] not in "\r\n":
             return None
         return self.text[start : node.start]
 
     def blank_before(self, position: int) -> int:
-        """The first of the blanks that end at `position`."""
+        """Return the first of the blanks that end at `position`."""
         while position > 0 and self.text[position - 1] in _BLANKS:
             position -= 1
         return position
@@ -270,7 +270,7 @@ class SourceTree:
         return position
 
     def own_lines(self, start: int, end: int) -> tuple[int, int] | None:
-        """`start` to `end` with the line end before and all blanks, if nothing else stands on these lines."""
+        """Return `start` to `end` with the line end before and all blanks, if these lines have nothing else."""
         first, last = self.blank_before(start), self.blank_after(end)
         if first == 0 or self.text[first - 1] not in "\r\n":
             return None
@@ -284,7 +284,7 @@ _MAX_LINE_PAIRS = 4_000_000
 
 
 def text_edits(old: str, new: str) -> list[Edit]:
-    """Replacements in rising order that do not overlap; lines that are the same on both sides stay untouched."""
+    """Return replacements in rising order that do not overlap; lines that are the same on both sides stay untouched."""
     if old == new:
         return []
     whole = _trim(old, new, 0)
@@ -317,7 +317,7 @@ def text_edits(old: str, new: str) -> list[Edit]:
 
 
 def _trim(old: str, new: str, offset: int) -> Edit:
-    """One replacement without what both begin and end with."""
+    """Return one replacement without what both begin and end with."""
     limit = min(len(old), len(new))
     head = _common(old, new, limit)
     tail = 0

@@ -32,18 +32,18 @@ class XmlCodec(Codec):
 
     @abstractmethod
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-        """The tree of the file for `project`."""
+        """Return the tree of the file for `project`."""
 
     @abstractmethod
     def style(self) -> XmlStyle:
-        """How the tool writes XML."""
+        """Style in which the tool writes XML."""
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-        """Write a file anew."""
+        """Write a file from the model alone."""
         return write_xml(self.to_tree(project, options, report), self.style())
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
-        """The file without data and comments of this package."""
+        """Return the file without data and comments of this package."""
         return as_tool_sees(data, file=file)
 
 
@@ -52,20 +52,20 @@ class FolderCodec(XmlCodec):
 
     @abstractmethod
     def standard_folder(self, thing: ProjectObject) -> str:
-        """Where an object belongs that has no folder yet."""
+        """Return the folder of an object that has none yet."""
 
     @abstractmethod
     def new_document(self, version: str) -> Project:
-        """A project without objects."""
+        """Return a project without objects."""
 
     def added_objects(self, project: Project) -> Sequence[ProjectObject]:
-        """Objects for the tool that `project` has otherwise, and that are none of its own when they are read again."""
+        """Return objects for the tool that `project` has otherwise; a reader does not make them its own."""
         return ()
 
 
 @dataclass(frozen=True, slots=True)
 class XmlStyle:
-    """How a tool writes its files.
+    """Style of the files of a tool.
 
     `encoding` is spelt as the declaration shall spell it. `indent` is the unit of one level; None leaves all white
     space as it is. `declaration` is the quote of the XML declaration, or "" for no declaration.
@@ -97,9 +97,9 @@ _RAW = re.compile(r"(<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>)", re.DOTALL)
 
 
 def write_xml(root: etree._Element, style: XmlStyle = _DEFAULT) -> bytes:
-    """The file for the tree `root` in `style`. The tree itself is not changed.
+    """Return the file for the tree `root` in `style`. The tree itself is not changed.
 
-    Elements with text are never reformatted, nor what stands inside them. Comments and processing instructions before
+    Elements with text are never reformatted, nor their content. Comments and processing instructions before
     and after the root element are written too. Raises `EncodingError` for a name or comment that the encoding cannot
     hold; in text such characters become references.
     """
@@ -118,7 +118,7 @@ def write_xml(root: etree._Element, style: XmlStyle = _DEFAULT) -> bytes:
 
 
 def canonical(root: etree._Element) -> bytes:
-    """The tree in canonical form, without comments: equal for trees that say the same."""
+    """Return the tree in canonical form, without comments: equal for trees of the same content."""
     return canonical_form(root, comments=False, exclusive=False)
 
 
@@ -134,7 +134,7 @@ def _indent(root: etree._Element, unit: str) -> None:
 
 
 def _untouchable(root: etree._Element) -> list[etree._Element]:
-    """The elements in which white space counts: those with text beside other nodes, and those that say so."""
+    """Return the elements in which white space counts: those with text beside other nodes, and those marked so."""
     mixed: dict[etree._Element, None] = dict.fromkeys(cast("list[etree._Element]", _PRESERVED(root)))
     for node in cast("list[etree._Element]", _ONLY_COMMENTS(root)):
         # white space would give content to an element that may have none
@@ -174,11 +174,11 @@ def _self_closing(text: str, style: str) -> str:
 
 
 def as_tool_sees(data: bytes, *, file: str | None = None) -> bytes:
-    """The file `data` without what is ours; `data` itself where there is nothing. Raises `FormatError`."""
+    """Return the file `data` without the data and comments of this package, if it has any. Raises `FormatError`."""
     text, encoding = decode(data, file=file)
     if COMMENT_MARK not in text and OWN_DATA not in text:
         return data
-    parse(data, file=file)  # says what is wrong with the file, where it is no XML
+    parse(data, file=file)  # tells what is wrong with a file that is no XML
     tree = SourceTree(text)
     return encoding.encode(without(text, [(node.start, node.end) for node in _own(tree, tree.root)]))
 

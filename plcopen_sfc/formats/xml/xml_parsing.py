@@ -53,19 +53,19 @@ _WIDE = re.compile("utf-(?:16|32)|ucs-?[24]", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class Encoding:
-    """How the characters of a file are stored: Python's codec, the byte order mark, and what the file declares."""
+    """Encoding of the characters of a file: Python's codec, the byte order mark, and what the file declares."""
 
     codec: str
     bom: bytes = b""
     declared: str | None = None
 
     def encode(self, text: str) -> bytes:
-        """`text` as bytes of the file, byte order mark included; raises `UnicodeEncodeError`."""
+        """Return `text` as bytes of the file, byte order mark included; raises `UnicodeEncodeError`."""
         return self.bom + text.encode(self.codec)
 
 
 def detect_encoding(data: bytes, *, file: str | None = None) -> Encoding:
-    """The encoding of an XML file, from its byte order mark, its first bytes and its XML declaration.
+    """Return the encoding of an XML file, from its byte order mark, its first bytes and its XML declaration.
 
     Raises `EncodingError` where the three contradict each other or the declared encoding is unknown.
     """
@@ -85,7 +85,7 @@ def detect_encoding(data: bytes, *, file: str | None = None) -> Encoding:
         raise EncodingError(
             f'the file declares encoding="{declared}", but its bytes are not {declared.upper()}',
             location=Location(file, 1, 1),
-            hint="Its first bytes are those of an 8-bit encoding: most likely the declaration should say utf-8.",
+            hint="Its first bytes are those of an 8-bit encoding: most likely the declaration should be utf-8.",
         )
     return Encoding(named, bom, declared)
 
@@ -111,14 +111,14 @@ def _check_mark(codec: str, named: str, declared: str, bom: bytes, file: str | N
         return
     what = "byte order mark" if bom else "bytes"
     raise EncodingError(
-        f'the file declares encoding="{declared}", but its {what} say {codec.upper()}',
+        f'the file declares encoding="{declared}", but by its {what} it is {codec.upper()}',
         location=Location(file, 1, 1),
         hint=f'Change the declaration to encoding="{codec.removesuffix("-le").removesuffix("-be")}".',
     )
 
 
 def decode(data: bytes, *, file: str | None = None) -> tuple[str, Encoding]:
-    """The characters of an XML file (without byte order mark, line ends as they are) and its encoding.
+    """Return the characters of an XML file (without byte order mark, line ends as they are) and its encoding.
 
     Raises `EncodingError`, with the byte offset, where the bytes are not in the encoding of the file.
     """
@@ -136,7 +136,7 @@ def _wrong_bytes(data: bytes, encoding: Encoding, error: UnicodeDecodeError, fil
     column = len(before) - before.rfind("\n")
     source = f'declares encoding="{encoding.declared}"' if encoding.declared else f"is read as {encoding.codec.upper()}"
     wrong = data[offset : offset + max(1, error.end - error.start)].hex(" ")
-    hint = "Save the file anew in the encoding that it declares."
+    hint = "Save the file again in the encoding that it declares."
     if encoding.codec in {"utf-8", "ascii"}:
         hint = "Most likely the file is in a Windows code page: declare that (windows-1252), or save it as UTF-8."
     return EncodingError(
@@ -147,7 +147,7 @@ def _wrong_bytes(data: bytes, encoding: Encoding, error: UnicodeDecodeError, fil
 
 
 def parse(data: bytes, *, file: str | None = None) -> etree._Element:
-    """The root element of an XML file.
+    """Return the root element of an XML file.
 
     Line numbers are in `sourceline`, which libxml2 keeps exactly up to line 65534; use `SourceLines` for longer files.
     Comments, processing instructions and CDATA marks are kept.
@@ -171,7 +171,7 @@ def parse(data: bytes, *, file: str | None = None) -> etree._Element:
 
 
 def _parser(*, huge: bool = False) -> etree.XMLParser:
-    # The encoding is given: what a declaration says was checked, and here everything is UTF-8.
+    # The encoding is given: the declaration was checked, and here everything is UTF-8.
     return etree.XMLParser(
         encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False, strip_cdata=False, huge_tree=huge
     )
@@ -184,7 +184,7 @@ def _second_try(data: bytes, plain: bytes, error: etree.XMLSyntaxError, file: st
     again = len(plain) > _TEXT_LIMIT
     if again:
         _check_depth(plain, file)
-    decode(data, file=file)  # wrong bytes are a clearer answer than what the parser says about them
+    decode(data, file=file)  # wrong bytes are a clearer answer than the words of the parser for them
     if again:
         try:
             return etree.fromstring(plain, _parser(huge=True))
@@ -290,7 +290,7 @@ class SourceLines:
         self._table: dict[etree._Element, int] = {}
 
     def line(self, element: etree._Element) -> int | None:
-        """The line of `element`, counting from 1; None for an element that was not read from a file."""
+        """Return the line of `element`, counting from 1; None for an element that was not read from a file."""
         line = cast("int | None", element.sourceline)
         if line is None or line <= _LAST_EXACT_LINE:
             return line
@@ -319,7 +319,7 @@ class SourceLines:
 
 @dataclass(frozen=True, slots=True)
 class XmlProblem:
-    """What is wrong and what to do."""
+    """An error and what to do."""
 
     message: str
     hint: str
@@ -344,7 +344,7 @@ _LEADING = (b"\xef\xbb\xbf", b"\xff\xfe\0\0", b"\0\0\xfe\xff", b"\xff\xfe", b"\x
 
 
 def not_xml(data: bytes) -> XmlProblem | None:
-    """What the bytes are, if they are clearly no XML; None if they may be."""
+    """Return the problem of bytes that are clearly no XML; None if they may be."""
     if not data:
         return XmlProblem("the file is empty", _EXPORT)
     head = data[:4096]
@@ -373,7 +373,7 @@ def _is_html(start: bytes) -> bool:
 
 
 def _printable(start: bytes) -> str | None:
-    """The first words of a text; None for what is no text."""
+    """Return the first words of a text; None for what is no text."""
     if re.search(rb"[\0-\x08\x0e-\x1a\x1c-\x1f]", start):
         return None
     text = start.decode("utf-8", "replace") if b"\xc3" in start else start.decode("cp1252", "replace")
@@ -391,13 +391,13 @@ _TRUNCATED = "The file breaks off: export or copy it again."
 
 
 def explain_syntax_error(plain: bytes, error: etree.XMLSyntaxError, file: str | None) -> XmlSyntaxError:
-    """The error of libxml2 about `plain` (UTF-8) in clearer words, with the place."""
+    """Return the error of libxml2 about `plain` (UTF-8) in clearer words, with the place."""
     line, column = error.lineno or 1, max(error.position[1] or 1, 1)
     message = re.sub(r",? ?line \d+, column \d+.*$", "", error.msg or "not well-formed").strip()
     text = plain.decode("utf-8", "replace").removeprefix("\ufeff")
     if message.startswith(("XML or text declaration not at start", "XML declaration allowed only")):
         return XmlSyntaxError(
-            "something stands before the XML declaration (<?xml ...?>)",
+            "there is something before the XML declaration (<?xml ...?>)",
             location=Location(file, line, column),
             hint="Remove blanks, blank lines or other text before it.",
         )
@@ -414,7 +414,7 @@ def explain_syntax_error(plain: bytes, error: etree.XMLSyntaxError, file: str | 
 
 
 def _open_at(text: str, error_line: int) -> tuple[str, int, str] | None:
-    """A file that breaks off, or a wrong end tag: (message, position, hint); None where it is something else."""
+    """Return a file that breaks off, or a wrong end tag: (message, position, hint); None where it is something else."""
     stack: list[tuple[str, int]] = []
     for token in _TOKENS.finditer(text):
         kind = token.lastgroup
@@ -443,7 +443,7 @@ def _open_at(text: str, error_line: int) -> tuple[str, int, str] | None:
 
 
 def _broken(text: str, position: int, stack: list[tuple[str, int]]) -> tuple[str, int, str] | None:
-    """A `<` that begins nothing complete: the end of a truncated file, if nothing complete follows."""
+    """Return a `<` that begins nothing complete: the end of a truncated file, if nothing complete follows."""
     rest = text[position:]
     if rest.startswith(("<!--", "<![CDATA[", "<?")) or "<" not in rest[1:]:
         kinds = (("<!--", "a comment"), ("<![CDATA[", "a CDATA section"), ("<?", "a processing instruction"))
@@ -458,5 +458,5 @@ def _broken(text: str, position: int, stack: list[tuple[str, int]]) -> tuple[str
 
 
 def _place(text: str, position: int) -> tuple[int, int]:
-    """Line and column of a position, both from 1."""
+    """Return line and column of a position, both from 1."""
     return text.count("\n", 0, position) + 1, position - text.rfind("\n", 0, position)

@@ -112,7 +112,7 @@ def test_faults_in_hidden_objects_are_errors(name: str, payload: str, words: str
         ("interfaceasplaintext", "<InterfaceAsPlainText>VAR</InterfaceAsPlainText>", "XSD008", "element of XHTML"),
         ("tasksettings", "<TaskSettings/>", "XSD004", "<TaskSettings> has no KindOfTask"),
         ("attributes", '<Attributes><Attribute Name="a"/></Attributes>', "XSD004", "<Attribute> has no Value"),
-        ("buildproperties", "<BuildProperties>x</BuildProperties>", "XSD008", 'text "x" stands directly in'),
+        ("buildproperties", "<BuildProperties>x</BuildProperties>", "XSD008", 'text "x" is directly in'),
         ("libraries", "<Libraries><Library/></Libraries>", "XSD004", "<Library> has no Name"),
         ("method", "<Method/>", "XSD004", "<Method> has no name"),
         ("projectstructure", "<ProjectStructure><Folder/></ProjectStructure>", "XSD004", "<Folder> has no Name"),

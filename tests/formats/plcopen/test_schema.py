@@ -136,31 +136,31 @@ CASES = {
     "wrong order": (
         STEP.replace("</step>", '<connectionPointOut formalParameter="sfc"/><connectionPointIn/></step>'),
         "XSD002", 12, '/step[@localId="7"]/connectionPointIn',
-        "<connectionPointIn> stands too late in <step>: it must come before <connectionPointOut>",
+        "<connectionPointIn> is too late in <step>: it must come before <connectionPointOut>",
     ),
     "too early": (
         '<step localId="7" name="Fill"><connectionPointIn/><position x="1" y="2"/></step>',
         "XSD002", 12, '/step[@localId="7"]/connectionPointIn',
-        "<connectionPointIn> stands too early in <step>: position must come first",
+        "<connectionPointIn> is too early in <step>: position must come first",
     ),
     "twice": (
         STEP.replace("</step>", "<connectionPointIn/><connectionPointIn/></step>"),
         "XSD002", 12, '/step[@localId="7"]/connectionPointIn[2]',
-        "a second <connectionPointIn> in <step>; only one may stand there",
+        "a second <connectionPointIn> in <step>; only one is allowed",
     ),
     "one excludes the other": (
         '<rightPowerRail localId="7"><position x="0" y="0"/><connectionPointIn><connection refLocalId="1"/>'
         "<expression/></connectionPointIn></rightPowerRail>",
         "XSD002", 12, '/rightPowerRail[@localId="7"]/connectionPointIn/expression',
-        "<expression> may not stand here in <connectionPointIn>",
+        "<expression> is not allowed here in <connectionPointIn>",
     ),
     "content in an empty element": (
         STEP.replace('y="2"/>', 'y="2"><x/></position>'),
-        "XSD002", 12, '/step[@localId="7"]/position/x', "<position> must be empty; <x> may not stand in it",
+        "XSD002", 12, '/step[@localId="7"]/position/x', "<position> must be empty; <x> is not allowed in it",
     ),
     "text in an empty element": (
         STEP.replace('y="2"/>', 'y="2">3</position>'),
-        "XSD008", 12, '/step[@localId="7"]/position', 'text "3" stands directly in <position>, where only elements may',
+        "XSD008", 12, '/step[@localId="7"]/position', 'text "3" is directly in <position>, where only elements are',
     ),
     "blank in an empty element": (
         STEP.replace('y="2"/>', 'y="2"> </position>'),
@@ -168,12 +168,12 @@ CASES = {
     ),
     "text between elements": (
         STEP + "Fill -> Empty",
-        "XSD008", 11, "", 'text "Fill -> Empty" stands directly in <SFC>, where only elements may stand',
+        "XSD008", 11, "", 'text "Fill -> Empty" is directly in <SFC>, where only elements are allowed',
     ),
     "element in a text": (
         '<inVariable localId="1"><position x="0" y="0"/><expression>a<b/></expression></inVariable>',
         "XSD002", 12, '/inVariable[@localId="1"]/expression/b',
-        "<expression> holds text only; no element may stand in it",
+        "<expression> holds text only; it must not contain an element",
     ),
 }  # fmt: skip
 
@@ -189,7 +189,7 @@ def test_raw_code_says_how_to_write_it() -> None:
     action = '<actions><action name="A"><body><ST>x := 1;</ST></body></action></actions>'
     finding = only(document(interface=action))
     assert finding.code == "XSD008"
-    assert 'text "x := 1;" stands directly in <ST>; it belongs into an element of XHTML: <ST><xhtml' in finding.message
+    assert 'text "x := 1;" is directly in <ST>; it belongs into an element of XHTML: <ST><xhtml' in finding.message
     assert finding.location.path == '/project/types/pous/pou[@name="Main"]/actions/action[@name="A"]/body/ST'
 
 
@@ -197,7 +197,7 @@ def test_raw_code_says_how_to_write_it() -> None:
     ("content", "code", "words"),
     [
         ("", "XSD003", "<ST> is empty; it must hold one element of XHTML"),
-        ("<p>x</p>", "XSD002", "<p> may not stand in <ST>, only one element of XHTML"),
+        ("<p>x</p>", "XSD002", "<p> is not allowed in <ST>, only one element of XHTML"),
         (
             '<p xmlns="http://www.w3.org/1999/xhtml"/><p xmlns="http://www.w3.org/1999/xhtml"/>',
             "XSD002",
@@ -214,7 +214,7 @@ def test_code_without_its_one_xhtml_element(content: str, code: str, words: str)
 def test_actions_behind_the_body() -> None:
     finding = only(document(pou="<actions/>"))
     assert (finding.code, finding.location.line) == ("XSD002", 14)
-    assert "<actions> stands too late in <pou>: it must come before <body>" in finding.message
+    assert "<actions> is too late in <pou>: it must come before <body>" in finding.message
 
 
 def test_sections_missing_from_the_project() -> None:
@@ -265,7 +265,7 @@ def test_priority_out_of_range() -> None:
     ("data", "words"),
     [
         (document().replace(b"tc6_0201", b"tc6_0305"), "namespace http://www.plcopen.org/xml/tc6_0305 is not known"),
-        (document().replace(b' xmlns="http://www.plcopen.org/xml/tc6_0201"', b""), "<project> stands in no namespace"),
+        (document().replace(b' xmlns="http://www.plcopen.org/xml/tc6_0201"', b""), "<project> is in no namespace"),
         (document().replace(b"project", b"Project"), "begins with <project>, not with <Project>"),
         (b"<TcPlcObject/>", "no TC6 XML: it begins with <TcPlcObject>"),
         (b'<Project xmlns="www.iec.ch/public/TC65SC65BWG7TF10"/>', "IEC 61131-10"),
