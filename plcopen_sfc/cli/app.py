@@ -263,79 +263,104 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
         screen.exit_code = simulate.run(screen, file, how, csv=csv, vcd=vcd)
 
 
+ChartFile = Annotated[str, typer.Argument(metavar="FILE", help="The file, or folder of a TIA export, with the chart.")]
+CodeFormat = Annotated[
+    str, typer.Option("--to", metavar="FORMAT", help="The format; `plcopen-sfc formats` lists them.")
+]
+CodeFile = Annotated[str | None, typer.Argument(metavar="[DST]", help="The file to write. Usual: next to FILE.")]
+ChartName = Annotated[
+    str | None, typer.Option("--pou", metavar="NAME", help="Which of its charts: Main, or Main.Fill for an action.")
+]
+ConstructionName = Annotated[
+    str, typer.Option("--as", metavar="FORM", help="flipflop (or fup), case, regions, bits, or auto.")
+]
+StyleName = Annotated[str, typer.Option("--style", metavar="STYLE", help="exact, or classic as in textbooks.")]
+BodyLanguage = Annotated[
+    str | None,
+    typer.Option("--language", metavar="LANG", help="ST, FBD or LD; usual: FBD for flip-flops, in text ST."),
+]
+ChartProfile = Annotated[
+    str | None, typer.Option("--profile", metavar="NAME", help="What the chart does: iec, codesys, codesys23 ..")
+]
+RestartInput = Annotated[
+    str | None,
+    typer.Option("--init", metavar="NAME", help="Add an input that restarts the sequence; classic: Init."),
+]
+NoRestartInput = Annotated[
+    bool, typer.Option("--no-init", help="Of classic forms: no such input; the first scan starts.")
+]
+StopCondition = Annotated[
+    str | None,
+    typer.Option("--stop", metavar="CONDITION", help="Emergency stop: sets the initial step, resets all others."),
+]
+ResetActions = Annotated[bool, typer.Option("--reset-actions", help="--init and --stop end stored actions too.")]
+StateKind = Annotated[
+    str, typer.Option("--states", metavar="KIND", help="Of a CASE: numbers, constants or enumeration.")
+]
+ActionsPlace = Annotated[
+    str, typer.Option("--actions", metavar="PLACE", help="inline, or block: in a block of their own.")
+]
+FlagsPlace = Annotated[
+    str, typer.Option("--flags", metavar="PLACE", help="Of steps: local, an address (M20.0), or a data block.")
+]
+Modes = Annotated[
+    list[str] | None,
+    typer.Option("--mode", metavar="MODE", help="Add inputs: enable, single-step, advance, select. Repeatable."),
+]
+InactiveInputs = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--at-rest", metavar="NAME", help="Of S7-GRAPH: inputs that are never operated (S_ON, all). Repeatable."
+    ),
+]
+FreeInputs = Annotated[
+    list[str] | None,
+    typer.Option("--free", metavar="NAME", help="An input that is declared as none, or all. Repeatable."),
+]
+CommentLanguage = Annotated[str, typer.Option("--lang", metavar="LANG", help="Of titles and comments: en or de.")]
+Verify = Annotated[bool, typer.Option("--verify/--no-verify", help="Compare the code with the chart.")]
+AcceptUntestedCode = Annotated[
+    bool, typer.Option("--accept-untested", help="Write code too of which not all was reached in the comparison.")
+]
+ProofLimit = Annotated[
+    str | None, typer.Option("--limit", metavar="TIME", help="How long a comparison may take: 60s, 5m.")
+]
+SkipRefused = Annotated[
+    bool, typer.Option("--skip-refused", help="Leave charts that cannot be lowered as they are, lower the others.")
+]
+TiaVersion = Annotated[str, typer.Option("--tia", metavar="V16", help="Write simaticml for this version of TIA.")]
+LoweringReport = Annotated[
+    Path | None, typer.Option("--report", metavar="FILE", help="Write the proof, the faults and the conversion.")
+]
+
+
 def _lower(  # noqa: PLR0917  # typer calls it by name
-    file: Annotated[str, typer.Argument(metavar="FILE", help="The file, or folder of a TIA export, with the chart.")],
-    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="The format; `plcopen-sfc formats` lists them.")],
-    target: Annotated[
-        str | None, typer.Argument(metavar="[DST]", help="The file to write. Usual: next to FILE.")
-    ] = None,
-    pou: Annotated[
-        str | None, typer.Option("--pou", metavar="NAME", help="Which of its charts: Main, or Main.Fill for an action.")
-    ] = None,
-    construction: Annotated[
-        str, typer.Option("--as", metavar="FORM", help="flipflop (or fup), case, regions, bits, or auto.")
-    ] = "auto",
-    style: Annotated[
-        str, typer.Option("--style", metavar="STYLE", help="exact, or classic as in textbooks.")
-    ] = "exact",
-    language: Annotated[
-        str | None,
-        typer.Option("--language", metavar="LANG", help="ST, FBD or LD; usual: FBD for flip-flops, in text ST."),
-    ] = None,
-    profile: Annotated[
-        str | None, typer.Option("--profile", metavar="NAME", help="What the chart does: iec, codesys, codesys23 ..")
-    ] = None,
-    init: Annotated[
-        str | None,
-        typer.Option("--init", metavar="NAME", help="Add an input that starts the chain anew; classic: Init."),
-    ] = None,
-    no_init: Annotated[
-        bool, typer.Option("--no-init", help="Of classic forms: the first scan starts the chain, there is no input.")
-    ] = False,
-    stop: Annotated[
-        str | None,
-        typer.Option("--stop", metavar="CONDITION", help="Emergency stop: sets the initial step, resets all others."),
-    ] = None,
-    reset_actions: Annotated[
-        bool, typer.Option("--reset-actions", help="--init and --stop end stored actions too.")
-    ] = False,
-    states: Annotated[
-        str, typer.Option("--states", metavar="KIND", help="Of a CASE: numbers, constants or enumeration.")
-    ] = "numbers",
-    actions: Annotated[
-        str, typer.Option("--actions", metavar="PLACE", help="inline, or block: in a block of their own.")
-    ] = "inline",
-    flags: Annotated[
-        str, typer.Option("--flags", metavar="PLACE", help="Of steps: local, an address (M20.0), or a data block.")
-    ] = "local",
-    modes: Annotated[
-        list[str] | None,
-        typer.Option("--mode", metavar="MODE", help="Add inputs: enable, single-step, advance, select. Repeatable."),
-    ] = None,
-    at_rest: Annotated[
-        list[str] | None,
-        typer.Option("--at-rest", metavar="NAME", help="Of S7-GRAPH: inputs nobody operates (S_ON, all). Repeatable."),
-    ] = None,
-    free: Annotated[
-        list[str] | None,
-        typer.Option("--free", metavar="NAME", help="An input that is declared as none, or all. Repeatable."),
-    ] = None,
-    lang: Annotated[str, typer.Option("--lang", metavar="LANG", help="Of titles and comments: en or de.")] = "en",
-    verify: Annotated[bool, typer.Option("--verify/--no-verify", help="Compare the code with the chart.")] = True,
-    accept_untested: Annotated[
-        bool, typer.Option("--accept-untested", help="Write code too of which not all was reached in the comparison.")
-    ] = False,
-    limit: Annotated[
-        str | None, typer.Option("--limit", metavar="TIME", help="How long a comparison may take: 60s, 5m.")
-    ] = None,
-    skip_refused: Annotated[
-        bool, typer.Option("--skip-refused", help="Leave charts that cannot be lowered as they are, lower the others.")
-    ] = False,
-    tia: Annotated[str, typer.Option("--tia", metavar="V16", help="Write simaticml for this version of TIA.")] = "",
+    file: ChartFile,
+    to: CodeFormat,
+    target: CodeFile = None,
+    pou: ChartName = None,
+    construction: ConstructionName = "auto",
+    style: StyleName = "exact",
+    language: BodyLanguage = None,
+    profile: ChartProfile = None,
+    init: RestartInput = None,
+    no_init: NoRestartInput = False,
+    stop: StopCondition = None,
+    reset_actions: ResetActions = False,
+    states: StateKind = "numbers",
+    actions: ActionsPlace = "inline",
+    flags: FlagsPlace = "local",
+    modes: Modes = None,
+    at_rest: InactiveInputs = None,
+    free: FreeInputs = None,
+    lang: CommentLanguage = "en",
+    verify: Verify = True,
+    accept_untested: AcceptUntestedCode = False,
+    limit: ProofLimit = None,
+    skip_refused: SkipRefused = False,
+    tia: TiaVersion = "",
     accept_errors: AcceptErrors = False,
-    report: Annotated[
-        Path | None, typer.Option("--report", metavar="FILE", help="Write the proof, the faults and the conversion.")
-    ] = None,
+    report: LoweringReport = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
     verbose: Verbose = 0,
