@@ -12,7 +12,7 @@ from plcopen_sfc.conversion.meaning import (
     condition_meaning,
     plain,
 )
-from plcopen_sfc.conversion.parts import STORED, Part, duration_meaning, plain_name
+from plcopen_sfc.conversion.parts import PLAIN_VARIABLES, STORED, Part, duration_meaning, plain_name
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, condition_reader
 from plcopen_sfc.languages.st import nodes as n
@@ -26,7 +26,7 @@ from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step,
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.flags import flags_in_use
 from plcopen_sfc.semantics.profile import ActionControl, Profile
-from plcopen_sfc.semantics.system_inputs import system_inputs
+from plcopen_sfc.semantics.system_inputs import PARAMETER_NAMES, system_inputs
 
 __all__ = ["ChartReader"]
 
@@ -291,6 +291,7 @@ class ChartReader:
         for flag in sorted(self.flags):
             chart.tell(flag.variable, Meaning.of(True, flag.variable))
         inputs = [variable.name for variable in self.pou.variables(SectionKind.INPUT)]
+        outputs = [variable.name for variable in self.pou.variables(SectionKind.OUTPUT)]
         flags = {flag.variable.casefold() for flag in self.flags}
         operating = system_inputs(self.pou, self.owner.profile, inputs)
         operating -= {name for name in operating if name.rpartition(".")[2].casefold() in flags}
@@ -298,6 +299,11 @@ class ChartReader:
             chart.tell(
                 "operating inputs", Meaning.of(frozenset(map(str.casefold, operating)), ", ".join(sorted(operating)))
             )
+        named = [name for name in (*inputs, *outputs) if name.casefold() in PARAMETER_NAMES]
+        if self.owner.profile.graph_parameters:
+            chart.parameters = frozenset(map(str.casefold, named))
+        elif named and self.chart.graph_settings is None:  # it was no chart of S7-GRAPH before
+            chart.tell(PLAIN_VARIABLES, Meaning.of(frozenset(map(str.casefold, named)), ", ".join(named)))
         graph = self.chart.graph_settings
         if graph is not None and self.owner.profile.graph_parameters:
             for name, needs in _GRAPH_SETTINGS.items():

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.conversion.meaning import Meaning, is_stronger, same
-from plcopen_sfc.conversion.parts import STORED, UNDECLARED, UNDECLARED_TYPE, Key, Part
+from plcopen_sfc.conversion.parts import PLAIN_VARIABLES, STORED, UNDECLARED, UNDECLARED_TYPE, Key, Part
 
 __all__ = ["Difference", "compare"]
 
@@ -58,6 +58,9 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
         mine, theirs = left.aspects.get(aspect), right.aspects.get(aspect)
         if aspect == "order of transitions":
             theirs = _in_order_of(mine, theirs)
+        if aspect == PLAIN_VARIABLES:
+            taken = mine is not None and isinstance(mine.raw, frozenset) and mine.raw & right.parameters
+            theirs = None if taken else mine
         if aspect.startswith(STORED) and None in (mine, theirs):
             continue  # rows that are missing on one side are told as such
         if not same(mine, theirs) and not (mine is None and aspect in _AT_REST):

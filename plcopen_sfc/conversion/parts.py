@@ -19,6 +19,8 @@ UNDECLARED = "undeclared name"
 """The kind of parts that are names which nothing declares."""
 STORED = "stored value of "
 """The beginning of the aspect that tells what the rows of a step store in an operand."""
+PLAIN_VARIABLES = "plain variables"
+"""The aspect that lists variables of a chart of another tool whose names are parameters of charts of S7-GRAPH."""
 UNDECLARED_TYPE = "undeclared type"
 """The kind of parts that are names of types which nothing declares."""
 PROGRAM_CALL = "call of a program"
@@ -40,6 +42,7 @@ class Part:
     Of a transition, `leaves` are the names of the steps that it leaves, as in their keys, and `waiting` is its
     condition together with their minimum times. Of a project, `lists` are the names of its lists of global variables,
     and `boxes` those of what its networks draw. Of a name that nothing declares, `is_called`: it is that of a function.
+    Of a chart of S7-GRAPH, `parameters` are the casefolded names of the variables that operate it or show its state.
     """
 
     path: str
@@ -48,6 +51,7 @@ class Part:
     leaves: tuple[str, ...] = ()
     waiting: Meaning | None = None
     lists: frozenset[str] = frozenset()
+    parameters: frozenset[str] = frozenset()
     boxes: frozenset[str] = frozenset()
     is_called: bool = False
     _counts: Counter[tuple[str, str]] = field(default_factory=Counter, repr=False, compare=False)

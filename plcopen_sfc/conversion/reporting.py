@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from plcopen_sfc.conversion.comparison import Difference
-from plcopen_sfc.conversion.parts import PROGRAM_CALL, STORED, UNDECLARED, UNDECLARED_TYPE
+from plcopen_sfc.conversion.parts import PLAIN_VARIABLES, PROGRAM_CALL, STORED, UNDECLARED, UNDECLARED_TYPE
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
 __all__ = ["UNSAID", "in_the_source", "report_execution"]
@@ -377,6 +377,7 @@ _MISSING = {
     "retain": "`{name}` does not keep its value over a power failure in {tool}",
     "constant": "`{name}` is no constant in {tool}",
     "operating inputs": "no effect in {tool}: {left}",
+    PLAIN_VARIABLES: "variables of this name operate the sequence or show its state in {tool}: {left}",
     "code": "the {kind} has no program in {tool}",
     "extends": "the {kind} does not extend `{left}` in {tool}: nothing of that is in it",
     "implements": "the {kind} does not implement `{left}` in {tool}",

@@ -7,13 +7,15 @@ from collections.abc import Iterable
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.charts.graph.parameters import ALL_INPUTS
+from plcopen_sfc.semantics.charts.graph.parameters import ALL_INPUTS, PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 
-__all__ = ["system_inputs"]
+__all__ = ["PARAMETER_NAMES", "system_inputs"]
 
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 _SEQUENCER = frozenset(name.casefold() for name in ALL_INPUTS)
+PARAMETER_NAMES = _SEQUENCER | frozenset(name.casefold() for name in PARAMETERS)
+"""Casefolded names of the variables by which S7-GRAPH is told what to do with a sequence, and tells its state."""
 _SIGNS = frozenset({"off_sq", "init_sq"})
 """A block without a chart that has one of these is a sequencer that was lowered."""
 

@@ -151,3 +151,47 @@ def test_what_only_text_can_declare_is_not_executed_elsewhere(target: str) -> No
     )
     with pytest.raises(LossError, match="does not get its arguments"):
         sfc.convert(sfc.loads(program.encode(), format="iec-text"), target)
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen", "simaticml"])
+def test_an_action_on_an_element_that_an_input_chooses_is_compared(target: str) -> None:
+    text = CHART.format(first="ar[i](N);", second="", initial="", edge="", actions="")
+    project = sfc.loads(text.replace("t : TIME;", "i : INT; END_VAR VAR ar : ARRAY[0..3] OF BOOL;").encode())
+    assert saved(project, target, partial=True).compared.keys() == {"POU Main"}
+
+
+@pytest.mark.parametrize("name", ["OFF_SQ", "init_sq", "SW_MAN", "T_PUSH"])
+@pytest.mark.parametrize("source", ["codesys", "plcopen", "iec-text"])
+def test_an_input_of_the_machine_does_not_become_one_that_operates_the_sequence(name: str, source: str) -> None:
+    text = CHART.format(first="q(N);", second="", initial="", edge="", actions="").replace("a, b", f"a, b, {name}")
+    project = sfc.loads(sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format=source), format=source)
+    with pytest.raises(LossError, match="operate the sequence"):
+        sfc.convert(project, "simaticml")
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+def test_inputs_that_operate_a_sequence_of_tia_do_so_when_they_come_back(target: str) -> None:
+    drill = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
+    there = sfc.loads(sfc.dumps(drill, format=target, partial=True))
+    _, report = sfc.convert(there, "simaticml", partial=True)
+    assert [item.why for item in report.losses if "operate the sequence" in item.why] == []
+
+
+@pytest.mark.parametrize("value", ["m + 1", "m - n", "2 * m", "m / n", "m MOD 7", "-3", "n"])
+def test_an_action_of_one_operation_is_a_row(value: str) -> None:
+    text = CHART.format(
+        first="Act(P1);", second="", initial="", edge="", actions=f"ACTION Act: m := {value}; END_ACTION"
+    )
+    project = sfc.loads(text.replace("t : TIME", "n : INT := 3").encode(), format="iec-text")
+    data, report = sfc.convert(project, "simaticml")
+    assert report.losses == []
+    row = sfc.loads(data, as_tool=True).pou("Main").chart.step("S1").actions[0]
+    assert (row.event, row.target) == (sfc.model.ActionEvent.S1, "#m")
+
+
+def test_more_than_one_operation_is_no_row() -> None:
+    text = CHART.format(
+        first="Act(P1);", second="", initial="", edge="", actions="ACTION Act: m := m + m * 2; END_ACTION"
+    )
+    with pytest.raises(LossError, match="operation on two"):
+        sfc.convert(sfc.loads(text.encode(), format="iec-text"), "simaticml")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from plcopen_sfc.errors import Location, ModelError, SimulationError
 from plcopen_sfc.languages.st import nodes as n
@@ -44,6 +44,10 @@ class _Cell:
     bits: tuple[int, int] | None = None
 
 
+_Moving: TypeAlias = tuple[Callable[[Frame], tuple[list[Any], int]], Place]
+"""What finds the value of a variable such as ``fill[i]`` in a frame, and what is known of its place."""
+
+
 class Instance:
     """A program or function block that is executed scan by scan."""
 
@@ -56,6 +60,7 @@ class Instance:
         self._library = controller.library
         self._processor = controller.library.processor
         self._cells: dict[str, _Cell] = {}
+        self._movings: dict[str, _Moving] = {}
         self._run = unit.run
         self._free: list[tuple[list[Any], int, Any]] = []
         self._inner: list[tuple[list[Any], int]] = []
@@ -173,18 +178,21 @@ class Instance:
 
     def cell(self, path: str) -> tuple[list[Any], int]:
         """A list and the index in it where the value of a variable is, for quick access. Raises `ModelError`."""
+        if self._moving(path) is not None:
+            raise ModelError(f"{path} is another variable whenever its index or reference changes")
         cell = self._cell(path)
         if cell.bits is not None:
             raise ModelError(f"{path} is a part of a variable")
         return cell.cells, cell.index
 
     def type_of(self, path: str) -> t.Type:
-        """The type of a variable. Raises `ModelError`."""
-        return self._cell(path).type
+        """The type of a variable, which that of `fill[i]` has whatever `i` is now. Raises `ModelError`."""
+        moving = self._moving(path)
+        return moving[1].type if moving is not None else self._cell(path).type
 
     def reader(self, paths: Sequence[str]) -> Callable[[], tuple[Any, ...]]:
         """A function that gives the values of some variables."""
-        if any(self._cell(path).bits is not None for path in paths):
+        if any(self._moving(path) is not None or self._cell(path).bits is not None for path in paths):
             return lambda: tuple(self[path] for path in paths)
         cells = [self.cell(path) for path in paths]
         return lambda: tuple([values[index] for values, index in cells])
@@ -236,13 +244,31 @@ class Instance:
                 yield from self._charts(inner, f"{path}{field.name}.")
 
     def _cell(self, path: str) -> _Cell:
-        key = path.casefold()
-        found = self._cells.get(key)
-        if found is None:
-            found = self._cells[key] = self._find(path)
-        return found
+        """Where the value of a variable is now. Raises `ModelError`."""
+        moving = self._moving(path)
+        if moving is None:
+            return self._cells[path.casefold()]
+        find, place = moving
+        try:
+            cells, index = find(self.frame)
+        except (SimulationError, AttributeError, TypeError) as error:
+            raise ModelError(f"{path} cannot be reached: {error}") from None
+        return _Cell(cells, index, place.type, place.bits)
 
-    def _find(self, path: str) -> _Cell:
+    def _moving(self, path: str) -> _Moving | None:
+        """What finds a variable whose place depends on an index or a reference; None for one that stays in its cell."""
+        key = path.casefold()
+        if key in self._cells:
+            return None
+        if key not in self._movings:
+            found = self._find(path)
+            if isinstance(found, _Cell):
+                self._cells[key] = found
+                return None
+            self._movings[key] = found
+        return self._movings[key]
+
+    def _find(self, path: str) -> _Cell | _Moving:
         if self._library.implicit_type(path) is not None:
             field = self._library.globals.by_name[path.casefold()]
             return _Cell(self._library.frame.v, field.slot, field.type)
@@ -254,15 +280,13 @@ class Instance:
             return _Cell(self.frame.v, own.slot, own.type)
         try:
             place = self._place(parsed.tree)
+            if len(self._library.globals.fields) > len(self._library.frame.v):
+                self._library.grow()
+            return self._fixed(place) if place.key else (self._finder(place), place)
         except SimulationError as error:
             raise ModelError(error.message, hint=error.hint) from None
-        if len(self._library.globals.fields) > len(self._library.frame.v):
-            self._library.grow()
-        try:
-            cells, index = self._evaluated(place)
-        except (SimulationError, AttributeError, TypeError) as error:
+        except (AttributeError, TypeError) as error:
             raise ModelError(f"{path} cannot be reached: {error}") from None
-        return _Cell(cells, index, place.type, place.bits)
 
     def _place(self, tree: n.Expression) -> Place:
         translator = self.unit.scope.translator(Writer())
@@ -280,22 +304,21 @@ class Instance:
         near = get_close_matches(name, [*self.variables()], 3)
         return f"close to it: {', '.join(near)}" if near else ""
 
-    def _evaluated(self, place: Place) -> tuple[list[Any], int]:
-        if place.key:
-            start, *slots = place.key.split(".")
-            cells: Any = self._library.frame.v if start == "g" else self.frame.v
-            for slot in slots[:-1]:
-                inner = cells[int(slot)]
-                cells = inner.v if isinstance(inner, Frame) else inner
-            return cells, int(slots[-1])
+    def _fixed(self, place: Place) -> _Cell:
+        start, *slots = place.key.split(".")
+        cells: Any = self._library.frame.v if start == "g" else self.frame.v
+        for slot in slots[:-1]:
+            inner = cells[int(slot)]
+            cells = inner.v if isinstance(inner, Frame) else inner
+        return _Cell(cells, int(slots[-1]), place.type, place.bits)
+
+    def _finder(self, place: Place) -> Callable[[Frame], tuple[list[Any], int]]:
         writer = Writer()
         writer.write("v = f.v")
         writer.write(f"return {place.cells}, {place.index}")
-        linker = self._library.linker
-        function = linker.routine("f", writer, self.unit.pou.name)
+        finder: Callable[[Frame], tuple[list[Any], int]] = self._library.linker.routine("f", writer, self.unit.pou.name)
         self._library.link()
-        cells, index = function(self.frame)
-        return cells, index
+        return finder
 
     # -- snapshots
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as s
 
-from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.errors import ModelError, SimulationError
 from plcopen_sfc.model import Expression, Project
 from plcopen_sfc.semantics.programs import Controller, Direction, Instance
 from plcopen_sfc.semantics.programs import types as t
@@ -287,3 +287,21 @@ def test_charts_are_compiled_by_whom_is_given() -> None:
     instance.scan()
     assert instance["Step1.T"] == 20 * MS
     assert [path for path, _, _ in instance.charts()] == [""]
+
+
+def test_a_path_with_an_index_follows_the_index() -> None:
+    instance = start(
+        "PROGRAM Main VAR ar : ARRAY[0..2] OF INT := [10, 20, 30]; i : INT; seen : INT; END_VAR"
+        " seen := ar[i]; i := i + 1; END_PROGRAM"
+    )
+    read = instance.reader(["ar[i]", "seen"])
+    assert (instance["ar[i]"], read()) == (10, (10, 0))
+    instance.scan()
+    assert (instance["ar[i]"], read()) == (20, (20, 10))
+    instance["ar[i]"] = 25
+    assert [instance[f"ar[{place}]"] for place in range(3)] == [10, 25, 30]
+    instance["i"] = 7
+    assert "ar[i]" not in instance
+    assert instance.type_of("ar[i]") is instance.type_of("ar[0]")
+    with pytest.raises(ModelError, match="another variable whenever"):
+        instance.cell("ar[i]")
