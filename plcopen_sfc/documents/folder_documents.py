@@ -105,6 +105,7 @@ _MOST_BYTES = 200
 
 def file_stem(name: str) -> str:
     """Return `name` as the name of a file without extension: what no file system takes is replaced by ``_``."""
+    # macOS stores umlauts decomposed: without one form the same name would be two files elsewhere.
     stem = _ILLEGAL.sub("_", unicodedata.normalize("NFC", name))[:_LONGEST]
     stem = stem.encode("utf-8", "replace")[:_MOST_BYTES].decode("utf-8", "ignore").strip().rstrip(".")
     if not stem or stem.partition(".")[0].casefold() in _DEVICES:

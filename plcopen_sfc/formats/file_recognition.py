@@ -34,6 +34,7 @@ def head_of(data: bytes) -> FileHead:
     start = data[:HEAD]
     if start.startswith((b"\xff\xfe", b"\xfe\xff")):
         text = start[: len(start) // 2 * 2].decode("utf-16", errors="replace")
+    # UTF-16 without a mark: XML begins with "<" in it.
     elif start[:2] in (b"<\0", b"\0<"):
         text = start[: len(start) // 2 * 2].decode("utf-16-le" if start[:1] == b"<" else "utf-16-be", errors="replace")
     else:

@@ -46,6 +46,7 @@ _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16-le"), (c
 def decode(data: bytes) -> SourceText:
     """Return the text of a file: in the encoding of its byte order mark, in UTF-8, else in a code page (a guess)."""
     marked = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), "utf-8")
+    # cp1252 leaves five bytes undefined (0x81, 0x8d, 0x8f, 0x90, 0x9d); Latin-1 below takes any.
     for encoding in (marked, "cp1252"):
         try:
             return SourceText(data.decode(encoding), encoding, guessed=encoding != marked)
@@ -318,6 +319,7 @@ def _merged(source: str, old: str, new: str) -> str | None:
         edits.append(_word_edit(words[first:position], words[:first], new, new_words, slice(new_low, new_high)))
     text = apply_edits(source, edits)
     words_after += marks[position:]
+    # An edit beside a comment or a string may join or swallow words: then the block is laid out as a whole.
     return text if [_mark(word) for word in _WORDS.findall(text)] == words_after else None
 
 

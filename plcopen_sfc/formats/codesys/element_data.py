@@ -15,7 +15,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.codesys import codesys_names as names
-from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, carried
+from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, extension_data
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written
 from plcopen_sfc.formats.xml.extension_data import legal_text, markup
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
@@ -73,15 +73,15 @@ def read_element_attributes(ctx: Tc6ReadContext, data: etree._Element, fields: F
             unknown.append(attribute)
             _check_name(ctx, attribute, fields, owner, value)
     if unknown:
-        _carry_attributes(fields, unknown, data.get("handleUnknown", "implementation"))
+        _keep_attributes(fields, unknown, data.get("handleUnknown", "implementation"))
     return True
 
 
-def _carry_attributes(fields: Fields, unknown: list[etree._Element], rule: str) -> None:
+def _keep_attributes(fields: Fields, unknown: list[etree._Element], rule: str) -> None:
     """Carry attributes of the SFC editor as a table of their own."""
     table = etree.Element("attributes")
     table.extend([copy.deepcopy(attribute) for attribute in unknown])
-    carried(fields)["data"].append({"name": names.SFC_ELEMENT, "rule": rule, "content": markup(table)})
+    extension_data(fields)["data"].append({"name": names.SFC_ELEMENT, "rule": rule, "content": markup(table)})
 
 
 def is_reformatted(raw: str) -> bool:
@@ -147,12 +147,12 @@ _PENDING = "name_attribute"
 
 
 def finish_chart(_ctx: Tc6ReadContext, chart: Fields) -> None:
-    """Compare the Name attribute of each transition with its condition; carry it where it is written differently."""
+    """Compare the Name attribute of each transition with its condition; keep it where it is written differently."""
     for transition in chart["transitions"]:
         raw, attribute = transition.pop(_PENDING, (None, None))
         condition = transition.get("condition") or {}
         if attribute is not None and raw != condition.get("text", condition.get("name", "")):
-            _carry_attributes(transition, [attribute], "implementation")
+            _keep_attributes(transition, [attribute], "implementation")
 
 
 _SYMBOLS = {SymbolAccess(value): str(i) for i, value in enumerate(names.SYMBOL_VALUES)}
@@ -207,7 +207,7 @@ _MODEL_VALUES = {
     names.SYMBOL: set(_SYMBOLS.values()),
     names.MONITORING: set(_MONITORINGS.values()),
 }
-"""The values that the model has a place for, of attributes that are carried where they have another."""
+"""The values that the model has a place for, of attributes that are extension data where they have another."""
 
 
 def padded(text: str, raw: str) -> str:
@@ -226,6 +226,7 @@ def _name_of(action: object) -> str | None:
     return action if isinstance(action, str) else None
 
 
+# Exports have the attribute for duplication from V3.5 SP10 on, that for monitoring from SP13 on.
 def _modern(ctx: Tc6WriteContext, *version: int) -> bool:
     """True if the target tool's core is at least `version`; an unknown one is taken for the newest."""
     core = core_version(ctx.project.header.version)

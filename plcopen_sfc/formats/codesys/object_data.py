@@ -32,7 +32,7 @@ from plcopen_sfc.formats.plcopen.tc6_declarations import (
     write_lists,
     write_section,
 )
-from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, attributes, carried, read_common
+from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, attributes, extension_data, read_common
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, finish
 from plcopen_sfc.formats.xml.extension_data import legal_text
@@ -237,7 +237,7 @@ def _write_tree_node(ctx: Tc6WriteContext, parent: etree._Element, node: TreeNod
 def read_mixed_list(ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
     """``mixedattrsvarlist``: the sections of a list of global variables, which differ in RETAIN and CONSTANT.
 
-    It is carried where its variables are not those of the list.
+    It is extension data where its variables are not those of the list.
     """
     element = only_child(data, "MixedAttrsVarList")
     if element is None or owner != "globalVars" or fields["kind"] != "global" or element.attrib:
@@ -302,7 +302,7 @@ def read_method(ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner
     if "body" in method:
         method["body"] = finished_body(method["body"])
     if left:
-        carried(method)["attributes"].update(left)
+        extension_data(method)["attributes"].update(left)
     fields["methods"].append(method)
     return True
 
@@ -357,7 +357,7 @@ def read_inheritance(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields,
         return False
     known = fields.get("carried")
     if kept_inheritance(Carried.model_validate(known) if known else None) != found:
-        carried(fields)["data"] += [each.model_dump(mode="json") for each in kept.data]
+        extension_data(fields)["data"] += [each.model_dump(mode="json") for each in kept.data]
     return True
 
 

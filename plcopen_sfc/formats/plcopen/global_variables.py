@@ -79,6 +79,7 @@ def _cyclic_blocks(project: Project, host: ChartHost, report: ConversionReport) 
     for pou in project.pous:
         if pou.kind is not PouKind.ORGANIZATION_BLOCK:
             continue
+        # OB1 is the cyclic one; others start at events that TC6 cannot name.
         if pou.number in (None, 1) and not host.is_codesys and not project.configurations:
             found.append(pou.name)
             report.add(Outcome.TRANSLATED, "program", pou.report_path, "a program of the resource")

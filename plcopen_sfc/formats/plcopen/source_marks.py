@@ -221,6 +221,7 @@ def is_added_configuration(configuration: Fields) -> bool:
 
 def digest(text: str) -> str:
     """Return a short digest of a text; blanks at its ends and ends of lines do not matter."""
+    # 48 bits: enough to tell an edit, and short beside the text of a small action.
     return hashlib.sha256("\n".join(text.split("\r\n")).strip().encode()).hexdigest()[:12]
 
 

@@ -378,6 +378,7 @@ class StepRewriter:
 
     def _driven(self, coil: ActionAssociation) -> str | None:
         """Return the OR over all rows of the chart that drive a coil; None where one of them is no expression."""
+        # One statement for all rows with the operand: of several the last would win, even while its step is not active.
         terms: list[str] = []
         for step, row in self._rows:
             if row.target is None or _key(row) != _key(coil) or not _is_coil(row):

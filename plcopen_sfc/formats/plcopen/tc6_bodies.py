@@ -19,8 +19,8 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Tc6ReadContext,
     UnreadChart,
     attributes,
-    carry_attributes,
-    carry_element,
+    keep_attributes,
+    keep_element,
     merge,
     read_code,
     read_common,
@@ -85,7 +85,7 @@ def unfit_data(error: ValidationError, file: str | None) -> StructureError:
     """Return the error of extension data, which may have been edited, that do not fit the model."""
     first = error.errors()[0]
     path = ".".join(map(str, first["loc"]))
-    return StructureError(f"carried data does not fit the model at {path}: {first['msg']}", location=Location(file))
+    return StructureError(f"extension data do not fit the model at {path}: {first['msg']}", location=Location(file))
 
 
 def read_body(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -108,13 +108,13 @@ def read_body(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
             if markup is not None:
                 fields["markup"] = markup
     restore_texts(fields)
-    if fields.get("language") == "opaque":  # carried from another format; the empty ST is only there to be valid
+    if fields.get("language") == "opaque":  # kept from another format; the empty ST is only there to be valid
         fields.pop("text", None)
         fields.pop("markup", None)
     if "WorksheetName" in left:
         fields["worksheet"] = left.pop("WorksheetName")
     if left:
-        carry_attributes(fields, left)
+        keep_attributes(fields, left)
     if "language" not in fields:
         ctx.error("XML206", "a body is in none of the languages ST, SFC, FBD, LD and IL", element)
         kept = fields.get("carried", {})
@@ -135,7 +135,7 @@ def read_part(ctx: Tc6ReadContext, element: etree._Element, owner: str) -> Field
             fields["body"] = read_body(ctx, child)
         else:
             read_common(ctx, fields, child, local, owner)
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     ctx.place.pop()
     if "body" in fields:
         fields["body"] = finished_body(fields["body"])
@@ -182,10 +182,10 @@ def read_pou(ctx: Tc6ReadContext, element: etree._Element, place: str) -> Fields
                 if ctx.tags.get(part.tag) == local[:-1]:
                     fields[local].append(read_part(ctx, part, local[:-1]))
                 else:
-                    carry_element(ctx, fields, part)
+                    keep_element(ctx, fields, part)
         else:
             read_common(ctx, fields, child, local, "pou")
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     ctx.place.pop()
     _drop_added(fields)
     fields["bodies"] = [finished_body(body) for body in fields["bodies"]]

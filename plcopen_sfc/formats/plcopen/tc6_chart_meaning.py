@@ -16,7 +16,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     STEP_ACTION_QUALIFIERS,
     Fields,
     Tc6ReadContext,
-    carried,
+    extension_data,
     neutral,
 )
 from plcopen_sfc.formats.xml.extension_data import markup
@@ -129,27 +129,27 @@ class DrawnChart:
         for symbol, element, entries in self.blocks:
             owners = {c["source"] for c in _connections(symbol) if c["source"] in steps}
             if len(owners) != 1:
-                self._carry_block(symbol, element, len(owners))
+                self._keep_block(symbol, element, len(owners))
                 continue
             step = steps[owners.pop()]
-            carried_entries = symbol.pop("entries", None)
+            kept_entries = symbol.pop("entries", None)
             symbol["entries"] = []
             for association, entry, local_id in entries:
                 if self._is_step_action(step, association, entry, symbol):
-                    if carried_entries is None:
+                    if kept_entries is None:
                         entry["association"] = self._entry_id(entry, local_id)
                         symbol["entries"].append(entry)
                     continue
-                if carried_entries is not None and "id" in association:
-                    # TC6 1.01 has no ids at actions: both come back from what was carried
+                if kept_entries is not None and "id" in association:
+                    # TC6 1.01 has no ids at actions: both come back from extension data
                     step["actions"].append(association)
                     self.ids.used.add(association["id"])
                     continue
                 association["id"] = entry["association"] = self._entry_id(entry, local_id)
                 step["actions"].append(association)
                 symbol["entries"].append(entry)
-            if carried_entries is not None:
-                symbol["entries"] = carried_entries
+            if kept_entries is not None:
+                symbol["entries"] = kept_entries
 
     def _entry_id(self, entry: Fields, local_id: str | None) -> int:
         """Return the id of a line of a block: its ``localId``, or a new one where that is missing or taken."""
@@ -176,12 +176,12 @@ class DrawnChart:
         step[f"{kind}_action"] = association.get("target", association.get("body"))
         return True
 
-    def _carry_block(self, symbol: Fields, element: etree._Element, owners: int) -> None:
+    def _keep_block(self, symbol: Fields, element: etree._Element, owners: int) -> None:
         what = "is wired to no step" if not owners else f"is wired to {owners} steps"
         self.ctx.error("SFC108", f"an action block {what}; it is kept in the file but not part of the chart", element)
         self.symbols.remove(symbol)
         self.document_order.remove(symbol)
-        carried(self.chart)["elements"].append(neutral(markup(element), self.ctx.version))
+        extension_data(self.chart)["elements"].append(neutral(markup(element), self.ctx.version))
 
     def _resolve_jumps(self) -> None:
         by_name: dict[str, int] = {}

@@ -17,8 +17,8 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
     attributes,
-    carry_attributes,
-    carry_element,
+    keep_attributes,
+    keep_element,
     read_common,
     read_point,
     take_choice,
@@ -65,7 +65,7 @@ class Tc6ChartReader:
                 self.drawn.place(child, node)
                 self.drawn.nodes.append(node)
             else:
-                carry_element(self.ctx, self.drawn.chart, child)
+                keep_element(self.ctx, self.drawn.chart, child)
         return self.drawn.interpret()
 
     def _symbol(self, element: etree._Element, kind: SymbolKind, left: dict[str, str]) -> Fields:
@@ -97,7 +97,7 @@ class Tc6ChartReader:
             else:
                 read_common(ctx, step, child, local, "step")
         if left:
-            carry_attributes(step, left)
+            keep_attributes(step, left)
         _hand_over(step, symbol)
         self.drawn.steps.append(step)
 
@@ -117,7 +117,7 @@ class Tc6ChartReader:
                 macro["body"] = self.read_body(ctx, child)
             else:
                 read_common(ctx, step, child, local, "macroStep")
-        carry_attributes(step, left)
+        keep_attributes(step, left)
         _hand_over(step, symbol)
         self.drawn.steps.append(step)
 
@@ -139,13 +139,13 @@ class Tc6ChartReader:
             else:
                 read_common(ctx, transition, child, local, "transition")
         if left:
-            carry_attributes(transition, left)
+            keep_attributes(transition, left)
         _hand_over(transition, symbol)
         self._reserve(transition, symbol)
         self.drawn.transitions.append(transition)
 
     def _reserve(self, transition: Fields, symbol: Fields) -> None:
-        """Keep the ids that were carried for the other transitions of a shared symbol."""
+        """Reserve the ids that extension data have for the other transitions of a shared symbol."""
         shared = transition.pop(SHARED_FIELD, None)
         if not isinstance(shared, list) or not all(isinstance(number, int) for number in shared):
             return
@@ -173,12 +173,12 @@ class Tc6ChartReader:
                     condition = {"kind": "wired", "input": {"connections": []}}
                 condition["input"]["connections"].append(connection)
             else:
-                carry_element(ctx, transition, child)
+                keep_element(ctx, transition, child)
         if condition is not None:
             condition["negated"] = negated
             transition["condition"] = condition
         if left:
-            carry_attributes(transition, left)
+            keep_attributes(transition, left)
 
     def _inline_condition(self, element: etree._Element, symbol: Fields) -> Fields:
         body = self.read_body(self.ctx, element) or {"language": "ST", "text": ""}
@@ -199,7 +199,7 @@ class Tc6ChartReader:
         symbol["name"] = target
         self._read_flow(element, symbol, "jumpStep")
         if left:
-            carry_attributes(symbol, left)
+            keep_attributes(symbol, left)
 
     def read_bar(self, element: etree._Element, kind: SymbolKind) -> None:
         """Read one of the four kinds of divergences and convergences."""
@@ -210,13 +210,13 @@ class Tc6ChartReader:
             symbol["name"] = name
         self._read_flow(element, symbol, kind.value)
         if left:
-            carry_attributes(symbol, left)
+            keep_attributes(symbol, left)
 
     def _read_flow(self, element: etree._Element, symbol: Fields, owner: str) -> None:
         ctx = self.ctx
         for child in element:
             local = ctx.tags.get(child.tag)
-            # TC6 gives a jump no output: one in a file is carried
+            # TC6 gives a jump no output: one in a file is kept as extension data
             extra = owner == "jumpStep" and local == "connectionPointOut"
             if extra or not _read_place(ctx, symbol, child, local):
                 read_common(ctx, symbol, child, local, owner)
@@ -237,7 +237,7 @@ class Tc6ChartReader:
             else:
                 read_common(ctx, symbol, child, local, "actionBlock")
         if left:
-            carry_attributes(symbol, left)
+            keep_attributes(symbol, left)
         if negated:
             for association, _, _ in entries:
                 association["negated"] = True
@@ -275,7 +275,7 @@ class Tc6ChartReader:
             else:
                 read_common(ctx, association, child, local, "action")
         if left:
-            carry_attributes(association, left)
+            keep_attributes(association, left)
         return association, entry, local_id
 
 
@@ -289,7 +289,7 @@ _SYMBOLS: dict[str | None, Callable[[Tc6ChartReader, etree._Element], None]] = {
 
 
 def _hand_over(thing: Fields, symbol: Fields) -> None:
-    """Give the symbol what TC6 1.01 carries of it at the step or transition."""
+    """Give the symbol the field that TC6 1.01 keeps at its step or transition."""
     if "execution_order" in thing:
         symbol["execution_order"] = thing.pop("execution_order")
 

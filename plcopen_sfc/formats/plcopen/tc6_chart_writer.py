@@ -323,7 +323,7 @@ class Tc6ChartWriter:
         association: ActionAssociation,
         also: dict[str, str] | None = None,
     ) -> None:
-        """Write ``action`` of a block. `also` is more to carry."""
+        """Write ``action`` of a block. `also` are more extension data."""
         ctx = self.ctx
         attributes: dict[str, str] = {}
         native = _ASSOCIATION - ({"id"} if ctx.version.first_generation and not ctx.counts_ids else set())

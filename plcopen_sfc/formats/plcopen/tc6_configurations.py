@@ -22,7 +22,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
     attributes,
-    carry_attributes,
+    keep_attributes,
     read_common,
     take_integer,
     take_required,
@@ -63,7 +63,7 @@ def read_configuration(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
         else:
             read_common(ctx, fields, child, local, "configuration")
     ctx.place.pop()
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 
@@ -113,7 +113,7 @@ def read_resource(ctx: Tc6ReadContext, element: etree._Element, place: str) -> F
         else:
             read_common(ctx, fields, child, local, "resource")
     ctx.resource_place = outer
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 
@@ -153,7 +153,7 @@ def _read_task(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     source = marked(fields, SCHEDULE_FIELD, schedule_fields(written))
     if source is not None:
         fields.update(dict.fromkeys(SCHEDULE_FIELDS) | source)
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 
@@ -198,7 +198,7 @@ def _read_instance(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     for child in element:
         read_common(ctx, fields, child, ctx.tags.get(child.tag), "pouInstance")
     fields.update(marked(fields, INSTANCE_FIELD, {name: fields[name] for name in ("name", "type_name")}) or {})
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 

@@ -12,7 +12,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
     attributes,
-    carry_attributes,
+    keep_attributes,
     read_common,
     take_choice,
     take_flag,
@@ -67,7 +67,7 @@ def read_section(ctx: Tc6ReadContext, element: etree._Element, kind: str) -> Fie
             fields["variables"].append(read_variable(ctx, child))
         else:
             read_common(ctx, fields, child, local, "globalVars")
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 
@@ -130,7 +130,7 @@ def read_interface(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
         else:
             read_common(ctx, fields, child, local, "interface")
     restore_no_result(fields)
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 
@@ -170,7 +170,7 @@ def _read_access_variable(ctx: Tc6ReadContext, element: etree._Element) -> Field
             fields["type"] = read_data_type(ctx, child, fields)
         else:
             read_common(ctx, fields, child, local, "accessVariable")
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 
@@ -214,7 +214,7 @@ def _read_config_variable(ctx: Tc6ReadContext, element: etree._Element) -> Field
             fields["initial"] = read_value(ctx, child)
         else:
             read_common(ctx, fields, child, local, "configVariable")
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 
@@ -247,7 +247,7 @@ def read_data_type_declaration(ctx: Tc6ReadContext, element: etree._Element, pla
             fields["initial"] = read_value(ctx, child)
         else:
             read_common(ctx, fields, child, local, "dataType")
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     ctx.place.pop()
     return fields
 

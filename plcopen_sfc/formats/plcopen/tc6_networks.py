@@ -19,8 +19,8 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
     attributes,
-    carry_attributes,
-    carry_element,
+    keep_attributes,
+    keep_element,
     read_common,
     read_point,
     read_text,
@@ -68,7 +68,7 @@ def read_node(ctx: Tc6ReadContext, element: etree._Element, local: str) -> Field
     read_geometry(ctx, element, left, fields)
     for child in element:
         _read_node_child(ctx, child, local, fields)
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 
@@ -128,7 +128,7 @@ def read_parameter(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
             fields["output"] = read_output(ctx, child)
         else:
             read_common(ctx, fields, child, local, "parameter")
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 
@@ -216,7 +216,7 @@ def read_logic_body(ctx: Tc6ReadContext, element: etree._Element) -> list[Fields
         local = ctx.tags.get(child.tag)
         node = read_node(ctx, child, local) if local else None
         if node is None:
-            carry_element(ctx, network, child)
+            keep_element(ctx, network, child)
         else:
             ids.claim(child, node)
             network["nodes"].append(node)

@@ -8,8 +8,8 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
     attributes,
-    carry_attributes,
-    carry_element,
+    keep_attributes,
+    keep_element,
     read_foreign_data,
     read_point,
     take_integer,
@@ -37,9 +37,9 @@ def read_connection(ctx: Tc6ReadContext, element: etree._Element) -> Fields | No
         elif local == "addData":
             read_foreign_data(ctx, fields, child, "connection")
         else:
-            carry_element(ctx, fields, child)
+            keep_element(ctx, fields, child)
     if left:
-        carry_attributes(fields, left)
+        keep_attributes(fields, left)
     return fields
 
 
@@ -62,7 +62,7 @@ def read_input(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
         if local == "connection":
             connection = read_connection(ctx, child)
             if connection is None:
-                carry_element(ctx, fields, child)
+                keep_element(ctx, fields, child)
             elif "connections" in fields:
                 fields["connections"].append(connection)
             else:
@@ -74,9 +74,9 @@ def read_input(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
         elif local == "addData":
             read_foreign_data(ctx, fields, child, "connectionPointIn")
         else:
-            carry_element(ctx, fields, child)
+            keep_element(ctx, fields, child)
     if element.attrib:
-        carry_attributes(fields, attributes(element))
+        keep_attributes(fields, attributes(element))
     return fields
 
 
@@ -105,12 +105,12 @@ def read_output(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
         elif local == "addData":
             read_foreign_data(ctx, fields, child, "connectionPointOut")
         else:
-            carry_element(ctx, fields, child)
+            keep_element(ctx, fields, child)
     left = attributes(element)
     if left:
         fields["name"] = left.pop("formalParameter", None)
         if left:
-            carry_attributes(fields, left)
+            keep_attributes(fields, left)
     return fields
 
 

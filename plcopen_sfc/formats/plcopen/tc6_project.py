@@ -22,8 +22,8 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
     attributes,
-    carry_attributes,
-    carry_element,
+    keep_attributes,
+    keep_element,
     number,
     read_comment,
     read_common,
@@ -111,7 +111,7 @@ def read_project(
     for required in ("fileHeader", "contentHeader", "types", "instances"):
         if root.find(ctx.version.qualified[required]) is None:
             ctx.error("XML207", f"<project> has no <{required}>", root)
-    carry_attributes(fields, attributes(root))
+    keep_attributes(fields, attributes(root))
     return fields, ctx
 
 
@@ -129,7 +129,7 @@ def _read_file_header(ctx: Tc6ReadContext, element: etree._Element, fields: Fiel
     if left:
         header["carried"] = {"attributes": left}
     for child in element:
-        carry_element(ctx, header, child)
+        keep_element(ctx, header, child)
     fields["header"] = header
 
 
@@ -199,15 +199,15 @@ def _read_types(ctx: Tc6ReadContext, element: etree._Element, fields: Fields) ->
             elif kind == "pou" and local == "pous":
                 ctx.pous.append(read_pou(ctx, part, ""))
             else:
-                carry_element(ctx, fields, part)
+                keep_element(ctx, fields, part)
         if local not in ("dataTypes", "pous"):
-            carry_element(ctx, fields, child)
+            keep_element(ctx, fields, child)
 
 
 def _read_instances(ctx: Tc6ReadContext, element: etree._Element, fields: Fields) -> None:
     for child in element:
         if ctx.tags.get(child.tag) != "configurations":
-            carry_element(ctx, fields, child)
+            keep_element(ctx, fields, child)
             continue
         for part in child:
             if ctx.tags.get(part.tag) == "configuration":
@@ -219,7 +219,7 @@ def _read_instances(ctx: Tc6ReadContext, element: etree._Element, fields: Fields
                 elif not is_added_configuration(configuration):
                     fields["configurations"].append(configuration)
             else:
-                carry_element(ctx, fields, part)
+                keep_element(ctx, fields, part)
 
 
 _PROJECT_READERS = {

@@ -146,7 +146,7 @@ def attributes(element: etree._Element) -> dict[str, str]:
     return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
 
 
-def carried(fields: Fields) -> Fields:
+def extension_data(fields: Fields) -> Fields:
     """Return the extension data of an object being read, created when it is needed."""
     found: Fields | None = fields.get("carried")
     if found is None:
@@ -154,13 +154,13 @@ def carried(fields: Fields) -> Fields:
     return found
 
 
-def carry_attributes(fields: Fields, left: dict[str, str]) -> None:
+def keep_attributes(fields: Fields, left: dict[str, str]) -> None:
     """Keep the attributes that no reader took."""
     global_id = left.pop("globalId", None)
     if global_id is not None:
         fields["global_id"] = global_id
     if left:
-        carried(fields)["attributes"].update(left)
+        extension_data(fields)["attributes"].update(left)
 
 
 def neutral(content: str, version: Tc6Version) -> str:
@@ -171,18 +171,18 @@ def neutral(content: str, version: Tc6Version) -> str:
 NEUTRAL = "tc6"
 
 
-def carry_element(ctx: Tc6ReadContext, fields: Fields, element: etree._Element) -> None:
+def keep_element(ctx: Tc6ReadContext, fields: Fields, element: etree._Element) -> None:
     """Keep a child element that no reader knows, with a warning. Comments stay in the file only."""
     if not isinstance(element.tag, str):
         if ctx.comment_reader is not None:
             ctx.comment_reader(ctx, element, fields, "")
         return
-    carried(fields)["elements"].append(neutral(markup(element), ctx.version))
+    extension_data(fields)["elements"].append(neutral(markup(element), ctx.version))
     ctx.warn("XML201", f"<{etree.QName(element).localname}> is not expected here; it is kept as it is", element)
 
 
 def read_common(ctx: Tc6ReadContext, fields: Fields, element: etree._Element, local: str | None, owner: str) -> None:
-    """Read a child that every element may have: ``addData``, ``documentation``; carry anything else."""
+    """Read a child that every element may have: ``addData``, ``documentation``; keep anything else."""
     if local == "addData":
         read_foreign_data(ctx, fields, element, owner)
     elif local == "documentation":
@@ -192,7 +192,7 @@ def read_common(ctx: Tc6ReadContext, fields: Fields, element: etree._Element, lo
         if not isinstance(texts, dict) or all_languages(texts) != text:  # or it was edited since
             fields["comment"] = text
     else:
-        carry_element(ctx, fields, element)
+        keep_element(ctx, fields, element)
 
 
 def all_languages(texts: dict[str, str]) -> str:
@@ -204,7 +204,7 @@ def read_foreign_data(ctx: Tc6ReadContext, fields: Fields, add_data: etree._Elem
     """Read ``addData``: what a reader understands goes into the fields, the rest is extension data."""
     for data in add_data:
         if ctx.tags.get(data.tag) != "data":
-            carry_element(ctx, fields, data)
+            keep_element(ctx, fields, data)
             continue
         name = data.get("name", "")
         reader = ctx.data_readers.get(name)
@@ -214,7 +214,7 @@ def read_foreign_data(ctx: Tc6ReadContext, fields: Fields, add_data: etree._Elem
         if rule not in ("preserve", "discard", "implementation"):
             ctx.warn("XML203", f"handleUnknown={rule!r} is none of preserve, discard, implementation", data)
             rule = "implementation"
-        carried(fields)["data"].append({"name": name, "rule": rule, "content": inner_markup(data)})
+        extension_data(fields)["data"].append({"name": name, "rule": rule, "content": inner_markup(data)})
 
 
 def read_text(ctx: Tc6ReadContext, element: etree._Element) -> str | Fields:
@@ -238,6 +238,7 @@ def read_code(ctx: Tc6ReadContext, element: etree._Element) -> tuple[str, str | 
 
 def number(text: str | None) -> float | None:
     """Return a decimal; None where it is missing or none."""
+    # Python reads 1_000 as a number, XML Schema does not.
     if text is None or "_" in text:
         return None
     try:
@@ -253,6 +254,7 @@ def number(text: str | None) -> float | None:
 
 def read_point(element: etree._Element) -> tuple[float, float] | None:
     """Return a ``position`` or ``relPosition``; None where its numbers are damaged."""
+    # Wires of a chart may have ten thousands of points: this is the fastest way to their two attributes.
     values = element.items()
     if len(values) != 2:
         return None
@@ -282,6 +284,7 @@ def take_integer(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, s
     if text is None:
         return None
     stripped = text.strip()
+    # str.isdigit() alone accepts digits of other scripts, and ².
     if not (stripped.isascii() and stripped.isdigit()):
         ctx.warn("XML202", f"{name}={text!r} is not a whole number; it is kept as it is", element)
         return None
@@ -358,7 +361,7 @@ def read_fields(ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner
         try:
             found[entry.get("name", "")] = json.loads(entry.text or "")
         except json.JSONDecodeError as error:
-            ctx.warn("XML208", f"carried field {entry.get('name')!r} is damaged: {error}", entry, owner)
+            ctx.warn("XML208", f"the extension data field {entry.get('name')!r} is damaged: {error}", entry, owner)
             return False
     merge(fields, found)
     return True
@@ -372,6 +375,6 @@ def read_comment(ctx: Tc6ReadContext, comment: etree._Element, fields: Fields, o
     try:
         merge(fields, json.loads(text.removeprefix(COMMENT_MARK)))
     except (ValueError, AttributeError) as error:
-        ctx.warn("XML208", f"carried fields are damaged: {error}", comment, owner)
+        ctx.warn("XML208", f"extension data fields are damaged: {error}", comment, owner)
         return False
     return True

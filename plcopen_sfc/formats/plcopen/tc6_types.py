@@ -10,8 +10,8 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
     attributes,
-    carry_attributes,
-    carry_element,
+    keep_attributes,
+    keep_element,
     read_common,
     read_foreign_data,
     take_required,
@@ -38,13 +38,13 @@ from plcopen_sfc.report import Outcome
 
 
 def read_data_type(ctx: Tc6ReadContext, holder: etree._Element, fields: Fields) -> Fields:
-    """Read the one type inside `holder` (``type``, ``baseType`` ..). `fields`: what carries the unknown."""
+    """Read the one type inside `holder` (``type``, ``baseType`` ..). `fields` get unknown content as extension data."""
     found: Fields | None = None
     for child in holder:
         local = ctx.tags.get(child.tag)
         kind = _read_type(ctx, child, local) if local else None
         if kind is None or found is not None:
-            carry_element(ctx, fields, child)
+            keep_element(ctx, fields, child)
         else:
             found = kind
     if found is None:
@@ -73,7 +73,7 @@ def _read_derived(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
         if ctx.tags.get(child.tag) == "addData":
             read_foreign_data(ctx, fields, child, "derived")
         else:
-            carry_element(ctx, fields, child)
+            keep_element(ctx, fields, child)
     if name in Elementary.__members__ and (name not in ctx.version.elements) and "carried" not in fields:
         # an elementary type that this version of TC6 does not list
         return {"kind": "elementary", "name": name}
@@ -294,7 +294,7 @@ def read_variable(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
             fields["initial"] = read_value(ctx, child)
         else:
             read_common(ctx, fields, child, local, "variable")
-    carry_attributes(fields, left)
+    keep_attributes(fields, left)
     return fields
 
 

@@ -38,7 +38,7 @@ _IDS = re.compile(rb"<!--" + COMMENT_MARK.encode() + rb' ?\{"(?:id|entries)"')
 class Tc6Dialect:
     """TC6 XML as one tool or family of tools writes it.
 
-    `data_writer` gives the tool's own data of an object (its fields in `native_fields` need no carrying then, nor do
+    `data_writer` gives the tool's own data of an object (its fields in `native_fields` are no extension data, nor do
     texts of its declaration that are kept under one of `native_texts`), `data_rank` its place among the others.
     `text_element` is the XHTML element of texts. `states_actions`: qualifier, duration and indicator are always
     written. `lacks` names what is written but not understood by the tools that the file is for, each with the reason:
@@ -192,7 +192,7 @@ def finish(
     """Write what every element ends with: unknown content, ``addData``, ``documentation``.
 
     `native` are the fields of `thing` that the caller has written; `documents`: the element may have documentation.
-    `also` is more to carry: parts of fields.
+    `also` are more extension data: parts of fields.
     """
     also = {**ctx.marks.get(id(thing), {}), **(also or {})}
     carried: Carried | None = getattr(thing, "carried", None)
@@ -222,6 +222,7 @@ def finish(
     if not ctx.version.first_generation and owner not in _WITHOUT_DATA:
         _add_data(ctx, element, written, carried if ctx.takes_markup else None, left)
     elif left:
+        # An XML comment must not contain "--"; JSON can write the second hyphen as an escape.
         element.append(etree.Comment(COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")))
     own_name = str(getattr(thing, "name", None) or "")
     subject = "" if ctx.place and ctx.place[-1].endswith(own_name) else own_name
@@ -289,7 +290,7 @@ def _add_data(
 
 
 def _merged(ctx: Tc6WriteContext, data: ForeignData, written: set[str]) -> bool:
-    """True if the dialect has put carried data into its own data already."""
+    """True if the dialect has put extension data into its own data already."""
     texts = kept(Carried(data=[data]))
     if texts:
         return texts.keys() <= ctx.dialect.native_texts

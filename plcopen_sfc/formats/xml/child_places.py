@@ -205,6 +205,7 @@ class RemovedElements:
         # A child may have been taken out before the rest was removed.
         children = [child for child in nodes_of(element) if not kind_of(child).startswith("#")]
         self._inside += len(children)
+        # Every removed subtree is aligned with its source here; the bound keeps the removal of a whole project fast.
         if not children or self._inside > _MAX_INSIDE:
             return
         places = align(

@@ -107,6 +107,8 @@ def align(left: Sequence[AlignedItem], right: Sequence[AlignedItem]) -> list[int
             if lefts and rights:
                 _pair_group(left, right, lefts, rights, pair)
 
+    # Equal children first, so that an edit between identical neighbours does not shift them. Then all keys together,
+    # then each key alone, strongest first: a renamed element keeps its localId, a renumbered one its name.
     if left and right and left[0].exact is not None and right[0].exact is not None:
         _pair_equal(left, right, list(range(len(left))), list(range(len(right))), pair)
     group(lambda item: (item.tag, tuple(item.keys)) if item.keys else None)
@@ -242,6 +244,7 @@ def _renamed(left: AlignedItem, right: AlignedItem) -> bool:
     both = left_values.keys() & right_values.keys()
     if any(left_values[name] == right_values[name] for name in both):
         return True
+    # Two different keys are another element, however alike its content.
     if len(both) > 1:
         return False
     return similarity(left, right) >= _ALIKE

@@ -77,6 +77,7 @@ class Habits:
 
 def escape_text(value: str, habits: Habits) -> str:
     """Return `value` as text between tags."""
+    # A parser reads CR as LF: only a reference keeps it. Of ">" XML forbids nothing but "]]>".
     raw = value.replace("&", "&amp;").replace("<", "&lt;").replace("\r", "&#13;")
     raw = raw.replace(">", "&gt;") if habits.greater else raw.replace("]]>", "]]&gt;")
     if habits.quot:

@@ -196,6 +196,7 @@ class SourceMerge:
         for index, origin in enumerate(origins):
             if origin is not None and (place := places[origin]) is not None:
                 followed.append((index, origin, place))
+        # As many children as possible stay, so that a reordered list is a small diff: those whose old indices rise.
         in_order = longest_rising([origin for _, origin, _ in followed])
         stays: dict[int, MatchedElement] = {}
         for position, (index, origin, place) in enumerate(followed):
@@ -382,6 +383,7 @@ def patch(source: bytes, before: etree._Element, after: etree._Element, *, keys:
     if before is after:
         return source
     text, encoding = decode(source)
+    # Some codecs are not reversible byte for byte; a patch must not change the rest of such a file.
     if encoding.encode(text) != source:
         raise PatchError(f"the source text does not come back the same from {encoding.codec}")
     try:
@@ -394,6 +396,7 @@ def patch(source: bytes, before: etree._Element, after: etree._Element, *, keys:
         return source
     result = encoding.bom + encode_text(edited, encoding.codec)
     try:
+        # The patch edits text, not a tree: a result that is not well-formed must not reach the disk.
         parse(result)
     except SfcError as error:
         raise PatchError(f"the edited file would be damaged: {error.message}", location=error.location) from error

@@ -80,6 +80,7 @@ class TextSegment:
     outer_end: int
 
 
+# Possessive quantifiers (*+, ++) never backtrack, so that a damaged file takes linear time.
 _TOKEN = re.compile(
     r"""<(?:(?P<close>/)[^>]*+>|(?P<comment>!--).*?-->|(?P<cdata>!\[CDATA\[).*?\]\]>|(?P<pi>\?).*?\?>"""
     r"""|(?P<open>[^\s/>!?]++)[^>"']*+(?:"[^"]*"[^>"']*+|'[^']*'[^>"']*+)*+>)""",

@@ -113,6 +113,7 @@ def write_xml(root: etree._Element, style: XmlStyle = _DEFAULT) -> bytes:
         text += "\n"
     if style.newline != "\n":
         text = text.replace("\n", style.newline)
+    # Python's own utf-16 and utf-32 write a mark themselves, in the byte order of this machine.
     codec, bom = _BOMS.get(codecs.lookup(style.encoding).name, (style.encoding, b""))
     return (bom if style.bom else b"") + encode_text(text, codec)
 
