@@ -232,7 +232,9 @@ def construct(
     Raises `LoweringError` for what the target cannot express.
     """
     project = project or Project(dialect=dialect)
+    # a new name must not hide a global one, and a user's name must be known to be free
     surroundings = names_of(project)
+    # reading refuses what is not understood, so that all below lowers a chart that is known completely
     source = _read(pou, chart, dialect, rules, project)
     rules = with_usual_input(rules, style, source, surroundings)
     if isinstance(source, GraphSource):
@@ -249,7 +251,7 @@ def construct(
     else:
         plain = plain_chart(source) if style is Style.CLASSIC else source
         # step bits are the rule of evolution of GRAFCET already; several CASEs are refused
-        kinds = _CHAINS if plain.grafcet is None else _CHAINS | _GRAFCET_CHAINS
+        kinds = _ENCODINGS if plain.grafcet is None else _ENCODINGS | _GRAFCET_ENCODINGS
         maker = kinds[chosen](plain, code, _memory(code, language), rules, surroundings)
         if plain.grafcet is not None:
             add_grafcet(maker)
@@ -281,13 +283,13 @@ _SEQUENCERS: dict[Construction, type[Sequencer]] = {
     Construction.REGIONS: RegionSequencer,
     Construction.BITS: BitSequencer,
 }
-_CHAINS: dict[Construction, type[FlipFlopEncoding | RegionEncoding | StepBitEncoding]] = {
+_ENCODINGS: dict[Construction, type[FlipFlopEncoding | RegionEncoding | StepBitEncoding]] = {
     Construction.FLIPFLOP: FlipFlopEncoding,
     Construction.CASE: CaseEncoding,
     Construction.REGIONS: RegionEncoding,
     Construction.BITS: StepBitEncoding,
 }
-_GRAFCET_CHAINS: dict[Construction, type[FlipFlopEncoding | RegionEncoding | StepBitEncoding]] = {
+_GRAFCET_ENCODINGS: dict[Construction, type[FlipFlopEncoding | RegionEncoding | StepBitEncoding]] = {
     Construction.FLIPFLOP: GrafcetFlipFlops,
     Construction.CASE: GrafcetCase,
 }

@@ -25,6 +25,7 @@ from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.subjects import Subject
 
 _TEXTS = ("title", "comment", "content", "alternative_text", "alarm")
+# a comment is the same caption with or without its marks
 _MARKS = re.compile(r"^\s*//+|\(\*+|\*+\)|/\*+|\*+/", re.MULTILINE)
 
 

@@ -76,6 +76,7 @@ def _drawn(
         place = Location(path=f"{pou} / network {network.title}")
         if isinstance(network, TextNetwork):
             raise LoweringError("structured text is no network", location=place)
+        # ids go on through all networks: formats with one sheet need them different
         drawn = draw(network.statements, rules, first_id=free, divided=code.tool is not None)
         for problem in drawn.problems:
             if code.tool is Tool.CODESYS and problem.severity is Severity.WARNING:

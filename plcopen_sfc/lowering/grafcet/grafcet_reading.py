@@ -55,14 +55,17 @@ def read_grafcet(
     project: Project | None = None,
 ) -> ChartSource:
     """Read the chart of `pou`; the rest as in `read_chart`."""
+    # terms, stored actions and orders are taken out of the copy; what remains is a chart of IEC 61131-3
     copied = pou.model_copy(deep=True)
     chart = copied.chart
     if chart is None:
         raise LoweringError("there is no chart to be lowered")
     reader = _Reader(copied, chart, dialect, profile, ActionTargets(pou, project, dialect))
     grafcet = reader.grafcet()
+    # the reader of plain charts refuses the search for stability, which the schedule of GRAFCET adds
     once = replace(profile, evolution=Evolution.SINGLE)
     plain = read_chart(copied, chart, dialect, once, surroundings, project=project, grafcet=reader)
+    # charts that others enclose start when their step becomes active, not with the program
     initial = reader.hierarchy.start(plain.net.initial)
     ruled = replace(plain.net, initial=initial, hierarchy=bool(reader.hierarchy))
     return replace(plain, pou=pou, net=ruled, grafcet=grafcet)
@@ -228,6 +231,7 @@ def plain_chart(source: ChartSource) -> ChartSource:
         name = print_node(target, source.dialect)
         before = actions.get(name.casefold(), ActionSource(name, target, (), ()))
         actions[name.casefold()] = replace(before, uses=(*before.uses, use))
+    # stored actions come among the others in the order of the steps that use them first
     in_order = sorted(actions.values(), key=lambda action: min(step for use in action.uses for step in use.steps))
     return replace(source, actions=tuple(in_order), grafcet=None)
 

@@ -39,6 +39,7 @@ class BlockCommands:
         self._mode: n.Name | None = None
         if set(self._modes) - {Mode.AUTOMATIC}:
             self._mode = code.declare(texts.mode, INT, initial=str(int(Mode.AUTOMATIC)), comment=texts.mode_comment)
+            # a switch acts by its rising edge, and the last one wins, as in S7-GRAPH
             for mode, name in self._modes.items():
                 number = n.Literal(str(int(mode)))
                 self._statements.append(when(self.edge(name), assignment(self._mode, number)))
@@ -75,6 +76,7 @@ class BlockCommands:
 
     def permitted(self) -> Expression:
         """Return an expression that is TRUE if transitions that are satisfied switch."""
+        # step by step: a satisfied transition waits for a push of T_PUSH
         inching = negation(conjunction([self.is_on(Mode.INCHING), negation(self.edge("T_PUSH"))]))
         if Mode.INCHING not in self._modes:
             inching = TRUE
@@ -84,6 +86,7 @@ class BlockCommands:
         """Return an expression that is TRUE if transitions switch although they are not satisfied."""
         if Mode.AUTOMATIC_OR_STEP_BY_STEP not in self._modes:
             return FALSE
+        # in this mode the push switches whatever the condition is, and satisfied transitions switch by themselves too
         return conjunction([self.is_on(Mode.AUTOMATIC_OR_STEP_BY_STEP), self.edge("T_PUSH")])
 
 
@@ -183,6 +186,7 @@ class _Display:
             branches.append(n.Branch(conjunction([by_hand, selected]), (assignment(self._shown, selection),)))
         statements, active = self._shown_is_active()
         yield from statements
+        # a step that is no longer active is not shown: the first active one is
         branches.append(n.Branch(negation(active), tuple(self._first())))
         for command, steps, beyond in (
             ("S_NEXT", self._steps, n.Operator.GREATER),
@@ -195,6 +199,7 @@ class _Display:
 
     def _shown_is_active(self) -> tuple[Sequence[Statement], Expression]:
         """Return an expression that is TRUE if the step displayed is active, and the statements that find that out."""
+        # networks have no CASE; in text a CASE is easier to read from some steps on
         if len(self._steps) <= _FEW or self._code.drawn:
             return (), disjunction(
                 conjunction([flag, equal(self._shown, n.Literal(str(number)))]) for number, flag in self._steps
@@ -233,6 +238,7 @@ class _Display:
         """Yield the report that more than one step is active."""
         flags = [flag for _, flag in self._steps]
         if len(flags) <= _FEW:
+            # more than one step is active if any is together with one behind it
             pairs = (conjunction([a, disjunction(flags[i + 1 :])]) for i, a in enumerate(flags[:-1]))
             yield assignment(more, disjunction(pairs))
             return

@@ -56,6 +56,7 @@ def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> t
     found: dict[Asked, None] = {}
     declarations: dict[int, Declaration] = {}
     for occurrence in names.occurrences(*steps):
+        # texts of the block itself are lowered with it
         if occurrence.text_site.site.pou is pou:
             continue
         step = steps[occurrence.reference.name.casefold()]
@@ -85,6 +86,7 @@ def show(asked: Sequence[Asked], values: Sequence[n.Expression], net: Net, code:
         kind: DataType = ElementaryType(name=_TYPES[quantity]) if quantity in _TYPES else BOOL
         members.setdefault(step, []).append(Variable(name=quantity, type=kind))
         name = net.steps[step].step.name
+        # ``"Drill_DB".Clamp.X`` in other blocks stays as it is: the block has a structure of that name
         quoting = n.Quoting.LOCAL_QUOTED if needs_quotes(name) else n.Quoting.LOCAL
         statements.append(assignment(n.Member(n.Name(name, quoting), n.Name(quantity)), value))
     for step, variables in members.items():
@@ -228,6 +230,7 @@ class _Reader(TextReader):
 
     def _row(self, step: NetStep, model: ActionAssociation, path: str) -> ActionRow:
         qualifier = model.qualifier
+        # C is no event but the interlock, written in the same column
         event = model.event if model.event is not ActionEvent.C else None
         interlock = model.interlock or model.event is ActionEvent.C
         if qualifier not in self._profile.qualifiers:
@@ -266,6 +269,7 @@ class _Reader(TextReader):
         if qualifier in _NEED_TIME and read is None:
             self.refuse(f"{qualifier} needs a time", path)
         target = self.expression(model.target, path)
+        # S5 timers and counters are set by instructions only, not by an assignment
         if isinstance(target, n.Address) and target.text.lstrip("%")[:1].upper() in "TCZ":
             self.refuse(f"{target.text} is a timer or counter of S5: other code cannot write it", path)
         return ActionRow(name, qualifier, event, interlock, target, value=read)
@@ -285,6 +289,7 @@ class _Reader(TextReader):
         return self.read(f"{target}();", path)
 
     def _steps_named(self, name: str, path: str) -> tuple[int, ...]:
+        # exports name steps with or without quotes, and by number (``S3``)
         bare = name.strip('"#').casefold()
         if bare == _ALL_STEPS:
             return tuple(step.index for step in self._net.steps)

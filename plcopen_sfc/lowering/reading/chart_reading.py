@@ -86,6 +86,8 @@ class _Reader(TextReader):
         profile = self._profile
         if profile.initial_situation_held:
             self.refuse(f"the initial situation is held under the profile {profile.name}: that is not lowered", "")
+        # a profile that a user composes can ask for rules that no construction has: refused rather than lowered
+        # otherwise
         used = {a.qualifier for owner in self._owners() for a in owner.step.actions if not a.exclude}
         shared = profile.action_control is ActionControl.PER_ACTION
         if shared and not profile.reset_cancels_delays and used & {Qualifier.SD, Qualifier.SL}:
@@ -103,6 +105,7 @@ class _Reader(TextReader):
             self.refuse("the search for stability is not lowered yet", "")
         if self._profile.graph_parameters or (self._net.hierarchy and self._grafcet is None):
             self.refuse("enclosing steps, forcing orders and S7-GRAPH are not lowered yet", "")
+        # only CODESYS has SFC flags, and there actions come first: what they end is defined in that order only
         if self._flags and self._profile.order is not ScanOrder.ACTIONS_FIRST:
             self.refuse("SFC flags are lowered only where actions come before transitions", "")
         if self.chart.permanent_pre or self.chart.permanent_post:
@@ -127,6 +130,7 @@ class _Reader(TextReader):
             self._flags,
             instances=self.instances,
         )
+        # a flag can be used by its name alone, which is known when all texts are read
         return replace(source, undeclared_flags=self._undeclared(source.names()))
 
     def _undeclared(self, names: set[str]) -> frozenset[SfcFlag]:
@@ -148,6 +152,7 @@ class _Reader(TextReader):
         """Return the same, if no variable of another type is where it must be of type BOOL."""
         for operand in _logical(condition):
             kind = self._types.get(operand.identifier.casefold())
+            # the code would not compile: IF wants a BOOL
             if isinstance(kind, ElementaryType) and kind.name is not Elementary.BOOL:
                 self.refuse(f"{operand.identifier} is a {kind.name}: a condition is of type BOOL", path)
         return condition
@@ -173,6 +178,7 @@ class _Reader(TextReader):
                 if association.target is not None:
                     assigned = f" := {association.value}" if association.value is not None else ""
                     key = f"{association.target}{assigned}".casefold()
+                    # the place of an action is that of its first association: tools execute actions in that order
                     if key not in targets:
                         targets[key] = association.target, assigned, path, []
                         found.append(key)
@@ -192,11 +198,13 @@ class _Reader(TextReader):
                 continue
             action = self.pou.find_action(name)
             if action is not None:
+                # the text is written as it is where it has comments; a call has none
                 text = "" if self._stays(action) else _text_of(action.body)
                 statements = self._statements_of(action)
                 yield ActionSource(name, None, statements, tuple(uses), text=text, comment=action.comment)
                 continue
             target = self.expression(name, f"action {name}")
+            # CODESYS and TIA Portal: an association may name an instance or a program, which is called while it acts
             if self._targets.is_called(target):
                 yield ActionSource(name, None, self.read(f"{name}();", f"action {name}"), tuple(uses))
             else:
@@ -218,6 +226,8 @@ class _Reader(TextReader):
         ]
         steps = {step.step.name.casefold() for step in self._net.steps}
         asks = any(isinstance(node, n.Name) and node.identifier.casefold() in steps for node in parts)
+        # inlined, a RETURN would leave the whole code. An action that asks for steps cannot stay: there are none any
+        # more
         return not asks and any(isinstance(node, n.Return) for node in parts)
 
     def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> ActionUse:
@@ -232,6 +242,7 @@ class _Reader(TextReader):
         if qualifier.needs_duration and duration is None:
             self.refuse(f"{qualifier} needs a time", path)
         condition, before = self._guard(owner.chart, association.condition, path)
+        # a negated association of a negated step acts while the step is active
         inverted = owner.step.negated is not association.negated
         return ActionUse(owner.steps, inverted, qualifier, condition, duration, association.comment, before)
 
@@ -281,6 +292,7 @@ class _Reader(TextReader):
         """Yield the operands that can keep the transitions behind a step from being TRUE."""
         for index in self._net.leaving[step]:
             condition = self._net.transitions[index].transition.condition
+            # the simulator analyses texts only
             if isinstance(condition, TextCondition):
                 tree = self.expression(condition.text, f"transition {self._net.transitions[index].path}")
                 yield from _reasons(tree, condition.text, not condition.negated, ())

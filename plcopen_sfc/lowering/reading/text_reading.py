@@ -179,6 +179,7 @@ class TextReader:
             for node in walk(statement):
                 if isinstance(node, n.Return | n.Goto | n.Label):
                     self.refuse("RETURN and jumps are not lowered: in the code they would leave more than this", path)
+                # only the compiler of the target could tell what the C code reads and writes
                 if isinstance(node, n.EmbeddedCode):
                     self.refuse("code in C ({{ .. }}) is not lowered: it is not known what it does", path)
         return statements

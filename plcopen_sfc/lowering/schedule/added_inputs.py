@@ -41,6 +41,7 @@ def with_usual_input(
     wanted = rules.texts.init_input
     inputs = (v.name for v in source.pou.variables(SectionKind.INPUT) if v.type == BOOL)
     own = next((name for name in inputs if name.casefold() == wanted.casefold()), None)
+    # the textbook programs have the input already; a chart that reads it means something else by it
     if own is not None and own.casefold() not in map(str.casefold, source.names_in_texts()):
         return replace(rules, init=own)
     taken = {*surroundings, *map(str.casefold, source.names())}
@@ -60,10 +61,12 @@ def declare_restart(
     stop = maker.condition(rules.stop, rules.texts.stop) if rules.stop is not None else None
     if stop is None:
         return init
+    # a plain input needs no variable of its own
     if init is None and isinstance(stop, n.Name) and maker.rests(stop):
         return stop
     restart = code.declare(rules.texts.restart, comment=rules.texts.restart_comment)
     code.add(rules.texts.init, [assignment(restart, disjunction([init, stop] if init is not None else [stop]))])
+    # a condition on variables of the plant cannot be held FALSE in the proof: scans in which it is TRUE are left out
     if not maker.rests(stop):
         code.left_out = restart
     return restart
@@ -89,6 +92,7 @@ class _Conditions:
         if declared is not None:
             if declared != BOOL:
                 self._refuse(f"{name} is there already, and is no BOOL")
+            # as with an input that was added, the proof holds while it is FALSE
             self._code.at_rest[tree.identifier] = False
             return self._code.naming.local(tree.identifier)
         if tree.identifier.casefold() in self._known:
@@ -104,6 +108,7 @@ class _Conditions:
             return self._input(tree.identifier, comment, rests=True)
         parts = [node.name for node in walk(tree) if isinstance(node, n.Member | n.Argument)]
         parts += [node.callee for node in walk(tree) if isinstance(node, n.Call) and isinstance(node.callee, n.Name)]
+        # names of members, parameters and functions are no variables
         kept = {id(part) for part in parts}
 
         def added(node: n.Node) -> n.Node:
@@ -188,9 +193,11 @@ class ModeInputs:
             pulse = self._memory.rising(self._texts.with_suffix(push.identifier, "edge"), push, self._statements)
         if OperatingMode.SELECT in modes:
             self._declare_selection(init)
+        # in the scan of a selection no transition fires: the step selected would be left at once
         calm = [negation(self.selecting)] if self.selecting is not None else []
         usual = conjunction([enable, negation(always), disjunction([negation(single), pulse]), *calm])
         forced = conjunction([enable, always, pulse, *calm])
+        # every transition asks for it: a variable of its own keeps them short
         if isinstance(usual, n.Operation):
             usual = self._memory.named(texts.free, usual, self._statements)
         if forced != FALSE:
@@ -213,6 +220,7 @@ class ModeInputs:
         """Return an expression that is TRUE if a number is that of a step: other numbers select nothing."""
         numbers = sorted(self._numbers)
         literals = [n.Literal(str(number)) for number in numbers]
+        # numbers without a gap are a range: two comparisons
         if numbers[-1] - numbers[0] != len(numbers) - 1:
             return disjunction(equal(selected, literal) for literal in literals)
         return conjunction(

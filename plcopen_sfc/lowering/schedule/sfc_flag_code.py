@@ -80,6 +80,7 @@ class ErrorTable:
         free = n.Operation(Operator.LESS_OR_EQUAL, (self._row, _LAST))
         for number, reason in enumerate(reasons):
             name = n.Literal(string_literal(reason.text, self._dialect))
+            # the first 16 rows have a place in any case
             place = [free] if number > int(_LAST.text) else []
             found.append(when(conjunction([reason.holds, *place]), *self._written(name, reason.value)))
         return [*found, *self._rest()]
@@ -143,6 +144,7 @@ class SfcFlagCode:
                 self._memory.rising(self._texts.with_suffix(reset.identifier, "edge"), reset, self._edges, kept=True)
             )
         back = disjunction(causes)
+        # read in many places: one variable instead of the disjunction
         if len(causes) > 1:
             return self._memory.named(self._texts.restart, back, self._edges)
         return back
@@ -164,6 +166,7 @@ class SfcFlagCode:
         """Append the conditions that set the chart back and stop it."""
         self._code.add(self._texts.init, self._edges)
         init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
+        # a restart overrides SFCPause and SFCQuitError, as in CODESYS
         stronger = [negation(each) for each in (self._init, init, reset) if each is not None]
         quit_ = self._flags.get(SfcFlag.QUIT_ERROR)
         if quit_ is not None:
@@ -180,6 +183,7 @@ class SfcFlagCode:
         restart = self.restart
         if self._back == FALSE or restart is None or not chosen:
             return False
+        # what was chosen in the last scan would move the chart away from its initial step
         forgotten = [assignment(each, FALSE) for each in chosen]
         self._conditional(self._texts.init, restart, forgotten)
         return True
@@ -198,6 +202,7 @@ class SfcFlagCode:
             done += [] if calls else self._ended_targets()
             done += self._assigned(SfcFlag.TRANS, FALSE) + self._assigned(SfcFlag.CURRENT_STEP, _EMPTY)
         statements = self._memory.conditional("", self._back, done)
+        # while SFCInit is TRUE nothing is executed; SFCReset executes the initial step
         if init is not None:
             statements += self._memory.conditional("", init, [*calls, n.Return()])
         self._code.add(self._texts.actions_end, statements, place=place)
@@ -222,6 +227,7 @@ class SfcFlagCode:
     def may_fire(self, condition: Expression, waited: Expression) -> Expression:
         """Return the condition of a transition, `waited` for minimum times, under SFCTipMode and SFCTip."""
         mode = self._flags.get(SfcFlag.TIP_MODE)
+        # minimum times hold a push of SFCTip too
         usual = conjunction([condition, negation(mode)]) if mode is not None else condition
         return conjunction([waited, disjunction([usual, self._tip]) if self._tip != FALSE else usual])
 
@@ -289,6 +295,7 @@ class SfcFlagCode:
         found: list[Statement] = [assignment(analyzation, _EMPTY)]
         empty = equal(analyzation, _EMPTY)
         for reason in watch.reasons:
+            # SEL instead of IF: drawn code has no IF
             bar = _function("SEL", empty, self._text("|"), _EMPTY)
             longer = _function("CONCAT", _function("CONCAT", analyzation, bar), self._text(reason.text))
             found += self._memory.conditional("", reason.holds, [assignment(analyzation, longer)])
