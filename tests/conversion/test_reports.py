@@ -154,3 +154,19 @@ def test_an_action_that_nothing_executes_is_no_loss(target: str) -> None:
     assert told["Unused"] is Outcome.EXTENSION_DATA
     back = sfc.loads(sfc.dumps(source, format=target, partial=True), format=target)
     assert [action.name for action in back.pou("Main").actions] == ["Steps", "In_text", "Called", "Unused"]
+
+
+@pytest.mark.parametrize("section", ["VAR_INPUT", "VAR_OUTPUT", "VAR", "VAR_GLOBAL"])
+@pytest.mark.parametrize("flag", ["SFCInit", "SFCReset", "SFCPause"])
+def test_flags_that_operate_a_chart_of_codesys_are_reported_wherever_they_are_declared(section: str, flag: str) -> None:
+    declaration = f"{section} {flag} : BOOL; END_VAR\n"
+    source = sfc.loads(
+        CHART.format(
+            declared=declaration if section == "VAR_GLOBAL" else "",
+            chart=("" if section == "VAR_GLOBAL" else declaration) + PAIR.format(condition="a", actions="q(N);"),
+        ).encode(),
+        format="iec-text",
+    )
+    source.dialect = m.Dialect.CODESYS
+    told = [(item.what, item.why) for item in losses(source, "plcopen") if item.what == flag]
+    assert told == [(flag, "the flag has no effect in TC6")]

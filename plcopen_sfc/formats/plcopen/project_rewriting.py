@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from itertools import chain
 
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.chart_hosts import (
@@ -41,8 +42,8 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
 from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
-from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step, Transition
+from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
 from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -68,7 +69,7 @@ def rewrite_project(
         not lists
         and not any(_without_result(project))
         and not has_globals(project)
-        and not any(needs_rewriting(chart.chart, host, options) for chart in project.charts())
+        and not any(needs_rewriting(chart, host, options) for chart in project.charts())
     ):
         return project, {}
     copy = project.model_copy(deep=True)
@@ -118,7 +119,7 @@ def is_rewritten(project: Project, content: bytes, host: ChartHost) -> bool:
         return True
     if any(_without_result(project)) or (not host.is_codesys and project.global_variables):
         return True
-    charts = (chart.chart for chart in project.charts() if not is_untouched(chart.chart))
+    charts = (chart for chart in project.charts() if not is_untouched(chart.chart))
     return any(needs_rewriting(chart, host, WriteOptions()) for chart in charts)
 
 
@@ -197,8 +198,9 @@ _PARAMETERS = frozenset(
 """Parameters by which S7-GRAPH controls a sequencer and reports on it (S7-GRAPH V6)."""
 
 
-def needs_rewriting(chart: SfcNetwork, host: ChartHost, options: WriteOptions) -> bool:
+def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> bool:
     """True if `rewrite_charts` would change a chart, or report something of it."""
+    chart = place.chart
     if has_special_rows(chart) or chart.graph_settings is not None or any(is_supervised(step) for step in chart.steps):
         return True
     if any(_does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
@@ -219,7 +221,16 @@ def needs_rewriting(chart: SfcNetwork, host: ChartHost, options: WriteOptions) -
     if any(step.main_action is not None or step.min_time or step.max_time for step in chart.steps):
         return True
     excluded = any(s.exclude for s in chart.steps) or any(t.exclude for t in chart.transitions)
+    if options.of_codesys and _flags_in_use(place):
+        return True
     return excluded or chart.settings is not None or any(row.exclude for _, row in chart.associations())
+
+
+def _flags_in_use(place: Chart) -> frozenset[SfcFlag]:
+    project = place.pou.project
+    shared = [section.variables for section in project.global_sections()] if project is not None else []
+    declared = {variable.name.casefold() for variable in chain(place.pou.variables(), *shared)}
+    return place.chart.flags_in_use(lambda name: name.casefold() in declared)
 
 
 def _is_foreign(condition: Condition | None) -> bool:
@@ -238,7 +249,7 @@ def rewrite_charts(
 ) -> None:
     """Change the charts of `copy` into what `host` executes, and add to `marks` what to keep of `project` where."""
     for chart, source in zip(list(copy.charts()), list(project.charts()), strict=True):
-        if needs_rewriting(chart.chart, host, options) or chart.chart != source.chart:
+        if needs_rewriting(chart, host, options) or chart.chart != source.chart:
             taken = taken_names(copy, chart)
             _ChartRewriter(ChartRewriting(chart, source.chart, host, options, report, marks, taken)).rewrite()
 
@@ -347,8 +358,7 @@ class _ChartRewriter:
     def _report_codesys(self) -> None:
         """Report what controls and watches a chart of CODESYS and has no counterpart in TC6."""
         chart = self._chart
-        declared = {v.name.casefold() for v in self._rewriting.chart.pou.variables()}
-        used = chart.flags_in_use(lambda name: name.casefold() in declared)
+        used = _flags_in_use(self._rewriting.chart)
         for flag in sorted(used):
             self._note(Outcome.NOT_EXECUTED, flag.variable, "", f"the flag has no effect in {self._host.title}")
         if SfcFlag.ERROR in used:
