@@ -1,4 +1,4 @@
-"""What can be said about charts: markings, structure, exclusive conditions; and whether two of them do the same."""
+"""What can be said about charts: markings, soundness, exclusive conditions; and whether two of them do the same."""
 
 from __future__ import annotations
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
 from plcopen_sfc.analysis.exclusivity import association_condition
-from plcopen_sfc.analysis.parts import ConditionParts, Part
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.unreachable import Unreachable
 from plcopen_sfc.languages.st import print_node
@@ -199,7 +199,7 @@ def any_untested(coverage: Sequence[Coverage]) -> bool:
     return any(each.untested for each in charts or coverage)
 
 
-def _key(part: Part) -> Key:
+def _key(part: ConditionPart) -> Key:
     return part.owner, part.transition.path, part.transition.transition.id, part.label
 
 
@@ -267,7 +267,7 @@ class _Reasons:
         self,
         system: ProgramSystem,
         reached: Mapping[str, set[Key]],
-        parts: Mapping[Key, Part],
+        parts: Mapping[Key, ConditionPart],
         *,
         complete: bool,
     ) -> None:

@@ -19,11 +19,11 @@ from random import Random
 from typing import Any
 
 from plcopen_sfc.analysis.clocking import Clocking
+from plcopen_sfc.analysis.deciding_parts import ConditionParts
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, plain
 from plcopen_sfc.analysis.goals import Goal, Goals, total
-from plcopen_sfc.analysis.limits import INTERRUPTED
-from plcopen_sfc.analysis.parts import ConditionParts
 from plcopen_sfc.analysis.product import compare, end_of, failure_of
+from plcopen_sfc.analysis.search_limits import INTERRUPTED
 from plcopen_sfc.analysis.stimuli import patterns
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.model.sfc import SfcFlag
@@ -32,7 +32,7 @@ from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import INSTANT
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
-__all__ = ["DirectedSearch", "Found", "Step"]
+__all__ = ["Directed", "DirectedSearch", "Step"]
 
 _PATTERN_SCANS = 40
 _WAITS = 40
@@ -77,7 +77,7 @@ class _State:
 
 
 @dataclass(frozen=True)
-class Found:
+class Directed:
     """What a search came to: the steps of a run that ends with a difference, or None; and how much was run.
 
     `stopped`: why it ended before its effort was spent.
@@ -157,7 +157,7 @@ class DirectedSearch:
         self._at = 0
         self._way: list[Step] = []
 
-    def run(self) -> Found:
+    def run(self) -> Directed:
         """Search to the end."""
         try:
             self._start()
@@ -167,7 +167,7 @@ class DirectedSearch:
             pass
         except KeyboardInterrupt:
             self._stopped = INTERRUPTED
-        return Found(self._difference, self._runs, self._scans, tuple(self._notes), self._stopped)
+        return Directed(self._difference, self._runs, self._scans, tuple(self._notes), self._stopped)
 
     def _learn(self, name: str, values: Iterable[Value], *, most: int = _MOST_VALUES) -> bool:
         """Try more values of an input; True where there are any."""

@@ -19,18 +19,18 @@ from time import monotonic
 from typing import Any, NamedTuple, Protocol, TypedDict
 
 from plcopen_sfc.analysis.clocking import Clocking, clocking
-from plcopen_sfc.analysis.comparison import Comparison, filled, operating_names
 from plcopen_sfc.analysis.coverage import Tally, any_untested
+from plcopen_sfc.analysis.decomposition import divide, race
 from plcopen_sfc.analysis.delay import NO_DELAY, Delay, delays, retimed
 from plcopen_sfc.analysis.directed import DirectedSearch, Step
-from plcopen_sfc.analysis.dividing import divide, race
 from plcopen_sfc.analysis.domains import Domain
-from plcopen_sfc.analysis.limits import INTERRUPTED, SearchProgress, Watch, seconds
+from plcopen_sfc.analysis.number_terms import explore_terms
 from plcopen_sfc.analysis.pairing import connect, heed_instability, step_observations
 from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, search
+from plcopen_sfc.analysis.search_limits import INTERRUPTED, SearchProgress, SearchWatch, seconds
 from plcopen_sfc.analysis.stimuli import stimuli
+from plcopen_sfc.analysis.system_comparison import Comparison, filled, operating_names
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
-from plcopen_sfc.analysis.terms import explore_terms
 from plcopen_sfc.analysis.verdict import Counterexample, Verdict, VerdictKind
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.pou import Pou
@@ -316,7 +316,7 @@ class _Compared:
     def quick_difference(self, delay: Delay, tries: _Tries) -> int | None:
         """How many scans it takes to a difference in a few directed runs; None where there is none."""
         comparison, signals = self._prepared(delay)
-        watch = Watch(tries.limit, None, lambda: (0, 0), tries.whole)
+        watch = SearchWatch(tries.limit, None, lambda: (0, 0), tries.whole)
         domains = {name: Domain(name, signal) for name, signal in signals.items()}
         rows = stimuli(signals, domains, self.clock, seed=tries.seed, runs=_QUICK_RUNS, scans=_QUICK_SCANS)
         found = (comparison.first_difference(each, look=watch.look) for each in rows if not watch.look(0))
@@ -329,7 +329,7 @@ class _Compared:
         left, right = comparison.left, comparison.right
         tallies = (Tally(left), Tally(right))
         cap, clock = tries.cap, self.clock
-        watch = Watch(tries.limit, tries.progress, tallies[0].numbers, tries.whole)
+        watch = SearchWatch(tries.limit, tries.progress, tallies[0].numbers, tries.whole)
         domains = {name: Domain(name, signal) for name, signal in signals.items()}
 
         def build(
@@ -431,7 +431,7 @@ class _Compared:
 
 
 def _confirmed(
-    steps: Sequence[Step], comparison: Comparison, signals: Mapping[str, Signal], watch: Watch
+    steps: Sequence[Step], comparison: Comparison, signals: Mapping[str, Signal], watch: SearchWatch
 ) -> tuple[Counterexample | None, str]:
     """The difference that a search came to, run from the start; or why it could not be."""
     rows, skipped = [row for row, _ in steps], [count for _, count in steps]

@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
 
+from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
 from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
 from plcopen_sfc.analysis.formulas import Formula, Reading, negation
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
-from plcopen_sfc.analysis.parts import ConditionParts, Part
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.networks import normal_form
@@ -75,7 +75,7 @@ class Goal:
     bit: int = 0
     sources: int = 0
     branch: int = -1
-    part: Part | None = None
+    part: ConditionPart | None = None
     action: int = 0
     has_inputs: bool = True
     tries: int = 0
@@ -169,7 +169,7 @@ class Goals:
                     goal.distance = self._distance(tree, wanted=True)
                     yield goal
 
-    def _of_part(self, part: Part) -> Goal:
+    def _of_part(self, part: ConditionPart) -> Goal:
         number = next(number for number, (chart, _) in enumerate(self.charts) if chart is part.chart)
         transition = part.transition
         goal = Goal(part.text, part.deciding, number, transition.bit, transition.pre, part=part)

@@ -9,10 +9,10 @@ from operator import itemgetter
 from typing import Any
 
 from plcopen_sfc.analysis.clocking import Clocking, StepTimes, step_times
+from plcopen_sfc.analysis.dead_variables import dead_cells
 from plcopen_sfc.analysis.domains import Unasked, asked
 from plcopen_sfc.analysis.free_calls import FreeCalls
 from plcopen_sfc.analysis.product import Branching, LeftOutError, end_of, hidden_reason
-from plcopen_sfc.analysis.scratch import scratch_cells
 from plcopen_sfc.analysis.timers import WaitingTimer, waiting_timers
 from plcopen_sfc.errors import ModelError, SfcError, SimulationError
 from plcopen_sfc.model.pou import Pou
@@ -99,7 +99,7 @@ class ProgramSystem:
         self.steps, self._marking = self._all_steps()
         self.times = step_times(subject, clock.scan_time) if self.instance.charts() else _NO_STEPS
         self._forget = self._forgetting()
-        self._scratch: list[tuple[list[Any], int, Value | None]] = []
+        self._dead: list[tuple[list[Any], int, Value | None]] = []
         self._timers: list[WaitingTimer] = []
         self._looked_at: list[str] = []
         frames = [frame for _, _, frame in self.instance.charts()]
@@ -306,10 +306,10 @@ class ProgramSystem:
         """Variables are read at the end of scans. The state is the one before the first scan then."""
         self.reset()
         self._looked_at += paths
-        found = scratch_cells(self.instance, self._looked_at)
+        found = dead_cells(self.instance, self._looked_at)
         own = self.instance.frame.v
         self.instance.leave_out(frozenset(slot for cells, slot, _ in found if cells is own))
-        self._scratch = [each for each in found if each[0] is not own]
+        self._dead = [each for each in found if each[0] is not own]
         self._timers = waiting_timers(self.instance, self._looked_at, self.clock.scan_time)
         self._initial = self._state()
 
@@ -405,7 +405,7 @@ class ProgramSystem:
         for frame, forget in self._forget:
             forget(frame, now)
         self._clamp(now)
-        for cells, index, value in self._scratch:
+        for cells, index, value in self._dead:
             cells[index] = value
         return self.instance.snapshot()  # timers end by themselves, whatever their times come from
 

@@ -15,7 +15,7 @@ from plcopen_sfc.cli.streams import is_terminal, is_unicode
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from plcopen_sfc.analysis.limits import SearchProgress
+    from plcopen_sfc.analysis.search_limits import SearchProgress
     from plcopen_sfc.cli.tables import Table
     from plcopen_sfc.diagnostics import Diagnostic
     from plcopen_sfc.errors import SfcError

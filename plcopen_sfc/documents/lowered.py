@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching
-from plcopen_sfc.analysis.limits import SearchProgress
+from plcopen_sfc.analysis.search_limits import SearchProgress
 from plcopen_sfc.documents.storage import (
     SaveOptions,
     Source,

@@ -15,7 +15,7 @@ from time import monotonic
 from typing import Any, NamedTuple, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching, equivalent
-from plcopen_sfc.analysis.limits import seconds
+from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, SfcError, UntestedError
 from plcopen_sfc.languages.dialects import Dialect

@@ -12,8 +12,8 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalence, equivalent
 from plcopen_sfc.analysis.domains import NotProvableError
+from plcopen_sfc.analysis.number_terms import Answers, Term
 from plcopen_sfc.analysis.product import Branching, Explored
-from plcopen_sfc.analysis.terms import Answers, Term
 from plcopen_sfc.model import ActionAssociation, Qualifier, SfcNetwork, StBody
 from tests.analysis.schemes import chart_of, program, ring
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from plcopen_sfc.analysis.checks import RULES
-from plcopen_sfc.analysis.checks.catalogue import catalogue
+from plcopen_sfc.analysis.checks.rule_table import catalogue
 
 PRESS = "twincat/press_station.xml"
 SOUND = "codesys/sorting_conveyor.xml"

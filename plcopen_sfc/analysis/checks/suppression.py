@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from plcopen_sfc.analysis.checks.charts import Place
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Place
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
+from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.network import CommentBox
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -52,3 +54,39 @@ def _plain(text: Text | None) -> Iterator[str]:
         yield text.text
     elif text is not None:
         yield text
+
+
+def _places(chart: CheckedChart) -> Iterator[Place]:
+    for sheet in chart.sheets:
+        yield sheet.place
+        for step in sheet.steps:
+            yield sheet.at(step)
+        for transition in sheet.transitions:
+            yield sheet.at(transition)
+        for step, association in sheet.actions():
+            yield sheet.at(step, association)
+
+
+def rule_on(codes: Iterable[str]) -> Rule:
+    """The rule that comments name codes, of these."""
+    known = tuple(codes)
+
+    def check(chart: CheckedChart) -> Iterator[Finding]:
+        for place in _places(chart):
+            element = place.elements[0]
+            listed = list(codes_in(element))
+            for code in listed:
+                if not any(each.startswith(code) for each in known):
+                    yield Finding(place, f"the comment lets {code} be, and there is no such rule")
+            if marks_in(element) and not listed:
+                yield Finding(place, "the comment lets nothing be: it names no rule")
+
+    return Rule(
+        code="CHK01",
+        title="Comments that let findings be name rules",
+        why="A misspelt code lets nothing be.",
+        hint="Write plcopen-sfc: ignore and the codes behind it, with commas between.",
+        example="the comment plcopen-sfc: ignore STR99",
+        check=check,
+        severity=Severity.WARNING,
+    )

@@ -78,7 +78,7 @@ def run(screen: Screen, patterns: Sequence[str], how: How) -> int:
 def _validate(how: How) -> None:
     """Refuse what is unknown before any file is read. Raises `ModelError`."""
     from plcopen_sfc.analysis.checks import RULES  # noqa: PLC0415  # brings the parser with it
-    from plcopen_sfc.analysis.checks.selection import known  # noqa: PLC0415
+    from plcopen_sfc.analysis.checks.check_run import known  # noqa: PLC0415
     from plcopen_sfc.semantics.profile import profile  # noqa: PLC0415
 
     known(RULES, (*(how.select or ()), *(how.ignore or ())))

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from plcopen_sfc.analysis.checks import RULES, Rule
-from plcopen_sfc.analysis.checks.catalogue import catalogue, in_profiles
-from plcopen_sfc.analysis.checks.selection import selected
+from plcopen_sfc.analysis.checks.check_run import selected
+from plcopen_sfc.analysis.checks.rule_table import catalogue, in_profiles
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.cli.tables import Table
 

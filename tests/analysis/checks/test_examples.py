@@ -9,8 +9,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis.checks import RULES, Rule, rule_named
-from plcopen_sfc.analysis.checks.catalogue import catalogue
-from plcopen_sfc.analysis.checks.rules import FAMILIES
+from plcopen_sfc.analysis.checks.rule import FAMILIES
+from plcopen_sfc.analysis.checks.rule_table import catalogue
 from tests.analysis.checks.charts import project_of
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "checks.md"

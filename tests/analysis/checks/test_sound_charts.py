@@ -63,7 +63,7 @@ def test_nothing_is_wrong_with_the_structure_of_nested_branches(chart: SfcNetwor
 @settings(max_examples=60, deadline=None)
 @given(blocks(), st.integers(1, 10))
 def test_nothing_is_made_up_where_there_are_too_many_situations(chart: SfcNetwork, most: int) -> None:
-    with patch("plcopen_sfc.analysis.checks.charts.MOST_MARKINGS", most):
+    with patch("plcopen_sfc.analysis.checks.checked_chart.MOST_MARKINGS", most):
         assert [str(f) for f in sfc.check(chart, profile="iec", select=["STR"])] == []
 
 

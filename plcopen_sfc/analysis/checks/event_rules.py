@@ -1,15 +1,16 @@
-"""Actions of GRAFCET: events that are edges, conditions that are none, operands that fit."""
+"""Conditions and events of GRAFCET actions, and times of steps."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart
-from plcopen_sfc.analysis.checks.operands import Manner, uses
-from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.action_targets import Manner, uses
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
+from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.network import Block, Contact, Edge, InputVariable
@@ -97,7 +98,7 @@ ACT12 = Rule(
     title="The condition of a continuous action is no edge",
     why="A continuous action is assigned in stable situations, and an edge is over before: it would never be seen "
     "(IEC 60848:2013, 4.8).",
-    hint="Use an action on event, or the value itself.",
+    hint="TargetUse an action on event, or the value itself.",
     example="a continuous action with the condition ↑a",
     check=_edge,
     severity=None,
@@ -109,7 +110,7 @@ ACT13 = Rule(
     title="The operand of an action is Boolean",
     why="A step switches a Boolean variable or runs an action (IEC 61131-3 ed. 3, 6.7.4). Other values are assigned "
     "by stored actions, or in the code of an action.",
-    hint="Use a BOOL, or assign the value in an action.",
+    hint="TargetUse a BOOL, or assign the value in an action.",
     example="""
 VAR level : INT; END_VAR
 INITIAL_STEP S1: level(N); END_STEP
@@ -119,4 +120,38 @@ TRANSITION FROM S2 TO S1 := b; END_TRANSITION
 """,
     check=_not_boolean,
     severity=Severity.ERROR,
+)
+
+
+def _nanoseconds(text: str | None) -> int | None:
+    """A time literal; None for anything else, and for 0, which tools write for no time."""
+    if not text:
+        return None
+    try:
+        found = literal_value(text)
+    except LiteralError:
+        return None
+    return found.value if found.kind is LiteralKind.DURATION and isinstance(found.value, int) and found.value else None
+
+
+def _order(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step in sheet.steps:
+            greatest = _nanoseconds(step.max_time)
+            for what, time in (("minimum", step.min_time), ("warning", step.warning_time)):
+                given = _nanoseconds(time)
+                if greatest is not None and given is not None and given > greatest:
+                    message = f"the {what} time {time} is longer than the maximum time {step.max_time}"
+                    yield Finding(sheet.at(step), message)
+
+
+TIM01 = Rule(
+    code="TIM01",
+    title="The maximum time of a step is its longest",
+    why="A step that must stay active longer than it may reports an error in every round (CODESYS, minimum and "
+    "maximum time); a warning after the error warns of nothing (S7-GRAPH, warning time).",
+    hint="Correct one of the times.",
+    example="a step with the minimum time T#5s and the maximum time T#3s",
+    check=_order,
+    severity=Severity.WARNING,
 )

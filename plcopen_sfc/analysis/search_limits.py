@@ -9,7 +9,7 @@ from time import monotonic
 from plcopen_sfc.errors import InputError
 from plcopen_sfc.semantics.simulation import nanoseconds
 
-__all__ = ["INTERRUPTED", "SearchProgress", "Watch", "seconds"]
+__all__ = ["INTERRUPTED", "SearchProgress", "SearchWatch", "seconds"]
 
 INTERRUPTED = "interrupted"
 """The reason of a search that the user has ended."""
@@ -41,7 +41,7 @@ class SearchProgress:
         return f"{doing}: {self.states:,} {what}, {self.reached} of {self.all} reached"
 
 
-class Watch:
+class SearchWatch:
     """Looks after one comparison. `reached` tells how much was reached, of how much.
 
     `whole`: the limit of the user, of which other comparisons have left `limit` seconds, or less than nothing.

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from plcopen_sfc.analysis.answers import Answer
-from plcopen_sfc.analysis.checks.charts import CheckedChart, Sheet
-from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Sheet
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.analysis.exclusivity import Truth, covered, exclusive
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.model.sfc import Step, Transition

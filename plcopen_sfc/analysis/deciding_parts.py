@@ -25,7 +25,7 @@ from plcopen_sfc.semantics.charts.graph.program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.layouts import Frame
 
-__all__ = ["ConditionParts", "Part"]
+__all__ = ["ConditionPart", "ConditionParts"]
 
 _AND = (Operator.AND, Operator.AND_THEN)
 _OR = (Operator.OR, Operator.OR_ELSE)
@@ -42,7 +42,7 @@ _COMPARING = frozenset(
 
 
 @dataclass(eq=False)
-class Part:
+class ConditionPart:
     """A part of the condition of a transition: its text, when it decides, and whether it has done so.
 
     `value`: a Boolean that is to have this value when it is tested, whether it decides or not.
@@ -77,14 +77,17 @@ class ConditionParts:
     def __init__(self, system: ProgramSystem, charts: Iterable[tuple[str, ChartProgram | GraphProgram]]) -> None:
         self._system = system
         self.seen = 0
-        self._found: list[Part] = []
+        self._found: list[ConditionPart] = []
         for name, chart in charts:
             looks: dict[int, Callable[[Frame], None]] = {}
             for transition in chart.net.transitions:
                 tree = self._condition(transition)
-                own = [Part(name, chart, transition, print_node(part), deciding) for part, deciding in _parts(tree)]
+                own = [
+                    ConditionPart(name, chart, transition, print_node(part), deciding)
+                    for part, deciding in _parts(tree)
+                ]
                 own += [
-                    Part(name, chart, transition, print_node(leaf), leaf if value else inverted(leaf), value)
+                    ConditionPart(name, chart, transition, print_node(leaf), leaf if value else inverted(leaf), value)
                     for leaf in _booleans(tree)
                     for value in (True, False)
                 ]
@@ -93,7 +96,7 @@ class ConditionParts:
                     looks[transition.index] = self._looking(own)
             chart.watch(looks)
 
-    def __iter__(self) -> Iterator[Part]:
+    def __iter__(self) -> Iterator[ConditionPart]:
         return (part for part in self._found if part.is_readable)
 
     def _condition(self, transition: NetTransition) -> Expression | None:
@@ -112,8 +115,8 @@ class ConditionParts:
         tree = normal_form(read.tree)
         return None if any(map(_may_act, walk(tree))) else tree
 
-    def _looking(self, parts: Sequence[Part]) -> Callable[[Frame], None]:
-        waiting: list[tuple[Part, Callable[[Frame], bool]]] | None = None
+    def _looking(self, parts: Sequence[ConditionPart]) -> Callable[[Frame], None]:
+        waiting: list[tuple[ConditionPart, Callable[[Frame], bool]]] | None = None
 
         def look(frame: Frame) -> None:
             nonlocal waiting
@@ -128,7 +131,7 @@ class ConditionParts:
 
         return look
 
-    def _prepared(self, parts: Sequence[Part]) -> list[tuple[Part, Callable[[Frame], bool]]]:
+    def _prepared(self, parts: Sequence[ConditionPart]) -> list[tuple[ConditionPart, Callable[[Frame], bool]]]:
         instance = self._system.instance
         library = instance.controller.library
         prepared = []

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart, Sheet
-from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Sheet
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
@@ -108,7 +108,7 @@ NAM02 = Rule(
     title="Step names are identifiers",
     why="A step declares variables of its name (S3.X, S3.T), so that it must be an identifier of IEC 61131-3 and no "
     "keyword. S7-GRAPH allows blanks and parentheses, GRAFCET has numbers.",
-    hint="Use letters, digits and underscores, a letter first.",
+    hint="TargetUse letters, digits and underscores, a letter first.",
     example="a step called Wait for part",
     check=_identifiers,
     severity=Severity.ERROR,

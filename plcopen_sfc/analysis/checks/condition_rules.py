@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart, Sheet
-from plcopen_sfc.analysis.checks.operands import continuous_operands, output_operands
-from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.action_targets import continuous_operands, output_operands
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Sheet
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.analysis.exclusivity import Truth
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import bind

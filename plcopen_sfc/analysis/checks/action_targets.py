@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart, Sheet
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Sheet
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
@@ -49,7 +49,7 @@ _OF_QUALIFIER = {
 
 
 @dataclass(frozen=True, eq=False)
-class Use:
+class TargetUse:
     """What an action association does with its operand. `path` are the names that lead to it, in lower case."""
 
     sheet: Sheet
@@ -78,19 +78,19 @@ def operand(text: str, chart: CheckedChart) -> Path:
     return path_of(parsed.tree) if not parsed.problems else ()
 
 
-def uses(chart: CheckedChart) -> Iterator[Use]:
+def uses(chart: CheckedChart) -> Iterator[TargetUse]:
     """What all associations of a chart do with their operands."""
     for sheet in chart.sheets:
         for step, association in sheet.actions():
             if association.target:
                 path = operand(association.target, chart)
                 if path:
-                    yield Use(sheet, step, association, path, manner_of(association))
+                    yield TargetUse(sheet, step, association, path, manner_of(association))
 
 
-def by_operand(chart: CheckedChart) -> dict[Path, list[Use]]:
+def by_operand(chart: CheckedChart) -> dict[Path, list[TargetUse]]:
     """The same by operand."""
-    found: dict[Path, list[Use]] = {}
+    found: dict[Path, list[TargetUse]] = {}
     for use in uses(chart):
         found.setdefault(use.path, []).append(use)
     return found

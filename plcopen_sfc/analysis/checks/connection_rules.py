@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart, Place, Sheet
-from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Place, Sheet
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.sfc import Step, Transition
@@ -165,7 +165,7 @@ STR04 = Rule(
     why="The legs of a selection begin and end with transitions, those of a simultaneous branch with steps (IEC "
     "61131-3 ed. 3, 6.7.5; S7-GRAPH refuses to connect anything else). A bar of the wrong kind is read as the other "
     "kind by some tools, which makes another chart of it.",
-    hint="Use the other kind of bar, or insert a step or a transition before or behind it.",
+    hint="TargetUse the other kind of bar, or insert a step or a transition before or behind it.",
     example="a simultaneous divergence (double line) below a step, with transitions below it",
     check=_bars,
     severity=Severity.ERROR,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart, Place
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Place
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.semantics.profile import PROFILES
 

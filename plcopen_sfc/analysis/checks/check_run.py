@@ -1,22 +1,45 @@
-"""Applies the rules to charts."""
+"""Selection of rules, and their application to charts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart, CheckedProject, Place, charts_of
-from plcopen_sfc.analysis.checks.rules import Rule
-from plcopen_sfc.analysis.checks.selection import selected
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProject, Place, charts_of
+from plcopen_sfc.analysis.checks.rule import Rule
+from plcopen_sfc.analysis.checks.rule_table import RULES
 from plcopen_sfc.analysis.checks.suppression import suppressed
-from plcopen_sfc.analysis.checks.table import RULES
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.errors import Location
+from plcopen_sfc.errors import Location, ModelError
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
+
+
+def selected(rules: Sequence[Rule], select: Iterable[str], ignore: Iterable[str]) -> list[Rule]:
+    """The rules that begin with one of `select` (all, where nothing is selected) and with none of `ignore`.
+
+    Raises `ModelError` for a code that no rule begins with.
+    """
+    wanted = known(rules, select)
+    unwanted = known(rules, ignore)
+    return [
+        rule for rule in rules if (not wanted or rule.code.startswith(wanted)) and not rule.code.startswith(unwanted)
+    ]
+
+
+def known(rules: Sequence[Rule], codes: Iterable[str]) -> tuple[str, ...]:
+    """The codes in capitals. Raises `ModelError` where no rule begins with one of them."""
+    found = tuple(code.strip().upper() for code in ([codes] if isinstance(codes, str) else codes))
+    for code in found:
+        if not code or not any(rule.code.startswith(code) for rule in rules):
+            groups = sorted({rule.code[:3] for rule in rules})
+            raise ModelError(
+                f"there is no rule {code!r}", hint=f"Rules begin with {', '.join(groups)}; see docs/checks.md."
+            )
+    return found
 
 
 def check_charts(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart
-from plcopen_sfc.analysis.checks.operands import Manner, Use, by_operand, written_elsewhere
-from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.action_targets import Manner, TargetUse, by_operand, written_elsewhere
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
 
 _KEEPING = frozenset({Manner.SET, Manner.RESET, Manner.STORED})
@@ -25,12 +25,12 @@ def _mixed(chart: CheckedChart) -> Iterator[Finding]:
                 yield Finding(use.sheet.at(use.step, use.association), message)
 
 
-def _how(use: Use) -> str:
+def _how(use: TargetUse) -> str:
     kind = use.association.kind
     return kind.value if kind is not None else use.association.qualifier.value
 
 
-def _takes_back(use: Use) -> bool:
+def _takes_back(use: TargetUse) -> bool:
     """Whether an action resets its operand, or assigns something that may be FALSE."""
     value = (use.association.value or "").strip().upper()
     return use.manner is Manner.RESET or (use.manner is Manner.STORED and value not in ("TRUE", "1"))
@@ -78,7 +78,7 @@ ACT02 = Rule(
     why="A continuous action writes its operand all the time, also FALSE: whatever a stored action did is overwritten "
     "at once (IEC 60848:2013, 4.8; tools for GRAFCET refuse it). With the action control of IEC 61131-3 the operand "
     "is TRUE while either of them wants it, which few readers expect; in S7-GRAPH N resets it when its step is left.",
-    hint="Use S and R, or the continuous action in every step.",
+    hint="TargetUse S and R, or the continuous action in every step.",
     example=_chart("q(N);", "q(S);"),
     check=_mixed,
     severity=Severity.WARNING,

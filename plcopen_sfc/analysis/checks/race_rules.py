@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart, Place
-from plcopen_sfc.analysis.checks.operands import Manner, assignments, body_named, constant, operand, uses
-from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.action_targets import Manner, assignments, body_named, constant, operand, uses
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Place
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node

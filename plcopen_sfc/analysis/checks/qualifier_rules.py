@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart
-from plcopen_sfc.analysis.checks.operands import uses
-from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.action_targets import uses
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 
@@ -177,7 +177,7 @@ ACT06 = Rule(
     title="An action has one time",
     why="All timed associations of an action share one action control, and that has one time input: which of several "
     "times counts is undefined (IEC 61131-3 ed. 3, 6.7.4.6).",
-    hint="Use the same time everywhere, or actions of their own.",
+    hint="TargetUse the same time everywhere, or actions of their own.",
     example="""
 INITIAL_STEP S1: q(L, T#2s); END_STEP
 STEP S2: q(D, T#5s); END_STEP

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcopen_sfc.analysis.answers import Answer
-from plcopen_sfc.analysis.checks.charts import CheckedChart
-from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.networks import NetworkExpression

@@ -7,8 +7,8 @@ from functools import reduce
 from operator import or_
 
 from plcopen_sfc.analysis.answers import Answer
-from plcopen_sfc.analysis.checks.charts import CheckedChart
-from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart
+from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.analysis.marking import Firing
 from plcopen_sfc.analysis.soundness import soundness
 from plcopen_sfc.diagnostics import Severity

@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from plcopen_sfc.analysis.domains import Domain
+from plcopen_sfc.analysis.number_terms import explore_terms
 from plcopen_sfc.analysis.product import Explored, Progress, Search, StopError, advanced, search
 from plcopen_sfc.analysis.slicing import NotDivisibleError, cone, parts_of
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
-from plcopen_sfc.analysis.terms import explore_terms
 from plcopen_sfc.model.pou import Pou
 
 __all__ = ["Division", "divide", "race"]

@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis.clocking import clocking
-from plcopen_sfc.analysis.scratch import scratch_cells
+from plcopen_sfc.analysis.dead_variables import dead_cells
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.semantics.profile import profile
 from plcopen_sfc.semantics.programs.layouts import leaves
@@ -25,7 +25,7 @@ def scratch(text: str, *observed: str, others: str = "", kind: str = "FUNCTION_B
     source = f"{AROUND} {others} {kind} Code VAR_INPUT i, k : BOOL; END_VAR VAR {VARIABLES} END_VAR {text} END_{kind}"
     subject = resolve(sfc.loads(source.encode(), format="iec-text"), "Code")
     instance = ProgramSystem(subject, profile("iec"), clocking([subject], None)).instance
-    found = {(id(cells), slot) for cells, slot, _ in scratch_cells(instance, observed)}
+    found = {(id(cells), slot) for cells, slot, _ in dead_cells(instance, observed)}
     return {path.casefold() for path, _, cells, slot in leaves(instance.frame) if (id(cells), slot) in found}
 
 

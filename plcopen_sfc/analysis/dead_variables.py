@@ -20,7 +20,7 @@ from plcopen_sfc.semantics.programs.layouts import Direction, Layout, leaves
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family, StructureType, default
 from plcopen_sfc.semantics.signals import Value
 
-__all__ = ["scratch_cells"]
+__all__ = ["dead_cells"]
 
 _WRITTEN = {"R_TRIG": ("q",), "F_TRIG": ("q",), "CTU": ("q",), "CTD": ("q",), "CTUD": ("qu", "qd")}
 """What a call of a standard block writes in any case, without looking at the old value."""
@@ -29,7 +29,7 @@ _NOT_READ = {"TON": ("et",), "TOF": ("et",), "TP": ("et",)}
 """What a call may write, but does not look at."""
 
 
-def scratch_cells(instance: Instance, observed: Collection[str]) -> list[tuple[list[Any], int, Value | None]]:
+def dead_cells(instance: Instance, observed: Collection[str]) -> list[tuple[list[Any], int, Value | None]]:
     """Where local variables and outputs of a POU are that no scan reads before it writes them, and any value for each.
 
     `observed` (paths) are those that are looked at when a scan has ended. Members of structures and of instances of
