@@ -170,8 +170,11 @@ def equivalent(
     given = seconds(limit)
     tries = _Tries(cap, runs, scans, seed, given, progress, given)
     wanted = [each for each in delays(delay, profiles) if not each.retimed or compared.can_be_retimed]
-    if len(wanted) == 1:
-        return compared.verdict(wanted[0], tries)
+    return compared.verdict(wanted[0], tries) if len(wanted) == 1 else _best_of(wanted, compared, tries)
+
+
+def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Verdict:
+    """Compare with several delays: the first proof counts, else the best verdict, else the longest trace."""
     longest: tuple[int, Delay] | None = None
     best: Verdict | None = None
     end = monotonic() + tries.limit if tries.limit is not None else None
@@ -308,14 +311,18 @@ class _Compared:
         later.delay(begins=count if delay.late_start else 0, kept=0)
         return left, right
 
-    def _prepared(self, delay: Delay) -> tuple[Comparison, dict[str, Signal]]:
+    def prepared(self, delay: Delay) -> tuple[Comparison, dict[str, Signal]]:
+        """Both sides with a delay, and their inputs."""
         left, right = self._systems(delay)
-        comparison = Comparison(left, right, self.outputs, self.step_flags, delay)
-        return comparison, connect(left, right, self.inputs, {**self.resting, **self.fixed})
+        return Comparison(left, right, self.outputs, self.step_flags, delay), self.connected(left, right)
+
+    def connected(self, left: ProgramSystem, right: ProgramSystem) -> dict[str, Signal]:
+        """Connect the inputs of two systems."""
+        return connect(left, right, self.inputs, {**self.resting, **self.fixed})
 
     def quick_difference(self, delay: Delay, tries: _Tries) -> int | None:
         """How many scans it takes to a difference in a few directed runs; None where there is none."""
-        comparison, signals = self._prepared(delay)
+        comparison, signals = self.prepared(delay)
         watch = SearchWatch(tries.limit, None, lambda: (0, 0), tries.whole)
         domains = {name: Domain(name, signal) for name, signal in signals.items()}
         rows = stimuli(signals, domains, self.clock, seed=tries.seed, runs=_QUICK_RUNS, scans=_QUICK_SCANS)
@@ -325,74 +332,112 @@ class _Compared:
 
     def verdict(self, delay: Delay, tries: _Tries) -> Verdict:
         """Compare both with one delay."""
-        comparison, signals = self._prepared(delay)
-        left, right = comparison.left, comparison.right
-        tallies = (Tally(left), Tally(right))
-        cap, clock = tries.cap, self.clock
-        watch = SearchWatch(tries.limit, tries.progress, tallies[0].numbers, tries.whole)
-        domains = {name: Domain(name, signal) for name, signal in signals.items()}
+        return _Attempt(self, delay, tries).verdict()
 
-        def build(
-            one: Pou, other: Pou, pairs: Sequence[tuple[Observation, Observation]]
-        ) -> tuple[ProgramSystem, ProgramSystem, Mapping[str, Domain]]:
-            parts = [
-                system.part(pou, [pair[side] for pair in pairs])
-                for side, (system, pou) in enumerate(((left, one), (right, other)))
-            ]
-            for tally, part in zip(tallies, parts, strict=True):
-                tally.add(part)
-            own = connect(parts[0], parts[1], self.inputs, {**self.resting, **self.fixed})
-            return parts[0], parts[1], {name: Domain(name, signal) for name, signal in own.items()}
 
-        def divided() -> Search | None:
-            division = divide(left, right, comparison.pairs) if not comparison.unknown else None
-            return division.search(build, cap, watch.look) if division is not None else None
+@dataclass(frozen=True)
+class _Runs:
+    """What directed runs came to. `stopped`: why they ended early."""
 
-        def accepted(shown: Explored) -> bool:
-            rows = filled(shown.inputs or [], signals)
-            return comparison.first_difference(rows) == len(rows)
+    counterexample: Counterexample | None = None
+    runs: int = 0
+    scans: int = 0
+    stopped: str = ""
 
-        found = Explored(0, 0, complete=False, reason=clock.reason)
-        if not clock.reason:
-            try:
-                whole = search(left, right, domains, cap)
-                found = race(whole, left.size + right.size, divided, accepted, watch.look)
-                if not found.complete and found.inputs is None:
-                    found = explore_terms(left, right, signals, cap, watch.look) or found
-            except KeyboardInterrupt:
-                found = Explored(watch.states, 0, complete=False, reason=INTERRUPTED)
-        watch.proving = False
-        counterexample = None
-        runs_made = scans_made = 0
-        stopped = ""
-        if found.inputs is not None and comparison.unknown:
-            found = comparison.without_impossible(found, filled(found.inputs, signals))
+
+class _Attempt:
+    """A comparison with one delay: a search for a proof, and directed runs where there is none."""
+
+    def __init__(self, compared: _Compared, delay: Delay, tries: _Tries) -> None:
+        self._compared, self._delay, self._tries = compared, delay, tries
+        self._clock = compared.clock
+        self._comparison, self._signals = compared.prepared(delay)
+        self._left, self._right = self._comparison.left, self._comparison.right
+        self._tallies = (Tally(self._left), Tally(self._right))
+        self._watch = SearchWatch(tries.limit, tries.progress, self._tallies[0].numbers, tries.whole)
+        self._domains = {name: Domain(name, signal) for name, signal in self._signals.items()}
+
+    def verdict(self) -> Verdict:
+        """Search, run where there is no proof, and tell what was covered."""
+        found = self._search()
+        self._watch.proving = False
+        if found.inputs is not None and self._comparison.unknown:
+            found = self._comparison.without_impossible(found, filled(found.inputs, self._signals))
         if found.inputs is not None:
-            counterexample = comparison.show(found.inputs, signals, shortest=found.shortest)
+            ran = _Runs(self._comparison.show(found.inputs, self._signals, shortest=found.shortest))
         elif not found.complete and found.reason != INTERRUPTED:
-            effort = tries.runs * tries.scans
-            parts = tallies[0].look_at_conditions(), tallies[1].look_at_conditions()
-            variants = range(_VARIANTS) if comparison.unknown else (0,)
-            for variant in variants:  # of the results of unknown functions
-                comparison.vary(variant)
-                directed = DirectedSearch(
-                    *(left, right, signals, domains, clock),
-                    parts=parts,
-                    scans=effort // len(variants),
-                    seed=tries.seed,
-                    look=watch.look,
-                ).run()
-                runs_made, scans_made = runs_made + directed.runs, scans_made + directed.scans
-                stopped = directed.stopped
-                if directed.steps is not None:
-                    counterexample, stopped = _confirmed(directed.steps, comparison, signals, watch)
-                if counterexample is not None or stopped:
-                    break
+            ran = self._run()
+        else:
+            ran = _Runs()
+        return self._verdict(found, ran)
+
+    def _search(self) -> Explored:
+        """Try every value of every input, in the whole and in parts."""
+        left, right, cap, look = self._left, self._right, self._tries.cap, self._watch.look
+        if self._clock.reason:
+            return Explored(0, 0, complete=False, reason=self._clock.reason)
+        try:
+            whole = search(left, right, self._domains, cap)
+            found = race(whole, left.size + right.size, self._divided, self._accepted, look)
+            if not found.complete and found.inputs is None:
+                found = explore_terms(left, right, self._signals, cap, look) or found
+        except KeyboardInterrupt:
+            found = Explored(self._watch.states, 0, complete=False, reason=INTERRUPTED)
+        return found
+
+    def _divided(self) -> Search | None:
+        comparison = self._comparison
+        division = divide(self._left, self._right, comparison.pairs) if not comparison.unknown else None
+        return division.search(self._built, self._tries.cap, self._watch.look) if division is not None else None
+
+    def _built(
+        self, one: Pou, other: Pou, pairs: Sequence[tuple[Observation, Observation]]
+    ) -> tuple[ProgramSystem, ProgramSystem, Mapping[str, Domain]]:
+        parts = [
+            system.part(pou, [pair[side] for pair in pairs])
+            for side, (system, pou) in enumerate(((self._left, one), (self._right, other)))
+        ]
+        for tally, part in zip(self._tallies, parts, strict=True):
+            tally.add(part)
+        own = self._compared.connected(parts[0], parts[1])
+        return parts[0], parts[1], {name: Domain(name, signal) for name, signal in own.items()}
+
+    def _accepted(self, shown: Explored) -> bool:
+        rows = filled(shown.inputs or [], self._signals)
+        return self._comparison.first_difference(rows) == len(rows)
+
+    def _run(self) -> _Runs:
+        """Run both with inputs that lead to what was not executed yet."""
+        comparison, signals, tries = self._comparison, self._signals, self._tries
+        parts = self._tallies[0].look_at_conditions(), self._tallies[1].look_at_conditions()
+        variants = range(_VARIANTS) if comparison.unknown else (0,)
+        made = _Runs()
+        for variant in variants:  # of the results of unknown functions
+            comparison.vary(variant)
+            directed = DirectedSearch(
+                *(self._left, self._right, signals, self._domains, self._clock),
+                parts=parts,
+                scans=tries.runs * tries.scans // len(variants),
+                seed=tries.seed,
+                look=self._watch.look,
+            ).run()
+            counterexample, stopped = None, directed.stopped
+            if directed.steps is not None:
+                counterexample, stopped = _confirmed(directed.steps, comparison, signals, self._watch)
+            made = _Runs(counterexample, made.runs + directed.runs, made.scans + directed.scans, stopped)
+            if counterexample is not None or stopped:
+                break
+        return made
+
+    def _verdict(self, found: Explored, ran: _Runs) -> Verdict:
+        comparison, clock, compared = self._comparison, self._clock, self._compared
+        left, right, delay = self._left, self._right, self._delay
         frozen = tuple(dict.fromkeys([*left.frozen(), *right.frozen()]))
         failed = next((note for note in found.notes if note.startswith(BOTH_FAIL)), "")
-        coverage = tuple(tally.coverage(complete=found.complete and not frozen and not failed) for tally in tallies)
+        covered = found.complete and not frozen and not failed
+        coverage = tuple(tally.coverage(complete=covered) for tally in self._tallies)
         equal = VerdictKind.PROVEN if found.complete else VerdictKind.TESTED
-        reason = "; ".join(filter(None, (found.reason, stopped)))
+        reason = "; ".join(filter(None, (found.reason, ran.stopped)))
         interrupted = reason.endswith(INTERRUPTED)
         if any_untested(coverage) or (found.complete and found.dead) or interrupted:
             equal = VerdictKind.UNTESTED
@@ -402,28 +447,28 @@ class _Compared:
         if comparison.gap:
             equal = VerdictKind.UNTESTED
             reason = "; ".join(filter(None, (comparison.gap, reason)))
-        if reason and None in (left.times.limit, right.times.limit) and found.states >= cap:
+        if reason and None in (left.times.limit, right.times.limit) and found.states >= self._tries.cap:
             reason += "; elapsed times of steps are used otherwise than in comparisons with constants"
         return Verdict(
-            VerdictKind.DIFFERENT if counterexample is not None else equal,
+            VerdictKind.DIFFERENT if ran.counterexample is not None else equal,
             tuple(comparison.names),
             tuple(comparison.uncompared),
-            tuple(signals),
+            tuple(self._signals),
             found.states,
             found.depth,
-            runs_made,
-            scans_made,
+            ran.runs,
+            ran.scans,
             clock.scan_time,
             bool(clock.constants),
-            " and ".join(dict.fromkeys(each.name for each in self.profiles)),
+            " and ".join(dict.fromkeys(each.name for each in compared.profiles)),
             reason,
-            counterexample,
-            (*found.notes, *([f"{', '.join(self.resting)} at rest"] if self.resting else [])),
+            ran.counterexample,
+            (*found.notes, *([f"{', '.join(compared.resting)} at rest"] if compared.resting else [])),
             found.parts,
             coverage,
             frozen,
             delay,
-            delay.notes([each.order for each in self.profiles]),
+            delay.notes([each.order for each in compared.profiles]),
             comparison.unknown,
             interrupted,
             comparison.gap,

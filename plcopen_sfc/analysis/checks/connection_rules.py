@@ -165,7 +165,7 @@ STR04 = Rule(
     why="The legs of a selection begin and end with transitions, those of a simultaneous branch with steps (IEC "
     "61131-3 ed. 3, 6.7.5; S7-GRAPH refuses to connect anything else). A bar of the wrong kind is read as the other "
     "kind by some tools, which makes another chart of it.",
-    hint="TargetUse the other kind of bar, or insert a step or a transition before or behind it.",
+    hint="Use the other kind of bar, or insert a step or a transition before or behind it.",
     example="a simultaneous divergence (double line) below a step, with transitions below it",
     check=_bars,
     severity=Severity.ERROR,

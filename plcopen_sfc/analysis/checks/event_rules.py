@@ -98,7 +98,7 @@ ACT12 = Rule(
     title="The condition of a continuous action is no edge",
     why="A continuous action is assigned in stable situations, and an edge is over before: it would never be seen "
     "(IEC 60848:2013, 4.8).",
-    hint="TargetUse an action on event, or the value itself.",
+    hint="Use an action on event, or the value itself.",
     example="a continuous action with the condition ↑a",
     check=_edge,
     severity=None,
@@ -110,7 +110,7 @@ ACT13 = Rule(
     title="The operand of an action is Boolean",
     why="A step switches a Boolean variable or runs an action (IEC 61131-3 ed. 3, 6.7.4). Other values are assigned "
     "by stored actions, or in the code of an action.",
-    hint="TargetUse a BOOL, or assign the value in an action.",
+    hint="Use a BOOL, or assign the value in an action.",
     example="""
 VAR level : INT; END_VAR
 INITIAL_STEP S1: level(N); END_STEP

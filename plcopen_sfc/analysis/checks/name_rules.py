@@ -108,7 +108,7 @@ NAM02 = Rule(
     title="Step names are identifiers",
     why="A step declares variables of its name (S3.X, S3.T), so that it must be an identifier of IEC 61131-3 and no "
     "keyword. S7-GRAPH allows blanks and parentheses, GRAFCET has numbers.",
-    hint="TargetUse letters, digits and underscores, a letter first.",
+    hint="Use letters, digits and underscores, a letter first.",
     example="a step called Wait for part",
     check=_identifiers,
     severity=Severity.ERROR,

@@ -177,7 +177,7 @@ ACT06 = Rule(
     title="An action has one time",
     why="All timed associations of an action share one action control, and that has one time input: which of several "
     "times counts is undefined (IEC 61131-3 ed. 3, 6.7.4.6).",
-    hint="TargetUse the same time everywhere, or actions of their own.",
+    hint="Use the same time everywhere, or actions of their own.",
     example="""
 INITIAL_STEP S1: q(L, T#2s); END_STEP
 STEP S2: q(D, T#5s); END_STEP

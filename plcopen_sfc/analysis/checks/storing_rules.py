@@ -78,7 +78,7 @@ ACT02 = Rule(
     why="A continuous action writes its operand all the time, also FALSE: whatever a stored action did is overwritten "
     "at once (IEC 60848:2013, 4.8; tools for GRAFCET refuse it). With the action control of IEC 61131-3 the operand "
     "is TRUE while either of them wants it, which few readers expect; in S7-GRAPH N resets it when its step is left.",
-    hint="TargetUse S and R, or the continuous action in every step.",
+    hint="Use S and R, or the continuous action in every step.",
     example=_chart("q(N);", "q(S);"),
     check=_mixed,
     severity=Severity.WARNING,

@@ -137,6 +137,10 @@ def _compiled(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
     return _pattern(dialect, comments)
 
 
+_PLAIN = {_OPERATOR: "OPERATOR", _LITERAL: "LITERAL", _NAME: "NAME", _ADDRESS: "ADDRESS"}
+"""The token types of groups that are tokens as they are."""
+
+
 @cache
 def _words(dialect: Dialect, keywords: frozenset[str]) -> dict[str, str]:
     """The token type of each word that is no name; grows with the spellings that occur."""
@@ -190,12 +194,8 @@ def tokenize(
             kind = _PUNCTUATION.get(value, "PERIPHERAL")
             if kind == "PERIPHERAL" and (previous not in _OPERAND_ENDS or tokens[-1].span[1] != start):
                 kind, value, position = "COLON", ":", start + 1
-        elif group == _OPERATOR:
-            kind = "OPERATOR"
-        elif group == _LITERAL:
-            kind = "LITERAL"
-        elif group == _NAME:
-            kind = "NAME"
+        elif group in _PLAIN:
+            kind = _PLAIN[group]
         elif group == _COMMENT:
             comments.append(Comment(CommentKind.LINE, value, (start, position)))
             continue
@@ -205,15 +205,12 @@ def tokenize(
                 append(Token("CODE", text[start:position], (start, position)))
                 previous = "CODE"
                 continue
-            block = CommentKind.PRAGMA if value[0] == "{" else CommentKind.BLOCK
             if position < 0:
-                what = "pragma" if value == "{" else "comment"
-                problems.append(Problem(f"this {what} has no end: {_BLOCK_ENDS[value]} is missing", (start, end)))
                 position = end
-            comments.append(Comment(block, text[start:position], (start, position)))
+                problems.append(_endless(value, (start, end)))
+            kind = CommentKind.PRAGMA if value[0] == "{" else CommentKind.BLOCK
+            comments.append(Comment(kind, text[start:position], (start, position)))
             continue
-        elif group == _ADDRESS:
-            kind = "ADDRESS"
         elif group == _WORD_ASSIGN:
             if previous in _OPERAND_ENDS:
                 kind = "COMPOUND_ASSIGN"
@@ -243,6 +240,13 @@ def _line_end(text: str, position: int) -> int:
 
 
 _BLOCK_ENDS = {"(*": "*)", "/*": "*/", "(/*": "*/)", "{": "}", "{{": "}}"}
+
+
+def _endless(opening: str, span: Span) -> Problem:
+    what = "pragma" if opening == "{" else "comment"
+    return Problem(f"this {what} has no end: {_BLOCK_ENDS[opening]} is missing", span)
+
+
 _COMMENT_MARK = re.compile(r"\(\*|\*\)")
 
 
