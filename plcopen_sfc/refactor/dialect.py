@@ -6,12 +6,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.s7_globals import blocks_of_variables
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
-from plcopen_sfc.languages.st import parse_condition, parse_statements
+from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
+from plcopen_sfc.languages.st.nodes import Call, Expression
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, S7_VERSION
 from plcopen_sfc.languages.translation import (
     NameScope,
@@ -38,7 +40,7 @@ from plcopen_sfc.model import (
     SfcNetwork,
     Variable,
 )
-from plcopen_sfc.model.types import DerivedType, ElementaryType, EnumType, StringType, StructType
+from plcopen_sfc.model.types import DerivedType, ElementaryType, EnumType, StringType, StructType, SubrangeType
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 
 
@@ -72,7 +74,10 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
         for pou in project.pous
         if pou.kind is PouKind.FUNCTION
     }
-    globals_ = _Globals(s7_types(project), frozenset(_global_names(project)), functions, blocks_of_variables(project))
+    globals_ = _Globals(
+        *(s7_types(project), frozenset(_global_names(project)), functions, blocks_of_variables(project)),
+        Resolver(project, source),
+    )
     texts = [
         text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
     ]
@@ -129,7 +134,7 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
 
     The others stay as they are: tools of both read most of each other's text.
     """
-    known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {})
+    known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {}, None)
     found: list[TranslatedText] = []
     for text_site in [
         text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
@@ -175,12 +180,16 @@ def _global_names(project: Project) -> set[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Globals:
-    """The types of a project as S7 has them, its global names, the inputs of functions, and what is in data blocks."""
+    """The types of a project as S7 has them, its global names, the inputs of functions, and what is in data blocks.
+
+    `resolver` tells the types of variables; None: arithmetic stays as it is.
+    """
 
     types: S7Types
     names: frozenset[str]
     functions: dict[str, list[str]]
     blocks: dict[str, str]
+    resolver: Resolver | None
 
 
 def _translated(
@@ -200,6 +209,8 @@ def _translated(
         functions=known.functions,
         blocks=known.blocks,
     )
+    if known.resolver is not None:
+        context = _with_types(context, text_site, known.resolver)
     if text_site.site.transition is not None and (body := text_site.text.rstrip()).endswith(";"):
         expression = parse_condition(body[:-1], source)  # ``Ready;`` would be a call among statements
         if not expression.problems:
@@ -211,6 +222,38 @@ def _translated(
         condition = parse_condition(text_site.text, source) if statements.problems else None
         return translate(statements if condition is None or condition.problems else condition, target, context)
     return translate(parse_condition(text_site.text, source), target, context)
+
+
+def _with_types(context: TranslationContext, text_site: TextSite, resolver: Resolver) -> TranslationContext:
+    """`context` with the types of expressions."""
+    site, holder = text_site.site, text_site.holder
+
+    def type_of(node: Expression) -> str:
+        return _elementary(resolver.type_of(node, site))
+
+    def parameter_type(call: Call, position: int) -> str:
+        return _elementary(resolver.parameter_type(call, position, site))
+
+    wanted = ""
+    if isinstance(holder, ActionAssociation) and text_site.key == "value" and holder.target is not None:
+        wanted = type_of(parse_expression(holder.target, resolver.dialect).tree)
+    return replace(context, type_of=type_of, parameter_type=parameter_type, wanted=wanted)
+
+
+def _elementary(type_: Type) -> str:
+    """The name of an elementary type, or of that which another is made of; empty for others."""
+    match type_:
+        case ElementaryType(name=name):
+            return name.value
+        case SubrangeType(base=base):
+            return _elementary(base)
+        case EnumType(base=base):
+            return "INT" if base is None else _elementary(base)
+        case StringType(wide=wide):
+            return "WSTRING" if wide else "STRING"
+        case Pou(interface=Interface(return_type=result)) if result is not None:
+            return _elementary(result)
+    return ""
 
 
 def _parts_of(pou: Pou | None) -> list[str]:

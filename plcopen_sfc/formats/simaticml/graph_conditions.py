@@ -31,6 +31,7 @@ from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import Tool, standard_block
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
@@ -249,6 +250,7 @@ def condition_body(condition: Expression, result: str) -> FbdBody | LdBody | Non
     tree: n.Expression = parsed.tree
     if condition.negated:
         tree = n.Unary(n.Operator.NOT, n.Parenthesized(tree))
+    tree = transform(tree, _without_sign)
     is_ladder = _is_logic(tree)
     drawn = (draw_ld_expression if is_ladder else draw_fbd_expression)(tree, DrawingRules(Dialect.SCL), first_id=1)
     if any(problem.severity is Severity.ERROR for problem in drawn.problems):
@@ -263,6 +265,14 @@ def condition_body(condition: Expression, result: str) -> FbdBody | LdBody | Non
     nodes.append(Coil(id=following, variable=result, input=InputPin(connections=outputs)))
     network = LogicNetwork(nodes=nodes)
     return LdBody(networks=[network]) if is_ladder else FbdBody(networks=[network])
+
+
+def _without_sign(node: n.Node) -> n.Node:
+    """``-x`` as ``0 - x``: there is no box that all versions have for the sign of a value."""
+    if isinstance(node, n.Unary) and node.operator is n.Operator.NEGATE and not isinstance(node.operand, n.Literal):
+        operand = n.Parenthesized(node.operand) if isinstance(node.operand, n.Operation) else node.operand
+        return n.Parenthesized(n.Operation(n.Operator.SUBTRACT, (n.Literal("0"), operand)))
+    return node
 
 
 def _inverter(number: int, sources: list[Connection]) -> Block:

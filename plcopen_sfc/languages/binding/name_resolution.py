@@ -27,7 +27,7 @@ from plcopen_sfc.model import types as t
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlock, Method, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag
-from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.model.variables import SectionKind, VariableSection
 
 
 class Untyped(Enum):
@@ -364,6 +364,19 @@ class Resolver:
         if declaration.kind is Kind.ACTION and declaration.pou is not None:
             return declaration.pou
         return self.type_of_declaration(declaration)
+
+    def parameter_type(self, call: n.Call, position: int, site: Site) -> Type:
+        """The type of the parameter that gets an argument of a call, by the name or the place of the argument."""
+        called = self._callable(call.callee, site)
+        name = call.arguments[position].name
+        if name is not None:
+            declaration = self._parameter(called, name.identifier).declaration
+            return self.type_of_declaration(declaration) if declaration is not None else Untyped.UNKNOWN
+        if not isinstance(called, Pou | Method) or called.interface is None:
+            return Untyped.UNKNOWN
+        kinds = (SectionKind.INPUT, SectionKind.IN_OUT, SectionKind.OUTPUT)
+        inputs = [v for section in called.interface.sections if section.kind in kinds for v in section.variables]
+        return self.settled(inputs[position].type, site.place) if position < len(inputs) else Untyped.UNKNOWN
 
     def _parameter(self, called: Pou | Method | Type, name: str) -> Meaning:
         if called is Untyped.UNKNOWN:

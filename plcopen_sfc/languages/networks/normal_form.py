@@ -6,6 +6,7 @@ drawn from a text and read again has the normal form of that text. Normal is:
 
 - no parentheses, no regions, no lone semicolons;
 - AND, OR and XOR hold no operation of their own kind, + and * none as their first operand;
+- ``0 - x`` is ``-x``;
 - NOT is never doubled; TRUE is no operand of AND, and of OR once at most;
 - standard functions that are operators are written as such; the arguments of others are by position, in the order of
   IEC 61131-3, where all are given, else by the names of IEC 61131-3;
@@ -66,6 +67,8 @@ def _operation(operator: Operator, operands: Sequence[Expression]) -> Expression
     if operator is Operator.XOR:
         return joined(operator, operands)
     first = operands[0]
+    if operator is Operator.SUBTRACT and len(operands) == 2 and first == n.Literal("0"):
+        return n.Unary(Operator.NEGATE, operands[1])
     if operator in (Operator.ADD, Operator.MULTIPLY) and isinstance(first, n.Operation) and first.operator is operator:
         operands = (*first.operands, *operands[1:])
     return n.Operation(operator, tuple(operands))

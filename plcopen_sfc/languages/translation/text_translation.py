@@ -16,6 +16,7 @@ from plcopen_sfc.languages.st.parsing import Parsed, parse_condition, parse_expr
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.rendering import render, tree_edits
 from plcopen_sfc.languages.st.walking import transform, walk
+from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
 from plcopen_sfc.languages.translation.comment_translation import (
     holds_regions,
     region_edits,
@@ -85,7 +86,10 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
         return Translated(parsed.text, parsed, notes.in_order())
     if source is into and context.steps is None:
         return Translated(parsed.text, parsed if parsed.dialect is target else _parse(parsed, parsed.text, target), ())
-    tree = TreeTranslator(parsed.tree, source, into, context, notes).translated()
+    fitted = parsed.tree
+    if context.type_of is not None and source is not into:
+        fitted = ArithmeticTranslator(source, into, context, notes).fitted(parsed.tree)
+    tree = TreeTranslator(fitted, source, into, context, notes).translated()
     edits = tree_edits(parsed, tree)
     if source is Dialect.SCL and into is not Dialect.SCL:
         edits += region_edits(parsed)

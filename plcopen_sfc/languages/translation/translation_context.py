@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -10,7 +10,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.s7_types import S7Types
-from plcopen_sfc.languages.st.nodes import Node, Span
+from plcopen_sfc.languages.st.nodes import Call, Expression, Node, Span
 from plcopen_sfc.languages.translation.renames import Renames
 
 
@@ -57,7 +57,10 @@ class TranslationContext:
     actions and methods of the POU, which S7 cannot call. `functions`: the inputs of the functions of the project by the
     name of the function in lower case: they are called instead of standard functions of the same name, and S7 wants the
     names of their inputs. `blocks`: the data blocks of S7 that have the variables of lists, by the name of the variable
-    in lower case: CODESYS also names them without their list.
+    in lower case: CODESYS also names them without their list. `type_of`: the elementary type of a variable or of the
+    result of a function of the project, in capitals, empty where it has another; without, arithmetic stays as it is.
+    `parameter_type`: the same of the parameter for an argument of a call, by its place. `wanted`: the type of the
+    variable that gets the value of an expression.
     """
 
     locals: Collection[str] | None = None
@@ -70,6 +73,9 @@ class TranslationContext:
     actions: Collection[str] = ()
     functions: Mapping[str, Sequence[str]] = field(default_factory=dict)
     blocks: Mapping[str, str] = field(default_factory=dict)
+    type_of: Callable[[Expression], str] | None = None
+    parameter_type: Callable[[Call, int], str] | None = None
+    wanted: str = ""
 
 
 def family(dialect: Dialect) -> Dialect:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.languages.arithmetic import ORDER, calculated_type, common_type
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.semantics.programs import runtime
@@ -32,7 +33,6 @@ _LOGIC = {
     Operator.XOR: ("!=", "^"),
 }
 _ARITHMETIC = {Operator.ADD: "+", Operator.SUBTRACT: "-", Operator.MULTIPLY: "*"}
-_ORDER = "SINT USINT BYTE INT UINT WORD DINT UDINT DWORD LINT ULINT LWORD".split()
 _LAZY = (Operator.AND_THEN, Operator.OR_ELSE)
 
 
@@ -89,6 +89,9 @@ class Operators:
         type_ = code.type
         if not isinstance(type_, t.ElementaryType) or type_.family in (t.Family.BOOL, t.Family.STRING):
             raise SimulationError(f"a {type_.name} has no sign")
+        if not code.loose:
+            type_ = self._calculated(type_)
+            code = replace(code, type=type_)
         if code.constant:
             low = -code.value if isinstance(code.value, int) else 0
             return replace(constant(-code.value, type_, loose=code.loose), low=low, high=low)
@@ -212,6 +215,7 @@ class Operators:
             raise SimulationError(f"{operator} of {one.name} and {other.name}")
         if type_.family is t.Family.SPECIAL:
             return Code(f"({left.text} {_ARITHMETIC.get(operator, '/')} {right.text})", t.ANY, acts=True)
+        type_ = self._calculated(type_)
         left, right = (
             self._converter.converted(left, type_) if left.type != type_ else left,
             (self._converter.converted(right, type_) if right.type != type_ else right),
@@ -337,6 +341,12 @@ class Operators:
 
     # -- types
 
+    def _calculated(self, type_: t.ElementaryType) -> t.ElementaryType:
+        """The type in which the tool calculates with values of a type."""
+        base = _base(type_)
+        name = calculated_type(self._translator.library.dialect, base.name) if base.name in ORDER else base.name
+        return type_ if name == base.name else t.ELEMENTARY[name]
+
     def common(self, left: Code, right: Code) -> t.ElementaryType:
         """The type in which two values are calculated: the greater; a literal takes that of the other."""
         one, other = left.type, right.type
@@ -358,8 +368,8 @@ class Operators:
                 raise SimulationError(f"{one.name} and {other.name} do not go together")
             reals = [type_ for type_ in (one, other) if type_.family is t.Family.REAL]
             return max(reals, key=lambda type_: type_.bits)
-        if one.name in _ORDER and other.name in _ORDER:
-            return max(one, other, key=lambda type_: _ORDER.index(type_.name))
+        if one.name in ORDER and other.name in ORDER:
+            return t.ELEMENTARY[common_type(self._translator.library.dialect, one.name, other.name)]
         if one.is_ranged and not one.is_number:
             return one
         if other.is_ranged and not other.is_number:
@@ -378,7 +388,7 @@ def _base(type_: t.ElementaryType) -> t.ElementaryType:
     """The type that a subrange or enumeration is one of."""
     if (type_.narrowed is None and not type_.names) or not type_.is_number:
         return type_
-    for name in _ORDER:
+    for name in ORDER:
         known = t.ELEMENTARY[name]
         if (known.least, known.greatest, known.family) == (type_.least, type_.greatest, type_.family):
             return known

@@ -52,18 +52,37 @@ class Sum:
     value: int | None  # None: a division by zero
 
 
+def together(one: str, other: str, dialect: Dialect) -> str:
+    """The type that two operands are brought to."""
+    (bits, signed), (others, other_signed) = WIDTHS[one], WIDTHS[other]
+    bit_string = {"BYTE", "WORD", "DWORD", "LWORD"} & {one, other}
+    if dialect is Dialect.SCL and signed != other_signed and not bit_string:
+        unsigned, size = (others, bits) if signed else (bits, others)
+        width = min(max(2 * unsigned, size), 64)
+        return next(type_ for type_ in ORDER if WIDTHS[type_] == (width, True))
+    return max(one, other, key=ORDER.index)
+
+
+def calculated(type_: str, dialect: Dialect) -> str:
+    """The type in which a tool calculates."""
+    return "DINT" if dialect is Dialect.CODESYS and WIDTHS[type_][0] < 32 else type_
+
+
 @s.composite
-def sums(draw: s.DrawFn, variables: dict[str, tuple[str, int]], depth: int = 4) -> Sum:
+def sums(draw: s.DrawFn, variables: dict[str, tuple[str, int]], dialect: Dialect, depth: int = 4) -> Sum:
     if depth == 0 or draw(s.integers(0, 3)) == 0:
         name = draw(s.sampled_from(sorted(variables)))
         type_, value = variables[name]
         return Sum(name, type_, value)
     operator = draw(s.sampled_from(["+", "-", "*", "/", "MOD", "neg", "AND", "OR", "XOR"]))
-    left = draw(sums(variables, depth - 1))
+    left = draw(sums(variables, dialect, depth - 1))
     if operator == "neg":
-        return Sum(f"(-{left.text})", left.type, None if left.value is None else wrap(-left.value, left.type))
-    right = draw(sums(variables, depth - 1))
-    type_ = max(left.type, right.type, key=ORDER.index)
+        type_ = calculated(left.type, dialect)
+        return Sum(f"(-{left.text})", type_, None if left.value is None else wrap(-left.value, type_))
+    right = draw(sums(variables, dialect, depth - 1))
+    type_ = together(left.type, right.type, dialect)
+    if operator not in ("AND", "OR", "XOR"):
+        type_ = calculated(type_, dialect)
     text = f"({left.text} {operator} {right.text})"
     if left.value is None or right.value is None:
         return Sum(text, type_, None)
@@ -79,30 +98,40 @@ def sums(draw: s.DrawFn, variables: dict[str, tuple[str, int]], depth: int = 4) 
 
 
 @s.composite
-def programs(draw: s.DrawFn) -> tuple[dict[str, tuple[str, int]], Sum, str]:
+def programs(draw: s.DrawFn, dialect: Dialect) -> tuple[dict[str, tuple[str, int]], Sum, str]:
     variables = {}
     for index in range(4):
         type_ = draw(s.sampled_from(ORDER))
         low, high = bounds(type_)
         edge = s.sampled_from([low, low + 1, high - 1, high, 0, 1, 2, 3, 7])
         variables[f"x{index}"] = (type_, draw(s.integers(low, high) | edge))
-    return variables, draw(sums(variables)), draw(s.sampled_from(ORDER))
+    return variables, draw(sums(variables, dialect)), draw(s.sampled_from(ORDER))
 
 
-@settings(deadline=None, max_examples=150)
-@given(programs())
-def test_integers_wrap_as_arithmetic_by_hand_says(case: tuple[dict[str, tuple[str, int]], Sum, str]) -> None:
-    variables, expected, target = case
+@pytest.mark.parametrize("dialect", [Dialect.IEC, Dialect.CODESYS, Dialect.SCL])
+@settings(deadline=None, max_examples=80)
+@given(s.data())
+def test_integers_wrap_as_arithmetic_by_hand_says(dialect: Dialect, data: s.DataObject) -> None:
+    variables, expected, target = data.draw(programs(dialect))
     declared = " ".join(f"{name} : {type_} := {value};" for name, (type_, value) in variables.items())
     declared += f" result : {target}; smaller : BOOL;"
     body = f"result := {expected.text}; smaller := {expected.text} < x0;"
     if expected.value is None:
         with pytest.raises(SimulationError, match="division by zero"):
-            main(declared, body)
+            main(declared, body, dialect)
         return
-    instance = main(declared, body)
+    instance = main(declared, body, dialect)
     assert instance["result"] == wrap(expected.value, target)
     assert instance["smaller"] == (expected.value < variables["x0"][1])
+
+
+def test_codesys_cuts_off_what_is_assigned_or_converted_only() -> None:
+    """The examples of the help of CODESYS, "Operators": overflow in the data type."""
+    declared = "w, v, z : WORD; d : DWORD; u : USINT; a, b, c, e, f : BOOL;"
+    body = """w := 65535; v := 0; d := w + 1; a := w + 1 = v; b := v - 1 = w; z := w + 1; c := z = v;
+    e := TO_WORD(w + 1) = v; f := u - 1 <> 255;"""
+    instance = main(declared, body, Dialect.CODESYS)
+    assert [instance[name] for name in "dabcef"] == [65536, False, False, True, True, True]
 
 
 @pytest.mark.parametrize("type_", ORDER)

@@ -1,0 +1,170 @@
+"""Calculations of tools that calculate in different types: source and result give the same, or the report differs.
+
+Each table is run: the values of the source under the rules of its tool against those of the result under its own.
+"""
+
+from __future__ import annotations
+
+import io
+from itertools import product
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.report import Outcome
+from plcopen_sfc.semantics.programs import Controller
+
+RANGES = {
+    "SINT": (-128, 127),
+    "USINT": (0, 255),
+    "INT": (-32768, 32767),
+    "UINT": (0, 65535),
+    "DINT": (-(1 << 31), (1 << 31) - 1),
+    "BYTE": (0, 255),
+    "WORD": (0, 65535),
+    "DWORD": (0, (1 << 32) - 1),
+}
+OPERATORS = ["+", "-", "*", "/", "MOD"]
+NARROW = ["SINT", "USINT", "INT", "UINT", "BYTE", "WORD"]
+NO_ARITHMETIC = ("BYTE", "WORD", "DWORD")
+ROUTES = [
+    ("codesys", "scl", ""),
+    ("codesys", "simaticml", ""),
+    ("codesys", "iec-text", "matiec"),
+    ("scl", "codesys", ""),
+    ("scl", "simaticml", ""),
+]
+DIALECTS = {"codesys": Dialect.CODESYS, "scl": Dialect.SCL}
+BODY = """stored := x {op} y;
+wide := x {op} y;
+is_greater := x {op} y > 100;
+is_negative := x {op} y < 0;
+half := ({op_of}) / 2;
+IF x {op} y = wide THEN count := count + 1; END_IF;
+negated := -x > 100;
+"""
+
+
+def source_of(tool: str, type_: str, body: str) -> sfc.Project:
+    """A function block in text of a tool."""
+    text = f"""FUNCTION_BLOCK Main
+VAR_INPUT x, y : {type_}; t, u : TIME; r : REAL; END_VAR
+VAR_OUTPUT stored, half : {type_}; wide : DINT; is_greater, is_negative, negated : BOOL; count : INT; END_VAR
+{body}
+END_FUNCTION_BLOCK
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    if tool == "scl":  # its names carry signs
+        return sfc.loads(sfc.dumps(project, format="scl", partial=True), format="scl")
+    project.dialect = DIALECTS[tool]
+    return project
+
+
+def converted(project: sfc.Project, target: str, flavour: str) -> tuple[sfc.Project, sfc.ConversionReport]:
+    data, report = sfc.convert(project, target, flavour=flavour, partial=True)
+    return sfc.loads(data, format=target, as_tool=True), report
+
+
+OUTPUTS = ("stored", "half", "wide", "is_greater", "is_negative", "count", "negated")
+
+
+def assert_same_outputs(project: sfc.Project, result: sfc.Project, type_: str) -> None:
+    """Run both with inputs from the ends of a type and between."""
+    instances = []
+    for each in (project, result):
+        controller = Controller(each)
+        instances.append(controller.instance("Main"))
+        assert not controller.problems, [str(problem) for problem in controller.problems]
+    for x, y in product(edges(type_), repeat=2):
+        found = []
+        for instance in instances if y != 0 else ():
+            instance["x"], instance["y"] = x, y
+            instance.scan()
+            found.append({name: instance[name] for name in OUTPUTS})
+        assert y == 0 or found[0] == found[1], (x, y)
+
+
+def edges(type_: str) -> list[int]:
+    low, high = RANGES[type_]
+    return sorted({low, low + 1, max(low, -1), 0, 1, 2, 3, 100, high - 1, high})
+
+
+@pytest.mark.parametrize("operator", OPERATORS)
+@pytest.mark.parametrize("type_", NARROW)
+@pytest.mark.parametrize(("tool", "target", "flavour"), ROUTES)
+def test_calculations_give_the_same_in_the_target(
+    tool: str, target: str, flavour: str, type_: str, operator: str
+) -> None:
+    if type_ in NO_ARITHMETIC and (tool == "scl" or flavour):
+        pytest.skip("neither S7 nor matiec has arithmetic on bit strings")
+    text = BODY.format(op=operator, op_of=f"x {operator} y")
+    project = source_of(tool, type_, text)
+    result, report = converted(project, target, flavour)
+    doubts = [item for item in report.losses if "does not document how it compares" in item.why]
+    assert [item for item in report.losses if item not in doubts] == []
+    assert not doubts or (tool == "codesys" and RANGES[type_][0] == 0)
+    assert_same_outputs(project, result, type_)
+
+
+@pytest.mark.parametrize("operator", OPERATORS)
+def test_what_is_stored_at_once_stays_as_it_is(operator: str) -> None:
+    """Sums and products are the same modulo a power of two, and a quotient fits."""
+    data, report = sfc.convert(source_of("codesys", "INT", f"stored := x {operator} y;"), "scl")
+    assert f"#stored := #x {operator} #y;" in data.decode()
+    assert not report.losses
+
+
+CHART = """FUNCTION_BLOCK Main
+VAR_INPUT x, y : {type_}; d : DINT; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP S1: q(N); END_STEP
+TRANSITION FROM S1 TO S2 := {condition}; END_TRANSITION
+STEP S2: END_STEP
+TRANSITION FROM S2 TO S1 := TRUE; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+CONDITIONS = ["x * y > d", "x + 1 > y", "x / y * 100 > d", "-x > y", "(x + y) / 2 > 100", "x * y = 16#FFFF"]
+
+
+@pytest.mark.parametrize(("type_", "condition"), [("INT", each) for each in CONDITIONS] + [("SINT", "x * y > 100")])
+def test_transitions_give_the_same_in_boxes(type_: str, condition: str) -> None:
+    project = sfc.loads(CHART.format(type_=type_, condition=condition).encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS
+    report = sfc.save(project, io.BytesIO(), format="simaticml", strict=True, limit=20)
+    assert report.compared["POU Main"].startswith("equal")
+
+
+def test_running_sees_that_a_product_is_cut_off() -> None:
+    """The same text under the rules of both tools."""
+    text = CHART.format(type_="INT", condition="x * y > d")
+    from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415
+
+    one, other = (sfc.loads(text.encode(), format="iec-text") for _ in range(2))
+    one.dialect, other.dialect = Dialect.CODESYS, Dialect.IEC
+    verdict = equivalent(one, other)
+    assert verdict.counterexample is not None
+
+
+def test_a_difference_of_times_is_reported_in_bodies_as_in_transitions() -> None:
+    for target in ("scl", "simaticml"):
+        _, report = converted(source_of("codesys", "INT", "is_greater := t - u > T#5s;"), target, "")
+        (item,) = report.losses
+        assert item.outcome is Outcome.APPROXIMATED
+        assert "TIME has no sign in CODESYS" in item.why
+    _, report = converted(source_of("scl", "INT", "is_greater := t - u < T#0s;"), "codesys", "")
+    assert ["TIME has no sign in CODESYS" in item.why for item in report.losses] == [True]
+
+
+@pytest.mark.parametrize(("type_", "word"), [("INT", "WORD"), ("USINT", "BYTE"), ("DINT", "DWORD")])
+def test_logic_of_integers_is_that_of_bit_strings_in_scl(type_: str, word: str) -> None:
+    data, report = sfc.convert(source_of("codesys", type_, "stored := x AND 7 OR NOT y;"), "scl")
+    assert not report.losses
+    assert f"{type_}_TO_{word}(#x) AND 16#7" in data.decode()
+    project, result = source_of("codesys", type_, "stored := x AND 7 OR NOT y;"), sfc.loads(data, format="scl")
+    assert_same_outputs(project, result, type_)
+
+
+def test_logic_of_integers_of_two_widths_is_refused() -> None:
+    _, report = converted(source_of("codesys", "INT", "stored := x AND wide;"), "scl", "")
+    assert [item.outcome for item in report.losses] == [Outcome.NOT_EXECUTED]
