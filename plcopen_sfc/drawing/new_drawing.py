@@ -213,6 +213,7 @@ class _Sketch:
                     stack.pop()
                 else:
                     stack.append(inner)
+        # at the end, as the steps of a loose transition may be drawn after it
         for symbol, transition in self.loose:
             outlets = [self.outlets[step] for step in self.flow.joints[transition].sources]
             symbol.inputs = self.pen.inputs(symbol.kind, outlets)
@@ -268,6 +269,7 @@ class _Sketch:
             bar = self.pen.bar(kind, self.one_wire())
             self.symbols.append(bar)
             top = bar.id
+            # a step has one outlet: loose transitions are wired to the bar below it
             if owner in self.outlets and above.bar is None:
                 self.outlets[owner] = top
         else:
@@ -282,6 +284,7 @@ class _Sketch:
             yield self.segment(branch)
             tail = self.tail
             if branch.joined and tail.wires:
+                # wires of the same kind share the bar below this divergence, others need one of their own
                 if not self.structured and len(tail.wires) > 1 and tail.parallel != divergence.parallel:
                     tail = _Tail(self.one_wire_of(tail))
                 wires += tail.wires

@@ -1,4 +1,4 @@
-"""Real charts: drawn anew they mean the same, and mostly look the same."""
+"""Real charts: drawn from the model they mean the same, and mostly look the same."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ def _leave_out(src: TextSource, part: TextPart, gap: tuple[int, int], error: Val
     src.ignored = before | set(offsets)
     for offset in offsets[:1]:
         src.note(
-            "IEC212", f"{message}; all pragmas of this package in this unit are left out", offset, f"POU {part.name}"
+            "IEC212", f"{message}; all pragmas of plcopen_sfc in this unit are left out", offset, f"POU {part.name}"
         )
     return src.ignored != before
 

@@ -121,6 +121,7 @@ class _Reader:
         project.carried = keep(_texts(unreadable=_plain_lines("\n".join(self._kept))))
         if self._kept:
             self._found.append((("stray", ""), (len(self._text), len(self._text)), ()))
+        # after all units: a data block may be above the types and blocks that it is made of
         for block, text, retain in self._begins:
             self._start_values(project, block, text, retain)
         if changes:
@@ -146,7 +147,7 @@ class _Reader:
                 changes.append((parse_change(found[1].strip()[1:-1].strip().removeprefix("plcopen_sfc")), comment))
             except NotationError as error:
                 self._note(
-                    "SCL202", Severity.WARNING, f"this comment of this package is damaged: {error}", comment.span[0]
+                    "SCL202", Severity.WARNING, f"this comment of plcopen_sfc is damaged: {error}", comment.span[0]
                 )
         return changes
 
@@ -169,17 +170,17 @@ class _Reader:
                     outdated.append(tuple(around))
                 elif last == "type":  # a start value is one of the type
                     outdated.append((*around, "initial"))
-                message = f"this comment of this package is for another text and left out: {error}"
+                message = f"this comment of plcopen_sfc is for another text and left out: {error}"
                 self._note("SCL203", Severity.WARNING, message, comment.span[0])
             except PathError as error:
                 self._note(
-                    "SCL202", Severity.WARNING, f"this comment of this package does not fit: {error}", comment.span[0]
+                    "SCL202", Severity.WARNING, f"this comment of plcopen_sfc does not fit: {error}", comment.span[0]
                 )
         try:
             return Project.model_validate(fields)
         except ValidationError as error:
             first = error.errors()[0]
-            message = f"the comments of this package are left out: {'.'.join(map(str, first['loc']))}: {first['msg']}"
+            message = f"the comments of plcopen_sfc are left out: {'.'.join(map(str, first['loc']))}: {first['msg']}"
             self._note("SCL202", Severity.WARNING, message, changes[0][1].span[0])
             return project
 

@@ -236,7 +236,7 @@ def read_member(ctx: DocumentReading, element: etree._Element) -> Fields:
         fields["initial"] = initial
     for child in elements if initial is None else ():
         carry_element(fields, child)
-    if members and spelled.rpartition(" ")[2] != "Struct":
+    if members and spelled.rpartition(" ")[2] != "Struct":  # a copy of the members of a named type
         for child in children(element):
             if local(child) == "Member":
                 carry_element(fields, child)

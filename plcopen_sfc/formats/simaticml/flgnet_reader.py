@@ -87,7 +87,7 @@ def read_flgnet(element: XmlNode, texts: dict[str, str] | None = None) -> list[F
     rail: list[Fields] = [{"kind": "leftPowerRail", "id": RAIL}] if has_rail else []
     if found.operands or found.targets:
         raise DamagedError("no wire leads to an operand")
-    free = max(map(int, found.parts), default=0) + 1
+    free = max(map(int, found.parts), default=0) + 1  # for inverters, which are no parts in the file
     nodes = [_node(number, part) for number, part in found.parts.items()]
     for place, node in reversed(list(enumerate(nodes))):
         if node.pop(INVERTED, False):

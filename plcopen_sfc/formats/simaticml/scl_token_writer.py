@@ -305,6 +305,7 @@ class _Writer:
 
     def _name(self, parent: XmlNode, name: str) -> None:
         is_path = name.startswith(("#", '"'))
+        # without # and quotes a called name is one of the system; names of users have quotes in SCL of TIA Portal
         if not is_path and self._next_is("LPAR", joined=True):
             call = sub(parent, "Access", {"Scope": "Call"})
             instruction = sub(call, "Instruction", {"Name": name})
@@ -365,6 +366,7 @@ class _Writer:
     def _call(self, parent: XmlNode, start: int, scope: str, path: str) -> None:
         """Write the call of an instance, or of a block of the user by its name."""
         is_block = scope == "GlobalVariable" and "." not in path
+        # an instance of a block of the system, such as a timer, is called by an instruction instead
         user_type = self.types.get(path.lower(), "").startswith('"')
         is_instance = is_block and self.hints.get(CALL + path) == "FB"
         if is_block or user_type:

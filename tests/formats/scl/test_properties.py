@@ -1,4 +1,4 @@
-"""Random projects: SCL says them, in comments of ours where it has no words, and takes them back."""
+"""Random projects: SCL, with our own comments for the rest, gives them back as they were."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_any_project_comes_back(project: m.Project) -> None:
 
 
 def without_first_comment(sections: list[m.VariableSection]) -> list[m.VariableSection]:
-    """`sections` without the comment that stands where TIA Portal has that of the block."""
+    """`sections` without the comment in the place where TIA Portal has that of the block."""
     for section in sections[:1]:
         section.comment = None
     return sections

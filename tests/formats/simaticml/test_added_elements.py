@@ -1,4 +1,4 @@
-"""What our writer has added is gone when the file is read again, unless somebody has edited it."""
+"""What our writer has added is gone when the file is read again, unless it was edited."""
 
 from __future__ import annotations
 
