@@ -16,7 +16,7 @@ from lxml import etree
 import plcopen_sfc as sfc
 from benchmarks import structured_text
 from plcopen_sfc.documents.sources import FolderSource
-from plcopen_sfc.formats.registry import recognise
+from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.xml.schema_validation import schema_path
 from plcopen_sfc.model import Project
 

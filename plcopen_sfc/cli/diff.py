@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator
 
-from plcopen_sfc.formats.registry import recognise
+from plcopen_sfc.formats.file_recognition import recognise
 
 __all__ = ["difference"]
 

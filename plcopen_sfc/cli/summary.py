@@ -108,7 +108,7 @@ def summarise(file: str, project: Project) -> FileSummary:
         file=file,
         format=kind.name,
         format_title=kind.title,
-        dialect=f"TC6 {version}" if version and kind.name in ("plcopen", "codesys") else version,
+        dialect=f"{kind.standard} {version}" if version and kind.standard else version,
         tool=project.header.product,
         tool_version=project.header.version,
         project=project.name,

@@ -13,9 +13,10 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.documents.writer_preparation import prepared
 from plcopen_sfc.errors import DamagedSourceError, LossError, UnknownFormatError
+from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest, is_from, place_in_folder, remember_body
-from plcopen_sfc.formats.registry import format_named, recognise
+from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.model.body import SfcBody

@@ -44,10 +44,10 @@ from plcopen_sfc.errors import (
     UnreadFormatError,
 )
 from plcopen_sfc.files import access_failure, read_bytes, write_all
-from plcopen_sfc.formats.file_recognition import HEAD, named_like
-from plcopen_sfc.formats.format_interface import Format, WriteOptions
+from plcopen_sfc.formats.file_recognition import named_like, recognised_as
+from plcopen_sfc.formats.format_interface import HEAD, Format, WriteOptions
 from plcopen_sfc.formats.provenance import place_in_folder, put_in_folder, take_provenance
-from plcopen_sfc.formats.registry import FORMATS, format_named, recognised_as
+from plcopen_sfc.formats.registry import FORMATS, format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.report import ConversionReport

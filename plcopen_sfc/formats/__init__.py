@@ -1,8 +1,8 @@
 """File formats, one package each, and the table that registers them.
 
-* `registry`: the table `FORMATS`, `format_named`, `recognise`. `file_recognition`: the start of a file, and formats
-  that are recognised but not read.
-* `format_interface`: the record `Format`, the classes of codecs, and `WriteOptions`.
+* `format_interface`: the record `Format`, the classes of codecs, and `WriteOptions`. `registry`: the table `FORMATS`,
+  and `format_named`.
+* `file_recognition`: `recognise`, and formats that are recognised but not read.
 * `xml` and `text_patch`: common parts of XML and text formats; `provenance`: what was edited since it was read;
   `task_schedules`: times of tasks.
 * The formats: `plcopen`, `codesys`, `simaticml`, `scl`, `iectext`, `json_codec`. `matiec` adapts projects to its

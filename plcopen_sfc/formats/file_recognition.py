@@ -1,4 +1,4 @@
-"""Recognition of files: their first bytes, and formats that are recognised but not read, with advice what to export."""
+"""Recognition of files by their content, and formats that are recognised but not read, with advice what to export."""
 
 from __future__ import annotations
 
@@ -7,47 +7,41 @@ from dataclasses import dataclass
 from pathlib import PurePath
 
 from plcopen_sfc.errors import Location, UnknownFormatError, UnreadFormatError
+from plcopen_sfc.formats.format_interface import FileHead, Format, head_of
+from plcopen_sfc.formats.registry import FORMATS
 from plcopen_sfc.model.dialect import Dialect
 
-_ROOT = re.compile(r"<(?![?!])(?:([\w.-]+):)?([\w.-]+)((?:\s+[\w:.-]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>")
-HEAD = 65536
-"""Bytes of a file that are looked at to recognise its format."""
+
+def recognise(data: bytes, *, file: str | None = None) -> Format:
+    """Return the format of a file's content.
+
+    Raises `UnreadFormatError` for files of tools that are not read, `UnknownFormatError`, or what is wrong with the XML
+    where it is XML.
+    """
+    head = head_of(data)
+    refuse_by_content(head, file)
+    found = next((f for f in FORMATS if f.recognises(head)), None)
+    if found is not None:
+        return found
+    refuse_by_name(head, file)
+    if head.text.lstrip().startswith("{"):
+        raise UnknownFormatError(
+            "JSON, but not a model that plcopen_sfc has saved", location=Location(file), hint=_HINT
+        )
+    # an error of its XML tells more than that the format is unknown
+    from plcopen_sfc.formats.plcopen.tc6_versions import find_version  # noqa: PLC0415  # only for files in trouble
+    from plcopen_sfc.formats.xml.xml_parsing import parse  # noqa: PLC0415
+
+    find_version(parse(data, file=file), file=file)
+    raise UnknownFormatError("no format recognises this file", location=Location(file), hint=_HINT)
 
 
-@dataclass(frozen=True)
-class FileHead:
-    """Start of a file, for recognition: its first text, and the root element where it is XML."""
-
-    text: str
-    root: str = ""
-    namespace: str = ""
-    data: bytes = b""
-    xhtml_prefix: bool = False
-
-    def mentions(self, text: str) -> bool:
-        """True if `text` occurs anywhere in the file, in any of the encodings that XML uses."""
-        return any(text.encode(codec) in self.data for codec in ("utf-8", "utf-16-le", "utf-16-be"))
+def recognised_as(kind: Format, start: bytes) -> bool:
+    """True if the first `HEAD` bytes of a file look like `kind`."""
+    return kind.recognises(head_of(start))
 
 
-def head_of(data: bytes) -> FileHead:
-    """Return what is known of a file from its first `HEAD` bytes."""
-    start = data[:HEAD]
-    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
-        text = start[: len(start) // 2 * 2].decode("utf-16", errors="replace")
-    # UTF-16 without a mark: XML begins with "<" in it.
-    elif start[:2] in (b"<\0", b"\0<"):
-        text = start[: len(start) // 2 * 2].decode("utf-16-le" if start[:1] == b"<" else "utf-16-be", errors="replace")
-    else:
-        text = start.decode("utf-8-sig", errors="replace")
-    plain = re.sub(r"<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\])?\s*>", "", text, flags=re.DOTALL)
-    match = _ROOT.search(plain)
-    if match is None or plain[: match.start()].strip():
-        return FileHead(text, data=data)
-    prefix, root, attributes = match.groups()
-    name = f"xmlns:{prefix}" if prefix else "xmlns"
-    declared = re.search(rf"\s{re.escape(name)}\s*=\s*(?:\"([^\"]*)\"|'([^']*)')", attributes)
-    namespace = (declared.group(1) or declared.group(2) or "") if declared else ""
-    return FileHead(text, root, namespace, data, "http://www.w3.org/1999/xhtml" in attributes)
+_HINT = "`plcopen-sfc formats` lists what can be read; give the format by name to insist on one."
 
 
 _OPENNESS = (

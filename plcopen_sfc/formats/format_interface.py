@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -22,6 +23,47 @@ TIA_PORTAL = "TIA Portal"
 """The product in the header of a project that was SimaticML: the markup that its objects carry is not of TC6."""
 
 
+_ROOT = re.compile(r"<(?![?!])(?:([\w.-]+):)?([\w.-]+)((?:\s+[\w:.-]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>")
+HEAD = 65536
+"""Bytes of a file that are looked at to recognise its format."""
+
+
+@dataclass(frozen=True)
+class FileHead:
+    """Start of a file, for recognition: its first text, and the root element where it is XML."""
+
+    text: str
+    root: str = ""
+    namespace: str = ""
+    data: bytes = b""
+    xhtml_prefix: bool = False
+
+    def mentions(self, text: str) -> bool:
+        """True if `text` occurs anywhere in the file, in any of the encodings that XML uses."""
+        return any(text.encode(codec) in self.data for codec in ("utf-8", "utf-16-le", "utf-16-be"))
+
+
+def head_of(data: bytes) -> FileHead:
+    """Return what is known of a file from its first `HEAD` bytes."""
+    start = data[:HEAD]
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
+        text = start[: len(start) // 2 * 2].decode("utf-16", errors="replace")
+    # UTF-16 without a mark: XML begins with "<" in it.
+    elif start[:2] in (b"<\0", b"\0<"):
+        text = start[: len(start) // 2 * 2].decode("utf-16-le" if start[:1] == b"<" else "utf-16-be", errors="replace")
+    else:
+        text = start.decode("utf-8-sig", errors="replace")
+    plain = re.sub(r"<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\])?\s*>", "", text, flags=re.DOTALL)
+    match = _ROOT.search(plain)
+    if match is None or plain[: match.start()].strip():
+        return FileHead(text, data=data)
+    prefix, root, attributes = match.groups()
+    name = f"xmlns:{prefix}" if prefix else "xmlns"
+    declared = re.search(rf"\s{re.escape(name)}\s*=\s*(?:\"([^\"]*)\"|'([^']*)')", attributes)
+    namespace = (declared.group(1) or declared.group(2) or "") if declared else ""
+    return FileHead(text, root, namespace, data, "http://www.w3.org/1999/xhtml" in attributes)
+
+
 Marks: TypeAlias = Mapping[int, Mapping[str, Any]]
 """Fields to keep beside objects that were rewritten, by their `id()`."""
 
@@ -40,6 +82,17 @@ class DrawingNeed(StrEnum):
     NONE = "none"
     PLAIN = "plain"
     STRUCTURED = "structured"
+
+
+class NetworkForm(StrEnum):
+    """Form in which the files of a format hold networks.
+
+    DRAWN: their elements. STATEMENTS: statements that mean the same. COMMENTS: nothing that a tool executes.
+    """
+
+    DRAWN = "drawn"
+    STATEMENTS = "statements"
+    COMMENTS = "comments"
 
 
 @dataclass(frozen=True)
@@ -132,14 +185,14 @@ class TextCodec(Codec):
 
 @dataclass(frozen=True)
 class Format:
-    """One format in the table of formats.
+    """One format in the table of formats, with the facts about it and its tools that others need.
 
-    `tool` is what reports call the tools that execute its files; empty: none does. `module` is imported when the format
-    is used. `recognises` looks at the start of a file (see
-    `formats.registry.Head`). `capabilities` are for people: what charts keep in this format in its own terms. `dialect`
-    is that of the structured text in its files; None: a file may hold any and names it. `xml`, `text`, `folders`: the
-    codec is an `XmlCodec`, a `TextCodec`, a `FolderCodec`. `ids`: its files keep the ids of steps, transitions and
-    elements of networks.
+    `tool` is the name of the tools that execute its files, in reports; empty: none does. `module` is imported when the
+    format is used. `recognises` looks at the start of a file. `capabilities` are for people: what charts keep in this
+    format in its own terms. `dialect` is that of the structured text in its files; None: a file may hold any and names
+    it. `xml`, `text`, `folders`: the codec is an `XmlCodec`, a `TextCodec`, a `FolderCodec`. `ids`: its files keep the
+    ids of steps, transitions and elements of networks. `positions`: they keep positions. `networks` is the form of
+    networks in its files, `one_sheet`: all networks of a body are on one. `standard` is what its versions are of.
     """
 
     name: str
@@ -147,7 +200,7 @@ class Format:
     tool: str
     module: str
     extensions: tuple[str, ...]
-    recognises: Callable[[Any], bool]
+    recognises: Callable[[FileHead], bool]
     capabilities: tuple[str, ...] = field(default=())
     versions: tuple[str, ...] = field(default=())
     flavours: tuple[str, ...] = field(default=())
@@ -158,6 +211,9 @@ class Format:
     dialect: Dialect | None = None
     ids: bool = True
     folders: bool = False
+    networks: NetworkForm = NetworkForm.DRAWN
+    one_sheet: bool = False
+    standard: str = ""
 
     def codec(self) -> Codec:
         """Import and return its codec: ``CODEC`` of its module."""

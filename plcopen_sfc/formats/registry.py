@@ -1,12 +1,11 @@
-"""The table of formats, and recognising a file by its content."""
+"""The table of formats."""
 
 from __future__ import annotations
 
 import re
 
-from plcopen_sfc.errors import Location, UnknownFormatError, UnknownVersionError, check_argument, nearest
-from plcopen_sfc.formats.file_recognition import FileHead, head_of, refuse_by_content, refuse_by_name
-from plcopen_sfc.formats.format_interface import DrawingNeed, Format
+from plcopen_sfc.errors import UnknownFormatError, UnknownVersionError, check_argument, nearest
+from plcopen_sfc.formats.format_interface import DrawingNeed, FileHead, Format, NetworkForm
 from plcopen_sfc.model.dialect import Dialect
 
 
@@ -80,6 +79,8 @@ FORMATS: tuple[Format, ...] = (
         xml=True,
         drawing=DrawingNeed.STRUCTURED,
         dialect=Dialect.CODESYS,
+        one_sheet=True,
+        standard="TC6",
     ),
     Format(
         name="plcopen",
@@ -103,6 +104,8 @@ FORMATS: tuple[Format, ...] = (
         drawing=DrawingNeed.PLAIN,
         positions=True,
         dialect=Dialect.IEC,
+        one_sheet=True,
+        standard="TC6",
     ),
     Format(
         name="simaticml",
@@ -151,6 +154,7 @@ FORMATS: tuple[Format, ...] = (
         capabilities=("declarations", "program text", "the rest in comments"),
         text=True,
         dialect=Dialect.SCL,
+        networks=NetworkForm.COMMENTS,
     ),
     Format(
         name="iec-text",
@@ -168,6 +172,7 @@ FORMATS: tuple[Format, ...] = (
         ),
         flavours=("matiec",),
         text=True,
+        networks=NetworkForm.STATEMENTS,
     ),
 )
 """Every format, in the order in which they are tried."""
@@ -228,35 +233,3 @@ def for_tia(name: str, tia: str) -> str:
 
 
 TIA_FORMAT = "simaticml"
-
-
-def recognise(data: bytes, *, file: str | None = None) -> Format:
-    """Return the format of a file's content.
-
-    Raises `UnreadFormatError` for files of tools that are not read, `UnknownFormatError`, or what is wrong with the XML
-    where it is XML.
-    """
-    head = head_of(data)
-    refuse_by_content(head, file)
-    found = next((f for f in FORMATS if f.recognises(head)), None)
-    if found is not None:
-        return found
-    refuse_by_name(head, file)
-    if head.text.lstrip().startswith("{"):
-        raise UnknownFormatError(
-            "JSON, but not a model that plcopen_sfc has saved", location=Location(file), hint=_HINT
-        )
-    # an error of its XML tells more than that the format is unknown
-    from plcopen_sfc.formats.plcopen.tc6_versions import find_version  # noqa: PLC0415  # only for files in trouble
-    from plcopen_sfc.formats.xml.xml_parsing import parse  # noqa: PLC0415
-
-    find_version(parse(data, file=file), file=file)
-    raise UnknownFormatError("no format recognises this file", location=Location(file), hint=_HINT)
-
-
-def recognised_as(kind: Format, start: bytes) -> bool:
-    """True if the first `HEAD` bytes of a file look like `kind`."""
-    return kind.recognises(head_of(start))
-
-
-_HINT = "`plcopen-sfc formats` lists what can be read; give the format by name to insist on one."

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from enum import StrEnum
 
+from plcopen_sfc.formats.format_interface import NetworkForm
+from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code_texts import Texts
@@ -100,36 +101,30 @@ class LoweringRules:
     at_rest: frozenset[str] = frozenset()
 
 
-_FORMATS = {
-    "simaticml": Tool.S7,
-    "scl": Tool.S7,
-    "codesys": Tool.CODESYS,
-    "codesys23": Tool.CODESYS,
-    "twincat": Tool.CODESYS,
-}
-_DIALECTS = {Dialect.SCL: Tool.S7, Dialect.CODESYS: Tool.CODESYS, Dialect.TWINCAT: Tool.CODESYS}
+_TOOL_OF_DIALECT = {Dialect.SCL: Tool.S7, Dialect.CODESYS: Tool.CODESYS, Dialect.TWINCAT: Tool.CODESYS}
 
 
 def tool_of(target: str | None, dialect: Dialect) -> Tool | None:
     """Return the tool that a format is for; without a format that of the dialect of the project. None: IEC 61131-3."""
-    return _FORMATS.get(target) if target is not None else _DIALECTS.get(dialect)
+    own = format_named(target)[0].dialect if target is not None else dialect
+    return _TOOL_OF_DIALECT.get(own) if own is not None else None
 
 
 def has_one_sheet(target: str | None) -> bool:
     """Return True if a format has all networks of a body on one sheet, as TC6 does."""
-    return target is not None and (target == "codesys" or target.startswith("plcopen"))
+    return target is not None and format_named(target)[0].one_sheet
 
 
 def has_networks(target: str | None) -> bool:
     """Return True if a format can hold networks; in SCL they would only be comments."""
-    return target != "scl"
+    return target is None or format_named(target)[0].networks is not NetworkForm.COMMENTS
 
 
 def shows_networks(target: str | None) -> bool:
     """Return True if a file of a format shows networks: textual IEC 61131-3 holds them as statements of its own."""
-    return has_networks(target) and target != "iec-text"
+    return target is None or format_named(target)[0].networks is NetworkForm.DRAWN
 
 
 def without_version(target: str) -> str:
     """Return the name of a format: ``simaticml`` of ``simaticml-V17``."""
-    return re.sub(r"-V?\d.*", "", target)
+    return format_named(target)[0].name
