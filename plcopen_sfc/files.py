@@ -65,6 +65,22 @@ def access_failure(path: str | os.PathLike[str], error: OSError) -> FileAccessEr
     return _failure(path, error, _READ_REASONS, "cannot be read")
 
 
+def refuse_unwritable(path: str | os.PathLike[str]) -> None:
+    """Raise `FileAccessError` where `write_atomic` would find no place for a file at `path`. Writes nothing."""
+    refuse_empty(path)
+    try:
+        target = Path(os.path.realpath(path))
+        if target.is_dir():
+            raise IsADirectoryError(errno.EISDIR, "is a directory")
+        if not target.parent.is_dir():
+            raise FileNotFoundError(errno.ENOENT, "no such folder")
+        _mode_of(target)
+        if not os.access(target.parent, os.W_OK):
+            raise PermissionError(errno.EACCES, "not writable")
+    except (OSError, ValueError) as error:
+        raise _failure(path, error, _WRITE_REASONS, "cannot be written") from error
+
+
 def write_atomic(path: str | os.PathLike[str], data: bytes) -> None:
     """Replace the file at `path` by `data`, or leave it exactly as it is.
 

@@ -85,7 +85,8 @@ def seconds(limit: float | str | None) -> float | None:
     if limit is None:
         return None
     try:
-        found = nanoseconds(limit) / 1e9 if isinstance(limit, str) else float(limit)
+        is_number = not isinstance(limit, str) or limit.replace(".", "", 1).isdecimal()
+        found = float(limit) if is_number else nanoseconds(str(limit)) / 1e9
     except InputError as error:
         hint = "Write it as 60s or 2m30s, or as a number of seconds."
         raise InputError(f"{limit!r} is no time limit", hint=hint) from error

@@ -8,12 +8,13 @@ import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import typer
 
-from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.cli.streams import silence_stdout
+from plcopen_sfc.cli.screen import Screen, silence_stdout
 from plcopen_sfc.errors import SfcError
+from plcopen_sfc.files import refuse_unwritable
 
 __all__ = ["UNREADABLE", "describe_exhaustion", "guarded"]
 
@@ -23,11 +24,16 @@ _PIPE_CLOSED = 141  # 128 + SIGPIPE
 
 
 @contextmanager
-def guarded(*, as_json: bool, quiet: bool, verbose: int) -> Iterator[Screen]:
-    """Run a command in this; ends in `typer.Exit` with `Screen.exit_code`, or with the code of what went wrong."""
+def guarded(*, as_json: bool, quiet: bool, verbose: int, report: Path | None = None) -> Iterator[Screen]:
+    """Run a command in this; ends in `typer.Exit` with `Screen.exit_code`, or with the code of what went wrong.
+
+    A `report` that cannot be written is an error before the command begins.
+    """
     debug = verbose > 1 or os.environ.get("PLCOPEN_SFC_DEBUG", "") not in {"", "0"}
-    screen = Screen(as_json=as_json, quiet=quiet, verbose=verbose)
+    screen = Screen(as_json=as_json, quiet=quiet, verbose=verbose, report=report)
     try:
+        if report is not None:
+            refuse_unwritable(report)
         yield screen
         screen.flush()
     except SfcError as error:
@@ -53,7 +59,7 @@ def guarded(*, as_json: bool, quiet: bool, verbose: int) -> Iterator[Screen]:
             screen.complain(f"{place}{error.strerror or error}")
             _trace(wanted=debug)
         _give_up_output(screen)
-    except Exception as error:  # a mistake of ours: say so, whatever it is
+    except Exception as error:  # a mistake in this package, which the message admits
         screen.exit_code = UNREADABLE
         screen.complain(f"{type(error).__name__}: {error}")
         screen.advise("This is a bug in plcopen_sfc, please report it; --verbose shows the details.")

@@ -16,9 +16,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 
-from plcopen_sfc.cli.flow import Flow, Path, common
 from plcopen_sfc.cli.screen import Line
 from plcopen_sfc.cli.wording import Wording
 from plcopen_sfc.model.dialect import Dialect
@@ -63,12 +63,12 @@ class _Outline:
         self.chart = chart
         self.signs = signs
         self.words = Wording(chart, dialect)
-        self.flow = Flow(chart)
+        self.flow = _Flow(chart)
         self.steps = {step.id: step for step in chart.steps}
         self.lines: list[Line] = []
-        self.told: dict[int, Path] = {}  # steps
+        self.told: dict[int, _Path] = {}  # steps
         self.told_transitions: set[int] = set()
-        self.arrived: dict[int, dict[int, Path]] = {}  # step: transition: where
+        self.arrived: dict[int, dict[int, _Path]] = {}  # step: transition: where
         self.branches = 0
 
     def run(self) -> list[Line]:
@@ -98,7 +98,7 @@ class _Outline:
                 self._line(_MARGIN, (self.signs.arrow, "dim"), self._names(transition.targets))
         self._sequence(step, _MARGIN, ())
 
-    def _sequence(self, step: int, indent: str, path: Path, first: str | None = None) -> None:
+    def _sequence(self, step: int, indent: str, path: _Path, first: str | None = None) -> None:
         """Tell `step` and all that follows in this leg. `first`: what stands before the step instead of `indent`."""
         following: int | None = step
         while following is not None:
@@ -117,7 +117,7 @@ class _Outline:
             if following is None:
                 following = self._going_on(indent, path)
 
-    def _legs(self, leaving: list[Transition], indent: str, path: Path) -> None:
+    def _legs(self, leaving: list[Transition], indent: str, path: _Path) -> None:
         """Tell the legs of a selection. A transition that waits for other steps too is told where they meet."""
         if len(leaving) == 1:
             return
@@ -136,7 +136,7 @@ class _Outline:
             if following is not None:
                 self._sequence(following, inner, where)
 
-    def _after(self, transition: Transition, indent: str, path: Path) -> int | None:
+    def _after(self, transition: Transition, indent: str, path: _Path) -> int | None:
         """What comes after a transition: the step to go on with in this leg; or arrows and legs, and None."""
         targets = list(dict.fromkeys(transition.targets))
         if len(targets) > 1:
@@ -151,7 +151,7 @@ class _Outline:
         self._arrow(target, indent)
         return None
 
-    def _simultaneous(self, transition: Transition, targets: list[int], indent: str, path: Path) -> None:
+    def _simultaneous(self, transition: Transition, targets: list[int], indent: str, path: _Path) -> None:
         self.branches += 1
         branch = self.branches
         for number, target in enumerate(targets):
@@ -164,13 +164,13 @@ class _Outline:
             else:
                 self._arrow(target, lead)
 
-    def _going_on(self, indent: str, path: Path) -> int | None:
+    def _going_on(self, indent: str, path: _Path) -> int | None:
         """What goes on here after legs were told: a step, or a transition, at which they meet."""
         for transition in self.chart.transitions:
             sources = set(transition.sources)
             if len(sources) < 2 or transition.id in self.told_transitions or not sources <= self.told.keys():
                 continue
-            if common(self.told[source] for source in sources) != path:
+            if _common(self.told[source] for source in sources) != path:
                 continue
             self._line(indent, (self.signs.meet, "dim"), self._names(transition.sources))
             self._condition(transition, indent + self.signs.down)
@@ -178,24 +178,24 @@ class _Outline:
             if following is not None:
                 return following
         for step, ways in self.arrived.items():
-            if step not in self.told and self._complete(step) and common(ways.values()) == path:
+            if step not in self.told and self._complete(step) and _common(ways.values()) == path:
                 return step
         return None
 
-    def _arrives(self, transition: Transition, target: int, path: Path) -> bool:
+    def _arrives(self, transition: Transition, target: int, path: _Path) -> bool:
         """Note that a way leads to `target`; whether its story goes on right here."""
         if target in self.told or target not in self.steps:
             return False
         ways = self.arrived.setdefault(target, {})
         ways[transition.id] = path
-        return len(path) < _DEEPEST and self._complete(target) and common(ways.values()) == path
+        return len(path) < _DEEPEST and self._complete(target) and _common(ways.values()) == path
 
     def _complete(self, step: int) -> bool:
         return self.flow.waits.get(step, set()) <= self.arrived.get(step, {}).keys()
 
     # -- the lines ----------------------------------------------------------------------------------------------------
 
-    def _step(self, number: int, indent: str, path: Path) -> None:
+    def _step(self, number: int, indent: str, path: _Path) -> None:
         step = self.steps[number]
         self.told[number] = path
         name = f"[[{step.name}]]" if step.initial else f"[{step.name}]"
@@ -229,3 +229,83 @@ class _Outline:
 
     def _line(self, indent: str, *pieces: tuple[str, str]) -> None:
         self.lines.append([(indent, "dim"), *pieces])
+
+
+_Path = tuple[tuple[int, int], ...]
+"""Where something stands: inside which legs, outermost first, each as (number of the branch, number of the leg)."""
+
+
+@dataclass
+class _Flow:
+    """The chart as a walk from its initial steps.
+
+    `roots` are the steps where the walk begins. `waits` says for each step how many transitions lead to it without
+    leading back: its story goes on where the last of them has arrived.
+    """
+
+    chart: SfcNetwork
+    leaving: dict[int, list[Transition]] = field(default_factory=dict)
+    roots: list[int] = field(default_factory=list)
+    waits: dict[int, set[int]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        ids = {step.id for step in self.chart.steps}
+        self.leaving = {step: [] for step in ids}
+        for transition in sorted(self.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
+            for source in dict.fromkeys(transition.sources):
+                if source in ids:
+                    self.leaving[source].append(transition)
+        self._walk(ids)
+
+    def _starts(self) -> Iterable[int]:
+        yield from (step.id for step in self.chart.steps if step.initial)
+        for transition in self.chart.transitions:
+            if not transition.sources:
+                yield from transition.targets
+        yield from (step.id for step in self.chart.steps)
+
+    def _walk(self, ids: set[int]) -> None:
+        """Depth first from every start that no earlier one reaches; a way to a step still being walked leads back."""
+        group: dict[int, int] = {}
+        for start in self._starts():
+            if start in group or start not in ids:
+                continue
+            self.roots.append(start)
+            group[start] = start
+            active = {start}
+            back: set[tuple[int, int]] = set()
+            members = [start]
+            stack = [(start, self._onward(start))]
+            while stack:
+                step, onward = stack[-1]
+                if not onward:
+                    active.discard(step)
+                    stack.pop()
+                    continue
+                transition, target = onward.pop()
+                if target in active:
+                    back.add((transition, target))
+                elif target in ids and target not in group:
+                    group[target] = start
+                    active.add(target)
+                    members.append(target)
+                    stack.append((target, self._onward(target)))
+            for member in members:
+                for transition, target in self._onward(member):
+                    if group.get(target) == start and (transition, target) not in back:
+                        self.waits.setdefault(target, set()).add(transition)
+
+    def _onward(self, step: int) -> list[tuple[int, int]]:
+        return [(t.id, target) for t in reversed(self.leaving[step]) for target in reversed(t.targets)]
+
+
+def _common(paths: Iterable[_Path]) -> _Path:
+    """The innermost place that all `paths` lie in."""
+    shared: _Path | None = None
+    for path in paths:
+        if shared is None:
+            shared = path
+            continue
+        length = next((i for i, (a, b) in enumerate(zip(shared, path, strict=False)) if a != b), None)
+        shared = shared[: min(len(shared), len(path)) if length is None else length]
+    return shared or ()

@@ -1,21 +1,38 @@
-"""Loading the files of a command one after another; one that cannot be read does not keep the others from it."""
+"""The files of a command: finding and loading them, and writing to standard output."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import glob
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from plcopen_sfc.api import load, loads
 from plcopen_sfc.cli.guard import UNREADABLE, describe_exhaustion
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location, SfcError
-from plcopen_sfc.files import read_bytes
+from plcopen_sfc.errors import FileAccessError, Location, SfcError
 from plcopen_sfc.model.project import Project
 
-__all__ = ["LoadedFile", "error_data", "exit_code_for", "finding_data", "load_each"]
+__all__ = [
+    "STANDARD_STREAM",
+    "LoadedFile",
+    "error_data",
+    "exit_code_for",
+    "expand",
+    "finding_data",
+    "load_each",
+    "load_input",
+    "written_to_stdout",
+]
+
+STANDARD_STREAM = "-"
+"""The name of standard input and standard output, in every command."""
+
 
 _FINDINGS = 1
 
@@ -38,7 +55,7 @@ def load_each(screen: Screen, names: Sequence[str], doing: str = "Reading") -> I
             if Path(name).is_dir():
                 project = _load_folder(screen, name, doing, bars=len(names) == 1)
             else:
-                project = loads(read_bytes(name), path=name)
+                project = load_input(screen, name)
             findings = project.diagnostics  # reads the charts, too, while their errors can be told
             found = LoadedFile(name, project, findings)
         except SfcError as error:
@@ -51,6 +68,34 @@ def load_each(screen: Screen, names: Sequence[str], doing: str = "Reading") -> I
         screen.exit_code = UNREADABLE
         screen.error(failure)
         yield LoadedFile(name, error=failure)
+
+
+def load_input(screen: Screen, name: str, *, as_tool: bool = False) -> Project:
+    """Load a file, a folder or standard input (``-``)."""
+    if name == STANDARD_STREAM:
+        return loads(sys.stdin.buffer.read(), path="standard input", as_tool=as_tool)
+    return load(name, progress=lambda files: screen.progress(files, "Loading"), as_tool=as_tool)
+
+
+@contextmanager
+def written_to_stdout(screen: Screen, target: str, extension: str) -> Iterator[str]:
+    """Give the path to write to: `target`, or for ``-`` that of a file which goes to standard output in the end.
+
+    What the command prints goes to standard error then. Raises `SfcError` where that is to be JSON.
+    """
+    if target != STANDARD_STREAM:
+        yield target
+        return
+    if screen.as_json:
+        hint = "Write the report to a file: --report FILE.json."
+        raise SfcError("the file and the JSON report cannot both go to standard output", hint=hint)
+    screen.results_to_stderr = True
+    with TemporaryDirectory() as folder:
+        path = Path(folder, f"stdout{extension}")
+        yield str(path)
+        if path.exists():
+            sys.stdout.flush()
+            sys.stdout.buffer.write(path.read_bytes())
 
 
 def _load_folder(screen: Screen, name: str, doing: str, *, bars: bool) -> Project:
@@ -88,3 +133,18 @@ def error_data(error: SfcError) -> dict[str, Any]:
 def _place(location: Location) -> dict[str, Any]:
     fields = {"file": location.file, "line": location.line, "column": location.column, "path": location.path}
     return {key: value for key, value in fields.items() if value is not None}
+
+
+def expand(names: Iterable[str]) -> list[str]:
+    """The files that `names` mean, each once. Raises `FileAccessError` where a pattern matches nothing."""
+    found: list[str] = []
+    for name in names:
+        if not glob.has_magic(name) or Path(name).exists():
+            found.append(name)
+            continue
+        matching = sorted(match for match in glob.glob(name) if not Path(match).is_dir())  # noqa: PTH207  # any path
+        if not matching:
+            hint = "Check the pattern and the working folder."
+            raise FileAccessError("no file matches this pattern", location=Location(name), hint=hint)
+        found += matching
+    return list(dict.fromkeys(found))

@@ -1,8 +1,13 @@
-"""What commands print with: results on standard output, messages on standard error, colours for people only."""
+"""What commands print with: results on standard output, messages on standard error, colours for people only.
+
+Works on Linux terminals, in Windows consoles and in pipes.
+"""
 
 from __future__ import annotations
 
+import io
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -10,7 +15,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
-from plcopen_sfc.cli.streams import is_terminal, is_unicode
+from plcopen_sfc.files import write_atomic
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -20,7 +25,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.diagnostics import Diagnostic
     from plcopen_sfc.errors import SfcError
 
-__all__ = ["Line", "Screen"]
+__all__ = ["Line", "Screen", "is_terminal", "prepare_streams", "silence_stdout"]
 
 T = TypeVar("T")
 
@@ -35,10 +40,13 @@ _STYLES = {"error": "bold red", "warning": "yellow", "info": "cyan"}
 class Screen:
     """Standard output and error of one command, and the exit code it will end with."""
 
-    def __init__(self, *, as_json: bool = False, quiet: bool = False, verbose: int = 0) -> None:
+    def __init__(
+        self, *, as_json: bool = False, quiet: bool = False, verbose: int = 0, report: Path | None = None
+    ) -> None:
         self.as_json = as_json
         self.quiet = quiet
         self.verbose = verbose
+        self.report = report
         self.exit_code = 0
         self.results_to_stderr = False
 
@@ -61,6 +69,13 @@ class Screen:
                 self._results.write(line + "\n")
         else:
             console.print(table.rich(console.width))
+
+    def result(self, data: Any) -> None:
+        """Take the whole result as data: print it as JSON where that is wanted, and write the report."""
+        if self.report is not None:
+            write_atomic(self.report, (json.dumps(data, ensure_ascii=False, indent=2) + "\n").encode())
+        if self.as_json:
+            self.json(data)
 
     def json(self, value: Any) -> None:
         """Print a value as JSON."""
@@ -184,3 +199,36 @@ def _takes_time(items: Sequence[object]) -> bool:
         except (OSError, ValueError):
             continue
     return size >= _MANY_BYTES
+
+
+def prepare_streams() -> None:
+    """Never an encoding error; UTF-8 in pipes, unless PYTHONIOENCODING says otherwise."""
+    for stream in (sys.stdout, sys.stderr):
+        if not isinstance(stream, io.TextIOWrapper):
+            continue
+        if is_terminal(stream) or os.environ.get("PYTHONIOENCODING"):
+            stream.reconfigure(errors="replace")
+        else:
+            stream.reconfigure(encoding="utf-8", errors="replace")
+
+
+def is_terminal(stream: TextIO) -> bool:
+    """Whether a person looks at `stream`."""
+    try:
+        return stream.isatty()
+    except (AttributeError, ValueError):  # closed, or none at all (pythonw.exe)
+        return False
+
+
+def is_unicode(stream: TextIO) -> bool:
+    """Whether `stream` can show every character."""
+    return (getattr(stream, "encoding", None) or "").lower().replace("-", "") in {"utf8", "utf16le", "utf16", "cp65001"}
+
+
+def silence_stdout() -> None:
+    """The reader of standard output is gone: let nothing complain at exit that it cannot be flushed."""
+    try:
+        number = sys.stdout.fileno()
+    except (OSError, ValueError):
+        return
+    os.dup2(os.open(os.devnull, os.O_WRONLY), number)

@@ -19,7 +19,7 @@ class TestFormats:
         assert outcome.code == 0
         assert plain(outcome.out)
         lines = outcome.out.splitlines()
-        assert lines[0].split()[:3] == ["format", "reads", "writes"]
+        assert lines[0].split()[:3] == ["format", "extensions", "what"]
         assert {"codesys", "plcopen", "json"} <= {line.split()[0] for line in lines[1:] if line}
         assert "plcopen-2.01" in outcome.out
         assert outcome.err == ""
@@ -27,7 +27,7 @@ class TestFormats:
     def test_json(self, cli):
         formats = {each["name"]: each for each in json.loads(cli("formats", "--json").out)["formats"]}
         assert formats["plcopen"]["versions"] == ["1.01", "2.0", "2.01"]
-        assert formats["codesys"]["reads"] is True
+        assert formats["iec-text"]["flavours"] == ["matiec"]
 
 
 class TestSchema:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from plcopen_sfc.cli.paths import expand
+from plcopen_sfc.cli.reading import expand
 from plcopen_sfc.cli.tables import Table
 from plcopen_sfc.errors import FileAccessError
 

@@ -9,8 +9,7 @@ from typing import Any
 
 from plcopen_sfc.checking import check
 from plcopen_sfc.cli.configuration import Configuration, Configurations
-from plcopen_sfc.cli.paths import expand
-from plcopen_sfc.cli.reading import LoadedFile, error_data, finding_data, load_each
+from plcopen_sfc.cli.reading import LoadedFile, error_data, expand, finding_data, load_each
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, ModelError, SfcError
@@ -70,8 +69,8 @@ def run(screen: Screen, patterns: Sequence[str], how: How) -> int:
         from plcopen_sfc.cli.sarif import sarif  # noqa: PLC0415  # only where it is asked for
 
         screen.json(sarif(everything, errors))
-    elif how.format == "json":
-        screen.json({"files": results})
+        screen.as_json = False
+    screen.result({"files": results})
     return screen.exit_code
 
 

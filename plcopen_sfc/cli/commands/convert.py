@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import io
-import json
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from plcopen_sfc.api import load, save
-from plcopen_sfc.cli.reading import exit_code_for
+from plcopen_sfc.analysis.search_limits import seconds
+from plcopen_sfc.api import save
+from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.cli.tables import Table
-from plcopen_sfc.errors import LossError, SfcError
-from plcopen_sfc.files import refuse_empty, write_atomic
+from plcopen_sfc.errors import LossError
+from plcopen_sfc.files import refuse_empty
 from plcopen_sfc.formats.registry import format_named
-from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Item, Outcome
 
 _SHOWN = 20
@@ -46,6 +43,11 @@ class How:
     limit: float = 0
 
 
+def seconds_to_run(limit: str) -> float:
+    """Return a limit of the command line in seconds; 0 is none of it."""
+    return 0 if limit.strip() == "0" else seconds(limit) or 0
+
+
 def run(
     screen: Screen,
     source: str,
@@ -55,35 +57,36 @@ def run(
     as_tool: bool,
     accept_errors: bool,
     accept_untested: bool,
-    report_to: Path | None,
 ) -> int:
     """Convert `source` to `target` (None: next to it, ``-``: standard output). `as_tool`: as its tool sees `source`.
+
+    From standard input (``-``) None is standard output.
 
     A chart of which not all was reached when it was run in both tools is a finding, unless `accept_untested`.
     """
     extension = format_named(how.format)[0].extensions[0]
-    to_stdout = target == "-"
-    if to_stdout and screen.as_json:
-        raise SfcError("the file and the JSON report cannot both go to standard output", hint="Use --report FILE.json.")
     refuse_empty(source)
-    target = target if target is not None else _beside(Path(source), how.format, extension)
-    screen.results_to_stderr = to_stdout
-    project = load(source, progress=lambda files: screen.progress(files, "Loading"), as_tool=as_tool)
-    for finding in project.diagnostics:
-        screen.finding(finding, result=False)
-    if accept_errors:
-        project.accept_errors()
-    try:
-        report = _save(project, target, how)
-    except LossError as loss:
-        _show(screen, loss.report)
-        _write_report(loss.report, report_to)
-        screen.error(loss)
-        return _FINDINGS
+    if target is None:
+        from_stdin = source == STANDARD_STREAM
+        target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.format, extension)
+    with written_to_stdout(screen, target, extension) as place:
+        project = load_input(screen, source, as_tool=as_tool)
+        for finding in project.diagnostics:
+            screen.finding(finding, result=False)
+        if accept_errors:
+            project.accept_errors()
+        try:
+            report = save(project, place, **asdict(how))
+        except LossError as loss:
+            _show(screen, loss.report)
+            screen.result(loss.report.as_dict())
+            screen.error(loss)
+            return _FINDINGS
+    report.written = [target] if target == STANDARD_STREAM else report.written
     _show(screen, report)
-    if not screen.as_json and not to_stdout:
+    if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         _show_written(screen, target, report)
-    _write_report(report, report_to)
+    screen.result(report.as_dict())
     if report.untested and not accept_untested:
         charts = "1 chart" if len(report.untested) == 1 else f"{len(report.untested)} charts"
         screen.note(
@@ -94,7 +97,7 @@ def run(
 
 
 def _show_written(screen: Screen, target: str, report: ConversionReport) -> None:
-    """Say what is new on the disk: the file, or how many files of a folder."""
+    """Print what is new on the disk: the file, or how many files of a folder."""
     if not Path(target).is_dir():
         screen.line("written: ", (target, "bold"))
         return
@@ -116,21 +119,8 @@ def _beside(source: Path, format_name: str, extension: str) -> str:
     return str(source.with_suffix(f".{format_name}{extension}") if own else plain)
 
 
-def _save(project: Project, target: str, how: How) -> ConversionReport:
-    """Save to a file or to standard output (``-``)."""
-    if target != "-":
-        return save(project, target, **asdict(how))
-    content = io.BytesIO()
-    report = save(project, content, **asdict(how))
-    sys.stdout.buffer.write(content.getvalue())
-    return report
-
-
 def _show(screen: Screen, report: ConversionReport) -> None:
-    if screen.as_json:
-        screen.json(report.as_dict())
-        return
-    if screen.quiet:
+    if screen.as_json or screen.quiet:
         return
     if report.unchanged:
         screen.line("the format is the same and nothing was edited: the file as it was read")
@@ -212,8 +202,3 @@ def _show_items(screen: Screen, report: ConversionReport) -> None:
         screen.line(f".. and {left_out.total()} more ({what}): --verbose shows all, --report writes all")
     if report.items:
         screen.line()
-
-
-def _write_report(report: ConversionReport, path: Path | None) -> None:
-    if path is not None:
-        write_atomic(path, (json.dumps(report.as_dict(), ensure_ascii=False, indent=2) + "\n").encode())

@@ -1,4 +1,4 @@
-"""``plcopen-sfc formats``: what can be read and written."""
+"""``plcopen-sfc formats``: what is read and written."""
 
 from __future__ import annotations
 
@@ -16,13 +16,11 @@ def run(screen: Screen) -> int:
     if screen.as_json:
         screen.json({"formats": formats})
         return 0
-    table = Table(["format", "reads", "writes", "extensions", "what it is", "charts keep"])
+    table = Table(["format", "extensions", "what it is", "charts keep"])
     for kind in formats:
         table.rows.append(
             (
                 kind["name"],
-                "yes" if kind["reads"] else "no",
-                "yes" if kind["writes"] else "no",
                 " ".join(kind["extensions"]),
                 kind["title"],
                 ", ".join(kind["capabilities"]),
@@ -43,8 +41,6 @@ def _data(kind: Format) -> dict[str, Any]:
     return {
         "name": kind.name,
         "title": kind.title,
-        "reads": True,
-        "writes": True,
         "extensions": list(kind.extensions),
         "versions": list(kind.versions),
         "flavours": list(kind.flavours),

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from plcopen_sfc.cli.outline import outline
-from plcopen_sfc.cli.paths import expand
-from plcopen_sfc.cli.reading import error_data, exit_code_for, finding_data, load_each
+from plcopen_sfc.cli.reading import error_data, exit_code_for, expand, finding_data, load_each
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.cli.summary import FileSummary, all_charts, summarise
 from plcopen_sfc.cli.tables import Table
@@ -27,22 +26,19 @@ def run(screen: Screen, patterns: Sequence[str], *, outlines: bool | None) -> in
             continue
         project, findings = loaded.project, loaded.findings
         summary = summarise(loaded.name, project)
-        if screen.as_json:
-            results.append(summary.as_dict() | {"findings": [finding_data(finding) for finding in findings]})
-        else:
+        if not screen.as_json:
             if results:
                 screen.line()
-            results.append({})
             _print_file(screen, summary)
             few = len(names) == 1 and len(summary.charts) <= _FEW_CHARTS
             if outlines or (outlines is None and few):
                 _print_outlines(screen, project)
             screen.flush()
+        results.append(summary.as_dict() | {"findings": [finding_data(finding) for finding in findings]})
         for finding in findings:
             screen.finding(finding, result=False)
         screen.exit_code = exit_code_for(screen, findings)
-    if screen.as_json:
-        screen.json({"files": results})
+    screen.result({"files": results})
     return screen.exit_code
 
 

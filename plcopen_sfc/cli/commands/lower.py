@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from plcopen_sfc.api import load
 from plcopen_sfc.cli.guard import UNREADABLE
-from plcopen_sfc.cli.reading import error_data, exit_code_for
+from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
 from plcopen_sfc.errors import LoweringError, UntestedError
-from plcopen_sfc.files import write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou
 from plcopen_sfc.lowering.project_lowering import LoweringOptions
@@ -40,17 +37,23 @@ class How:
     accept_errors: bool = False
 
 
-def run(screen: Screen, source: str, target: str | None, how: How, *, report_to: Path | None) -> int:
-    """Lower the charts of `source`, or one of them, into `target` (None: a file next to it), and show what was made."""
-    project = load(source, progress=lambda files: screen.progress(files, "Loading"))
+def run(screen: Screen, source: str, target: str | None, how: How) -> int:
+    """Lower the charts of `source`, or one of them, into `target` (None: a file next to it), and show what was made.
+
+    ``-`` is standard input and standard output.
+    """
+    if target is None:
+        target = STANDARD_STREAM if source == STANDARD_STREAM else _beside(Path(source), how.to)
+    project = load_input(screen, source)
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
     if how.accept_errors:
         project.accept_errors()
-    with screen.searching() as progress:
+    extension = format_named(how.to)[0].extensions[0]
+    with written_to_stdout(screen, target, extension) as place, screen.searching() as progress:
         made = lower_to_file(
             project,
-            target or _beside(Path(source), how.to),
+            place,
             how.construction,
             format=how.to,
             tia=how.tia,
@@ -63,15 +66,14 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
             progress=progress,
             **how.options,
         )
+    if target == STANDARD_STREAM and made.path is not None:
+        made = replace(made, path=target)
+        made.report.written = [target]
     untested = all(isinstance(error, UntestedError) for error in made.refused.values())
     if len(made.refused) == 1 and not made.pous and not untested:
         raise next(iter(made.refused.values()))
-    data = _as_data(made)
-    if report_to is not None:
-        write_atomic(report_to, (json.dumps(data, ensure_ascii=False, indent=2) + "\n").encode())
-    if screen.as_json:
-        screen.json(data)
-    elif made.path is not None:
+    screen.result(_as_data(made))
+    if made.path is not None and not screen.as_json and not screen.quiet:
         _show(screen, made.path, made.pous, made.report)
     for error in made.refused.values():
         screen.error(error)

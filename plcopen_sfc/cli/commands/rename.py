@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterator
 from typing import Any
 
-from plcopen_sfc.api import load, save
-from plcopen_sfc.cli.diff import difference
+from plcopen_sfc.api import save
+from plcopen_sfc.cli.reading import STANDARD_STREAM, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.folder_projects import edited_files
+from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.languages.binding import Use
 from plcopen_sfc.refactor.rename import RenameResult
-from plcopen_sfc.report import LOSSES, ConversionReport, Outcome
+from plcopen_sfc.report import LOSSES, Outcome
 
 UNREAD_DOCUMENT = "DIR101"
 _SHOWN = 20
@@ -18,29 +21,34 @@ _FINDINGS = 1
 
 
 def run(screen: Screen, file: str, old: str, new: str, *, dry_run: bool) -> int:
-    """Rename `old` to `new` in `file`; with `dry_run` only show what would change in it."""
-    project = load(file, progress=lambda files: screen.progress(files, "Loading"))
+    """Rename `old` to `new` in `file` (``-``: from standard input to standard output).
+
+    With `dry_run` only show what would change in it.
+    """
+    project = load_input(screen, file)
     result = project.rename(old, new)
     for finding in project.diagnostics:
         if finding.code == UNREAD_DOCUMENT:
             screen.finding(finding, result=False)  # the name may stand in it too
-    report = None
-    diff: list[str] = []
     if dry_run:
-        diff = [line for name, before, after in edited_files(project, file) for line in difference(before, after, name)]
-    else:
-        report = save(project, file)
-    if screen.as_json:
-        screen.json(_data(file, result, report, diff))
-    elif dry_run:
-        for line in diff:
+        files = edited_files(project, file)
+        diff = [line for name, before, after in files for line in _difference(before, after, name)]
+        for line in () if screen.as_json else diff:
             screen.line((line, _DIFF_STYLES.get(line[:1], "")))
+        screen.result(_data(file, result) | {"diff": diff})
     else:
-        _show(screen, result)
-        for name in report.written if report is not None else ():
-            screen.line("written: ", (name, "bold"))
-    for item in report.with_outcome(*LOSSES, Outcome.DROPPED) if report is not None else ():
-        screen.note(f"{item.place}: {item.why}")
+        with written_to_stdout(screen, file, "") as target:
+            report = save(project, target, format=project.source.format if project.source is not None else None)
+        if file == STANDARD_STREAM:
+            report.written = [file]
+        if not screen.as_json and not screen.quiet:
+            _show(screen, result)
+            for name in report.written:
+                screen.line("written: ", (name, "bold"))
+        losses = [f"{item.place}: {item.why}" for item in report.losses]
+        screen.result(_data(file, result) | {"written": report.written, "losses": losses})
+        for item in report.with_outcome(*LOSSES, Outcome.DROPPED):
+            screen.note(f"{item.place}: {item.why}")
     if result.undecided and not screen.as_json:
         screen.note(f"these places have the name {result.old} too; look whether they mean {result.path}:")
         for undecided in result.undecided:
@@ -62,20 +70,14 @@ def _show(screen: Screen, result: RenameResult) -> None:
         screen.line(f"  .. and {count - len(shown)} more: --verbose shows all")
 
 
-def _data(file: str, result: RenameResult, report: ConversionReport | None, diff: list[str]) -> dict[str, Any]:
-    data: dict[str, Any] = {
+def _data(file: str, result: RenameResult) -> dict[str, Any]:
+    return {
         "file": file,
         "path": result.path,
         "old": result.old,
         "new": result.new,
         "changed": [_use(use) for use in result.changed],
         "undecided": [_use(undecided.use) | {"reason": undecided.reason} for undecided in result.undecided],
-    }
-    if report is None:
-        return data | {"diff": diff}
-    return data | {
-        "written": report.written,
-        "losses": [f"{item.place}: {item.why}" for item in report.losses],
     }
 
 
@@ -87,3 +89,18 @@ def _use(use: Use) -> dict[str, Any]:
         "column": use.column,
         "text": use.text,
     }
+
+
+def _difference(before: bytes, after: bytes, name: str) -> Iterator[str]:
+    """The unified difference of two contents of the file `name`, without context."""
+    codec = _encoding(before or after, name)
+    old, new = (data.decode(codec, "replace").lstrip("\ufeff").splitlines() for data in (before, after))
+    yield from difflib.unified_diff(old, new, name, name, n=0, lineterm="")
+
+
+def _encoding(data: bytes, name: str) -> str:
+    if not recognise(data, file=name).xml:
+        return "utf-8"
+    from plcopen_sfc.formats.xml.xml_parsing import detect_encoding  # noqa: PLC0415  # only for XML
+
+    return detect_encoding(data, file=name).codec

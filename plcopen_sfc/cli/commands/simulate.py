@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from plcopen_sfc.api import load
+from plcopen_sfc.cli.reading import load_input
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.cli.tables import Table
 from plcopen_sfc.errors import InputError, SimulationError
+from plcopen_sfc.files import refuse_unwritable
 from plcopen_sfc.semantics.inputs import CsvInputs, InputSource, RandomInputs
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import resolve
@@ -39,7 +40,10 @@ def run(screen: Screen, file: str, how: How, *, csv: Path | None, vcd: Path | No
     """Run what is asked for; prints the scans in which something happens."""
     if how.inputs is not None and how.seed is not None:
         raise InputError("inputs come from a file or from chance, not from both", hint="Leave out --inputs or --seed.")
-    project = load(file)
+    project = load_input(screen, file)
+    for wanted in (csv, vcd):
+        if wanted is not None:
+            refuse_unwritable(wanted)
     simulation = Simulation(
         resolve(project, how.pou),
         profile=how.profile,
@@ -54,10 +58,10 @@ def run(screen: Screen, file: str, how: How, *, csv: Path | None, vcd: Path | No
         simulation.set(name.strip(), value.strip())
     failure = _drive(screen, simulation, how)
     trace = simulation.trace
-    if screen.as_json:
+    if screen.as_json or screen.report is not None:
         data = trace.as_dict() | {"file": file}
-        screen.json(data | ({"error": str(failure)} if failure is not None else {}))
-    else:
+        screen.result(data | ({"error": str(failure)} if failure is not None else {}))
+    if not screen.as_json:
         _show(screen, trace)
     for path, save in ((csv, trace.save_csv), (vcd, trace.save_vcd)):
         if path is not None:

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from plcopen_sfc.api import check_syntax
-from plcopen_sfc.cli.paths import expand
-from plcopen_sfc.cli.reading import LoadedFile, error_data, exit_code_for, finding_data, load_each
+from plcopen_sfc.cli.reading import LoadedFile, error_data, exit_code_for, expand, finding_data, load_each
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.documents.sources import FileSource, documents_of
@@ -30,8 +29,7 @@ def run(screen: Screen, patterns: Sequence[str]) -> int:
         results.append({"file": loaded.name, "valid": valid, "findings": [finding_data(f) for f in findings]})
         if not screen.as_json:
             _print(screen, loaded.name, findings, valid=valid)
-    if screen.as_json:
-        screen.json({"files": results})
+    screen.result({"files": results})
     return screen.exit_code
 
 

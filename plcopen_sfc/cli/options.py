@@ -1,0 +1,163 @@
+"""The arguments and options of the commands, each declared once: what a name means is the same in every command."""
+
+# No `from __future__ import annotations`: typer reads the annotations at run time.
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+
+def _formats() -> list[str]:
+    from plcopen_sfc.formats.registry import FORMATS  # noqa: PLC0415  # only for shells that complete a word
+
+    return [kind.name for kind in FORMATS]
+
+
+def _flavours() -> list[str]:
+    from plcopen_sfc.formats.registry import FORMATS  # noqa: PLC0415
+
+    return [flavour for kind in FORMATS for flavour in kind.flavours]
+
+
+def _profiles() -> list[str]:
+    from plcopen_sfc.semantics.profile import PROFILES  # noqa: PLC0415
+
+    return list(PROFILES)
+
+
+def _option(name: str, help: str, metavar: str | None = None, **more: Any) -> Any:
+    return typer.Option(name, help=help, metavar=metavar, **more)
+
+
+# -- files ------------------------------------------------------------------------------------------------------------
+
+_FILE = "A file, a folder of a TIA export, or - for standard input."
+
+Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Files, folders of TIA exports, patterns, or -.")]
+File = Annotated[str, typer.Argument(metavar="FILE", help=_FILE)]
+Source = Annotated[str, typer.Argument(metavar="SRC", help=_FILE)]
+Target = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="[DST]", help="A file, a folder (out/), or - for standard output. The default is next to the source."
+    ),
+]
+To = Annotated[
+    str, _option("--to", "The format to write. `plcopen-sfc formats` lists them.", "FORMAT", autocompletion=_formats)
+]
+For = Annotated[
+    str, _option("--for", "Write for a tool that reads less: beremiz or matiec.", "TOOL", autocompletion=_flavours)
+]
+Tia = Annotated[str, _option("--tia", "Write for this version of TIA Portal, such as V16.", "VERSION")]
+AcceptErrors = Annotated[
+    bool, _option("--accept-errors", "Write what could be read of a file in which reading finds errors.")
+]
+AsTool = Annotated[bool, _option("--as-tool", "Read the file as its tool does, without data that only we read.")]
+Partial = Annotated[bool, _option("--partial", "Write a file that does not execute everything; the report says what.")]
+Strict = Annotated[bool, _option("--strict", "Refuse all that changes behaviour, not only what is not executed.")]
+Fresh = Annotated[bool, _option("--fresh", "Write from the model alone and not into the old text.")]
+Normalize = Annotated[bool, _option("--normalize", "Leave out what TIA Portal ignores, such as the time of export.")]
+DryRun = Annotated[bool, _option("--dry-run", "Show the changes as a diff and write nothing.")]
+
+# -- what every command prints ----------------------------------------------------------------------------------------
+
+AsJson = Annotated[bool, _option("--json", "Print the result as JSON.")]
+Report = Annotated[Path | None, _option("--report", "Write to this file what --json prints.", "FILE.json")]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="Print nothing but errors and the result that was asked for.")
+]
+Verbose = Annotated[
+    int, typer.Option("--verbose", "-v", count=True, help="Print more messages; given twice, also tracebacks.")
+]
+
+# -- charts and how they are executed ---------------------------------------------------------------------------------
+
+PouName = Annotated[
+    str | None, _option("--pou", "Take this POU only; Main.Fill is the chart of its action Fill.", "NAME")
+]
+Profile = Annotated[
+    str | None,
+    _option("--profile", "Execute charts as this tool does. The default is the tool of the file.", "NAME",
+            autocompletion=_profiles),
+]  # fmt: skip
+Free = Annotated[
+    list[str] | None,
+    _option("--free", "Take a variable that nothing writes as an input, or all of them. Repeatable.", "NAME"),
+]
+AcceptUntested = Annotated[
+    bool, _option("--accept-untested", "Accept charts of which not all was reached in the comparison.")
+]
+Limit = Annotated[str | None, _option("--limit", "Compare a chart for no longer than this: 5, 60s, 2m30s.", "TIME")]
+ConvertLimit = Annotated[str, _option("--limit", "Run the charts in both tools for so long; 0 leaves it out.", "TIME")]
+Charts = Annotated[
+    bool | None, _option("--charts/--no-charts", "Outline each chart. The default is to do so for few charts.")
+]
+
+# -- rules ------------------------------------------------------------------------------------------------------------
+
+Codes = Annotated[list[str] | None, typer.Argument(metavar="[CODE]...", help="Explain these rules: STR, SEL01 ..")]
+Select = Annotated[list[str] | None, _option("--select", "Apply these rules only: STR, SEL01 ..", "CODES")]
+Ignore = Annotated[list[str] | None, _option("--ignore", "Leave out these rules.", "CODES")]
+FailOn = Annotated[
+    str | None,
+    _option("--fail-on", "End with exit code 1 from this severity on: error, warning (default), info, never.",
+            "SEVERITY"),
+]  # fmt: skip
+Form = Annotated[str, _option("--format", "Print the result as text, json, or sarif (2.1.0).", "FORMAT")]
+Markdown = Annotated[bool, _option("--markdown", "Print the page docs/checks.md.")]
+
+# -- renaming ---------------------------------------------------------------------------------------------------------
+
+OldName = Annotated[str, typer.Argument(metavar="OLD", help="What to rename: Main, Main.S3, GVL.x, Type.member.")]
+NewName = Annotated[str, typer.Argument(metavar="NEW", help="Its new name.")]
+
+# -- simulating -------------------------------------------------------------------------------------------------------
+
+Inputs = Annotated[
+    str | None, _option("--inputs", "Take inputs from this file: a column each, a row for each scan.", "FILE.csv")
+]
+Seed = Annotated[int | None, _option("--seed", "Make random inputs, the same for the same number.", "N")]
+SystemInputs = Annotated[
+    bool, _option("--system-inputs", "With --seed, also change inputs that operate the chart (INIT_SQ, SFCInit).")
+]
+Scans = Annotated[
+    int | None, _option("--scans", "Run so many scans. The default is as many as there are inputs, or 100.", "N", min=0)
+]
+ScanTime = Annotated[str, _option("--scan-time", "Let this time pass from scan to scan.", "TIME")]
+Settings = Annotated[
+    list[str] | None, _option("--set", "Give a variable a value before the first scan. Repeatable.", "NAME=VALUE")
+]
+Record = Annotated[list[str] | None, _option("--record", "Record only this variable. Repeatable.", "NAME")]
+Csv = Annotated[Path | None, _option("--csv", "Save every scan as CSV.", "FILE")]
+Vcd = Annotated[Path | None, _option("--vcd", "Save a wave file for GTKWave.", "FILE")]
+
+# -- lowering ---------------------------------------------------------------------------------------------------------
+
+Construction = Annotated[str, _option("--as", "Make flipflop (fup), case, regions, bits, or what fits: auto.", "FORM")]
+Style = Annotated[str, _option("--style", "Make exact code, or classic as in textbooks.", "STYLE")]
+Language = Annotated[
+    str | None, _option("--language", "Write ST, FBD or LD. The default is FBD for flip-flops, ST in text.", "LANG")
+]
+Init = Annotated[
+    str | None, _option("--init", "Add an input of this name that restarts the sequence; classic has Init.", "NAME")
+]
+NoInit = Annotated[bool, _option("--no-init", "Add no such input to classic forms; they start in the first scan.")]
+Stop = Annotated[
+    str | None,
+    _option("--stop", "On this condition (emergency stop) activate only the initial step.", "CONDITION"),
+]
+ResetActions = Annotated[bool, _option("--reset-actions", "Let --init and --stop end stored actions too.")]
+States = Annotated[str, _option("--states", "Write states of a CASE as numbers, constants or enumeration.", "KIND")]
+Actions = Annotated[str, _option("--actions", "Write actions inline, or in a block of their own: block.", "PLACE")]
+Flags = Annotated[str, _option("--flags", "Put step flags local, to an address (M20.0), or in a data block.", "PLACE")]
+Modes = Annotated[
+    list[str] | None, _option("--mode", "Add inputs for enable, single-step, advance or select. Repeatable.", "MODE")
+]
+AtRest = Annotated[
+    list[str] | None,
+    _option("--at-rest", "Write no code for this input of S7-GRAPH (S_ON), or for all. Repeatable.", "NAME"),
+]
+TextLanguage = Annotated[str, _option("--lang", "Write titles and comments in en or de.", "LANG")]
+Verify = Annotated[bool, _option("--verify/--no-verify", "Compare the code with the chart, or do not.")]
+SkipRefused = Annotated[bool, _option("--skip-refused", "Leave charts that cannot be lowered as they are.")]
