@@ -26,10 +26,9 @@ from plcopen_sfc.analysis.product import compare, end_of, failure_of
 from plcopen_sfc.analysis.search_limits import INTERRUPTED
 from plcopen_sfc.analysis.stimuli import patterns
 from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.analysis.timers import STEADY, RunningClocks
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.semantics.inputs import samples
-from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import INSTANT
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
 __all__ = ["Directed", "DirectedSearch", "Step"]
@@ -38,7 +37,6 @@ _PATTERN_SCANS = 40
 _WAITS = 40
 """Scans of one wait, not counting those in which nothing but clocks goes on."""
 
-_STEADY = 2
 _FLIPS = 24
 _VALUES = 8
 _MOST_VALUES = 24
@@ -152,7 +150,7 @@ class DirectedSearch:
         self._runs = 0
         self._scans = 0
         self._difference: list[Step] | None = None
-        self._clocks = [_Clocks(each) for each in self._sides]
+        self._clocks = [RunningClocks(each.instance) for each in self._sides]
         # of the run that goes on
         self._at = 0
         self._way: list[Step] = []
@@ -368,7 +366,7 @@ class DirectedSearch:
         seen: Any = None
         for _ in range(_WAITS):
             virtual = 0
-            if steady >= _STEADY:
+            if steady >= STEADY:
                 ends = [each.next_end(self._clock) for each in self._clocks]
                 known = [end for end in ends if end is not None]
                 if not known:
@@ -450,60 +448,6 @@ class DirectedSearch:
                 self._chance.choice((value ^ bit, value + 1, value - 1, self._chance.getrandbits(64))), signal
             )
         return self._chance.choice(self._values[name])
-
-
-class _Clocks:
-    """The clocks of a system, and all of it that is none."""
-
-    def __init__(self, system: ProgramSystem) -> None:
-        self._system = system
-        self._starts: list[tuple[list[Any], int]] = []
-        self._rest: list[tuple[list[Any], int]] = []
-        self._seen: set[int] = set()
-        for frame in (system.instance.frame, system.instance.controller.library.frame):
-            self._look(frame)
-
-    def _look(self, frame: Frame) -> None:
-        if id(frame) in self._seen:
-            return
-        self._seen.add(id(frame))
-        types = [field.type for field in frame.layout.fields]
-        times = INSTANT in types
-        for slot, (type_, value) in enumerate(zip(types, frame.v, strict=False)):
-            if type_ is INSTANT:
-                self._starts.append((frame.v, slot))
-            elif isinstance(value, Frame):
-                self._look(value)
-            elif isinstance(value, list):
-                for item in value:
-                    if isinstance(item, Frame):
-                        self._look(item)
-            elif not (times and getattr(type_, "name", "") in ("TIME", "LTIME")) and not _is_elapsed(type_):
-                self._rest.append((frame.v, slot))
-
-    def still(self) -> list[Any]:
-        """The values of all that is no clock."""
-        return [cells[slot] if not isinstance(cells[slot], list) else None for cells, slot in self._rest]
-
-    def next_end(self, clock: Clocking) -> int | None:
-        """In how many scans the next clock ends, if one runs; one that has just ended is waited for.
-
-        A condition may want more than the time, or see it a scan later.
-        """
-        now = self._system.instance.controller.now
-        past = _STEADY * clock.scan_time
-        left = [
-            constant - (now - start)
-            for cells, slot in self._starts
-            if (start := cells[slot]) is not None
-            for constant in clock.constants
-            if constant + past > now - start
-        ]
-        return min(left) // clock.scan_time if left else None
-
-
-def _is_elapsed(type_: Any) -> bool:
-    return getattr(type_, "unit", 0) == 1 and getattr(type_, "length", 0) == 1
 
 
 def _bucket(distance: float) -> int:

@@ -13,7 +13,9 @@ from enum import StrEnum
 from typing import TypeAlias
 
 from plcopen_sfc.analysis.answers import Answer
-from plcopen_sfc.analysis.formulas import Formula, Knowledge, Reading, Situation, disjunction, negation
+from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, Situation
+from plcopen_sfc.analysis.knowledge import Knowledge
+from plcopen_sfc.analysis.z3_terms import disjunction, negation
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
@@ -83,7 +85,7 @@ def exclusive(
     if problem is not None:
         return Exclusivity(Answer.UNKNOWN, reason=problem)
     formula = Formula(dialect, knowledge)
-    possible, witness, reason = formula.check(formula.terms([r for r in read if isinstance(r, Reading)]))
+    possible, witness, reason = formula.check(formula.terms([r for r in read if isinstance(r, JudgedCondition)]))
     return Exclusivity(_not(possible), witness, reason)
 
 
@@ -115,7 +117,7 @@ def covered(
     if any(isinstance(r, str) for r in read):
         return Answer.UNKNOWN
     formula = Formula(dialect, knowledge)
-    first, *rest = formula.terms([r for r in read if isinstance(r, Reading)])
+    first, *rest = formula.terms([r for r in read if isinstance(r, JudgedCondition)])
     possible, _, _ = formula.check([first, negation(disjunction(rest))])
     return _not(possible)
 
@@ -126,18 +128,18 @@ def _not(possible: bool | None) -> Answer:
     return Answer.NO if possible else Answer.YES
 
 
-def _read(condition: AnyCondition, dialect: Dialect) -> Reading | str:
+def _read(condition: AnyCondition, dialect: Dialect) -> JudgedCondition | str:
     """A condition ready to be decided, or why it is not."""
     if isinstance(condition, str):
         parsed = parse_condition(condition, dialect)
         if parsed.problems:
             return f"{condition!r}: {parsed.problems[0].message}"
-        return Reading(parsed.tree)
+        return JudgedCondition(parsed.tree)
     if not isinstance(condition, NetworkExpression):
-        return Reading(condition)  # type: ignore[arg-type]  # nodes that are no expressions are atoms
+        return JudgedCondition(condition)  # type: ignore[arg-type]  # nodes that are no expressions are atoms
     if condition.tree is None or not condition.complete:
         return condition.problems[0].message if condition.problems else "the condition cannot be read"
-    return Reading(condition.tree, _written(condition))
+    return JudgedCondition(condition.tree, _written(condition))
 
 
 def _written(condition: NetworkExpression) -> frozenset[str]:

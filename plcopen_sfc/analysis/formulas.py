@@ -9,73 +9,48 @@ and `Formula.doubts` says why. Where only guesses are wanted, arithmetic and sta
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import date
-from enum import StrEnum
 from fractions import Fraction
 from functools import reduce
-from threading import local
 from typing import Any
 
-from plcopen_sfc.analysis.calculations import (
+from plcopen_sfc.analysis.knowledge import (
+    KIND_OF_LITERAL,
+    KIND_OF_NUMBER,
+    Knowledge,
+    ValueKind,
+    VariableValues,
+    constant_of,
+)
+from plcopen_sfc.analysis.z3_terms import (
     FIRST_IS_TEXT,
     OF_NUMBERS,
     TEXT_RESULT,
     calculated,
     called,
     converted,
+    plain_text,
+    text_term,
+    z3_context,
 )
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.st.effects import is_standard_call, path_of
 from plcopen_sfc.languages.st.literals import (
-    INTEGER_RANGES,
     LiteralKind,
     LiteralValue,
-    literal_value,
     write_literal,
 )
 from plcopen_sfc.languages.st.nodes import Expression, Operator
-from plcopen_sfc.languages.standard_blocks import standard_block
-
-
-class ValueKind(StrEnum):
-    """What values a variable has, as far as comparisons care. Times and dates are integers; see `LiteralKind`."""
-
-    BOOL = "BOOL"
-    INTEGER = "integer"
-    REAL = "real"
-    DURATION = "duration"
-    DATE = "date"
-    TIME_OF_DAY = "time of day"
-    DATE_AND_TIME = "date and time"
-    SYMBOL = "symbol"
-    TEXT = "text"
 
 
 @dataclass(frozen=True, slots=True)
-class Domain:
-    """The values that a variable can have: its kind, and for numbers the least and the greatest value where known.
-
-    `symbols` are all values of an enumeration, as `LiteralValue.value` has them.
-    """
-
-    kind: ValueKind
-    least: int | None = None
-    greatest: int | None = None
-    symbols: tuple[str, ...] = ()
-
-
-Knowledge = Callable[[Expression], Domain | LiteralValue | None]
-"""What is known of a name in a condition: the values it can have, its constant value, or nothing."""
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
+class JudgedCondition:
     """A condition to be decided: its expression, and the names that may have another value in the other conditions.
 
     `own` are the variables that are written while the condition is evaluated, with case folded.
@@ -99,17 +74,6 @@ _JOINING = {
     Operator.OR: "Or",
     Operator.OR_ELSE: "Or",
 }
-_KINDS = {
-    LiteralKind.BOOL: ValueKind.BOOL,
-    LiteralKind.INTEGER: ValueKind.INTEGER,
-    LiteralKind.REAL: ValueKind.REAL,
-    LiteralKind.DURATION: ValueKind.DURATION,
-    LiteralKind.DATE: ValueKind.DATE,
-    LiteralKind.TIME_OF_DAY: ValueKind.TIME_OF_DAY,
-    LiteralKind.DATE_AND_TIME: ValueKind.DATE_AND_TIME,
-    LiteralKind.STRING: ValueKind.TEXT,
-    LiteralKind.ENUMERATED: ValueKind.SYMBOL,
-}
 _LITERALS = {
     ValueKind.DURATION: LiteralKind.DURATION,
     ValueKind.DATE: LiteralKind.DATE,
@@ -127,7 +91,6 @@ _CALCULATING = frozenset(
         Operator.POWER,
     }
 )
-_NUMERIC = {"REAL": ValueKind.REAL, "LREAL": ValueKind.REAL, **dict.fromkeys(INTEGER_RANGES, ValueKind.INTEGER)}
 
 
 @dataclass
@@ -159,7 +122,7 @@ class Formula:
     _own: frozenset[str] = frozenset()
     _side: int = 0
 
-    def terms(self, readings: list[Reading]) -> list[Any]:
+    def terms(self, readings: list[JudgedCondition]) -> list[Any]:
         """The z3 terms of conditions."""
         trees = [normal_form(reading.tree) for reading in readings]
         for tree in trees:
@@ -173,7 +136,7 @@ class Formula:
 
     def check(self, terms: list[Any]) -> tuple[bool | None, dict[str, str], str]:
         """Whether all terms can be true together, in which situation, and why that is unknown (None)."""
-        z3, context = _z3()
+        z3, context = z3_context()
         solver = z3.Solver(ctx=context)
         solver.set("rlimit", _EFFORT)
         solver.add(*terms, *self._bounds)
@@ -216,7 +179,7 @@ class Formula:
                     found[atom.text] = z3.is_true(value)
             elif atom.kind is ValueKind.TEXT:
                 if z3.is_string_value(value):
-                    found[atom.text] = _plain_text(value)
+                    found[atom.text] = plain_text(value)
             elif z3.is_rational_value(value):
                 found[atom.text] = value.as_fraction()
             elif z3.is_int_value(value):
@@ -231,7 +194,7 @@ class Formula:
         return bool(solver.check() == z3.unsat)
 
     def _solver(self, terms: list[Any], known: Mapping[str, bool | int | float | str | None]) -> tuple[Any, Any]:
-        z3, context = _z3()
+        z3, context = z3_context()
         solver = z3.Solver(ctx=context)
         solver.set("rlimit", _EFFORT_FOR_A_MODEL)
         solver.add(*terms, *self._bounds)
@@ -243,12 +206,12 @@ class Formula:
 
     def _is(self, atom: _Atom, value: bool | int | float | str) -> list[Any]:
         """That an atom has a value, if its kind can have it."""
-        z3, context = _z3()
+        z3, context = z3_context()
         if atom.kind is ValueKind.BOOL:
             return [atom.term == z3.BoolVal(bool(value), ctx=context)]
         if isinstance(value, str):
             if atom.kind is ValueKind.TEXT:
-                return [atom.term == _text_term(value)]
+                return [atom.term == text_term(value)]
             if atom.kind is not ValueKind.SYMBOL:
                 return []
             return [atom.term == self._code(LiteralValue(LiteralKind.ENUMERATED, value))]
@@ -265,7 +228,7 @@ class Formula:
             if atom.kind is ValueKind.BOOL:
                 situation[atom.text] = "TRUE" if str(value) == "True" else "FALSE"
             elif atom.kind is ValueKind.TEXT:
-                situation[atom.text] = write_literal(LiteralValue(LiteralKind.STRING, _plain_text(value)), self.dialect)
+                situation[atom.text] = write_literal(LiteralValue(LiteralKind.STRING, plain_text(value)), self.dialect)
             elif atom.kind is ValueKind.SYMBOL:
                 known = range(len(self._symbols))
                 situation[atom.text] = self._symbols[value.as_long()] if value.as_long() in known else "another value"
@@ -287,7 +250,7 @@ class Formula:
     # -- Boolean terms
 
     def _truth(self, tree: Expression) -> Any:
-        z3, context = _z3()
+        z3, context = z3_context()
         match tree:
             case n.Parenthesized(inner):
                 return self._truth(inner)
@@ -335,7 +298,7 @@ class Formula:
         tree = n.bare(tree)
         constant = self._constant(tree)
         if constant is not None:
-            return _KINDS.get(constant.kind)
+            return KIND_OF_LITERAL.get(constant.kind)
         domain = self._domain(tree)
         if domain is not None:
             return domain.kind
@@ -362,7 +325,7 @@ class Formula:
         return atom.kind if atom is not None else None
 
     def _value(self, tree: Expression, kind: ValueKind) -> Any:
-        z3, context = _z3()
+        z3, context = z3_context()
         tree = n.bare(tree)
         constant = self._constant(tree)
         if constant is None:
@@ -370,7 +333,7 @@ class Formula:
             return self._atom(tree, kind).term if made is None else made
         value = constant.value
         if isinstance(value, str) and constant.kind is LiteralKind.STRING:
-            return _text_term(value)
+            return text_term(value)
         if isinstance(value, str):
             return z3.IntVal(self._code(constant), ctx=context)
         if isinstance(value, date):
@@ -378,8 +341,6 @@ class Formula:
         if isinstance(value, float):
             return z3.RealVal(Fraction(value), ctx=context)
         return z3.IntVal(int(value), ctx=context)
-
-    # -- what is calculated
 
     def _calculated_kind(self, tree: Expression) -> ValueKind | None:
         """The kind of the result of an operation or a standard function; None: not known."""
@@ -394,8 +355,8 @@ class Formula:
                 return ValueKind.TEXT
             case n.Call(n.Name(name)) if name.upper() == "FIND":
                 return ValueKind.INTEGER
-            case n.Call(n.Name(name)) if _is_standard(tree):
-                return _NUMERIC.get(name.upper().rpartition("TO_")[2]) if "TO_" in name.upper() else None
+            case n.Call(n.Name(name)) if is_standard_call(tree):
+                return KIND_OF_NUMBER.get(name.upper().rpartition("TO_")[2]) if "TO_" in name.upper() else None
             case _:
                 return None
         known = [kind for kind in kinds if kind is not None]
@@ -403,7 +364,7 @@ class Formula:
 
     def _calculation(self, tree: Expression, kind: ValueKind) -> Any:
         """The term of an operation or a standard function, where that is known and wanted; else None."""
-        z3, _ = _z3()
+        z3, _ = z3_context()
         if isinstance(tree, n.Call) and isinstance(tree.callee, n.Name):
             name = tree.callee.identifier.upper()
             given = [each.value for each in tree.arguments if each.value is not None]
@@ -428,29 +389,13 @@ class Formula:
         return None
 
     def _constant(self, tree: Expression) -> LiteralValue | None:
-        tree = n.bare(tree)
-        match tree:
-            case n.Literal():
-                try:
-                    literal = literal_value(tree, self.dialect)
-                except ModelError:
-                    return None
-                return None if literal.value in (math.inf, -math.inf) else literal
-            case n.Unary((Operator.NEGATE | Operator.PLUS) as sign, operand):
-                inner = self._constant(operand)
-                if inner is None or not isinstance(inner.value, int | float):
-                    return None
-                return LiteralValue(inner.kind, -inner.value if sign is Operator.NEGATE else inner.value)
-            case n.Name() | n.Member():
-                known = self.knowledge(tree) if self.knowledge is not None else None
-                return known if isinstance(known, LiteralValue) else None
-        return None
+        return constant_of(tree, self.dialect, self.knowledge)
 
-    def _domain(self, tree: Expression) -> Domain | None:
+    def _domain(self, tree: Expression) -> VariableValues | None:
         if self.knowledge is None or not isinstance(tree, n.Name | n.Member | n.Index | n.Address):
             return None
         known = self.knowledge(tree)
-        return known if isinstance(known, Domain) else None
+        return known if isinstance(known, VariableValues) else None
 
     def _code(self, symbol: LiteralValue) -> int:
         """A number for a text or the name of an enumeration's value: equal ones get the same."""
@@ -464,7 +409,7 @@ class Formula:
     # -- atoms
 
     def _atom(self, tree: Expression, kind: ValueKind) -> _Atom:
-        z3, context = _z3()
+        z3, context = z3_context()
         key = self._key(tree)
         domain = self._domain(tree)
         kind = domain.kind if domain is not None else kind
@@ -491,7 +436,7 @@ class Formula:
                 self._bounds.append(z3.Or(*(term == code for code in codes)))
         if not _is_variable(tree):
             self._doubt(f"the value of {text} is not known")
-        elif text.casefold() in self._own or _root(tree) in self._own:
+        elif text.casefold() in self._own or self._own & set(path_of(tree)[:1]):
             self._doubt(f"{text} is written while the condition is evaluated")
         made = self._atoms[key] = _Atom(text, kind, term, domain is not None)
         return made
@@ -500,13 +445,13 @@ class Formula:
         """Equal keys, equal values. What is called may answer differently each time, but for standard functions."""
         text = print_node(tree).casefold()
         calls = [node for node in walk(tree) if isinstance(node, n.Call)]
-        if any(not _is_standard(call) for call in calls):
+        if any(not is_standard_call(call) for call in calls):
             return f"{text} at {id(tree)}"
         names = {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}
         return f"{text} in condition {self._side}" if names & self._own else text
 
     def _unknown(self, tree: Expression, why: str) -> Any:
-        z3, context = _z3()
+        z3, context = z3_context()
         self._doubt(f"{print_node(tree)} {why}")
         return z3.FreshBool(ctx=context)
 
@@ -538,17 +483,6 @@ _EFFORT = 20_000_000
 
 _EFFORT_FOR_A_MODEL = 1_000_000
 
-_CONTEXTS = local()
-
-
-def _z3() -> tuple[Any, Any]:
-    """The module, loaded when it is first needed, and a context for this thread."""
-    import z3  # noqa: PLC0415  # takes a tenth of a second
-
-    if not hasattr(_CONTEXTS, "context"):
-        _CONTEXTS.context = z3.Context()
-    return z3, _CONTEXTS.context
-
 
 def _is_variable(tree: Expression) -> bool:
     match tree:
@@ -559,44 +493,6 @@ def _is_variable(tree: Expression) -> bool:
         case n.Index(base, indices):
             return _is_variable(base) and all(isinstance(n.bare(i), n.Literal) for i in indices)
     return False
-
-
-def _root(tree: Expression) -> str:
-    while isinstance(tree, n.Member | n.Index):
-        tree = tree.base
-    return tree.identifier.casefold() if isinstance(tree, n.Name) else ""
-
-
-def _is_standard(call: n.Call) -> bool:
-    if not isinstance(call.callee, n.Name):
-        return False
-    block = standard_block(call.callee.identifier)
-    return block is not None and not block.stateful
-
-
-_ESCAPED = re.compile(r"\\u\{([0-9a-fA-F]+)\}")
-
-
-def _text_term(text: str) -> Any:
-    z3, context = _z3()
-    return z3.StringVal(text.replace("\\", "\\u{5c}"), ctx=context)  # else z3 reads the text \u{41} as A
-
-
-def _plain_text(value: Any) -> str:
-    """The text of a z3 value, which escapes what is not ASCII."""
-    text = value.as_string() if hasattr(value, "as_string") else ""
-    return _ESCAPED.sub(lambda found: chr(int(found[1], 16)), text)
-
-
-def negation(term: Any) -> Any:
-    """The opposite of a z3 term."""
-    return _z3()[0].Not(term)
-
-
-def disjunction(terms: list[Any]) -> Any:
-    """That at least one of the z3 terms is true."""
-    z3, context = _z3()
-    return z3.Or(*terms) if terms else z3.BoolVal(False, ctx=context)
 
 
 Situation = Mapping[str, str]

@@ -13,9 +13,10 @@ from typing import Any
 
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
 from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
-from plcopen_sfc.analysis.formulas import Formula, Reading, negation
+from plcopen_sfc.analysis.formulas import Formula, JudgedCondition
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.analysis.z3_terms import negation
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.values import joined
@@ -357,7 +358,7 @@ class Goals:
         if goal._formula is None:
             formula = self._formula()
             assert goal.tree is not None  # noqa: S101  # the caller looked
-            term = formula.terms([Reading(goal.tree)])[0]
+            term = formula.terms([JudgedCondition(goal.tree)])[0]
             inner = [text for text in formula.names() if self._input(text) is None]
             goal._formula = _Solving(formula, term, inner)
         return goal._formula
@@ -377,7 +378,7 @@ class Goals:
     ) -> dict[str, Value] | None:
         formula = self._formula()
         trees = [goal.tree for goal in (*wanted, *unwanted) if goal.tree is not None]
-        terms = formula.terms([Reading(tree) for tree in trees])
+        terms = formula.terms([JudgedCondition(tree) for tree in trees])
         terms = [*terms[: len(wanted)], *map(negation, terms[len(wanted) :])]
         found = formula.model(terms, {text: self._named(text, value) for text, value in known.items()})
         if found is None:

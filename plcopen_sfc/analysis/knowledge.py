@@ -2,22 +2,94 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
 
-from plcopen_sfc.analysis.formulas import Domain, Knowledge, ValueKind
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind, inside
 from plcopen_sfc.languages.binding.text_sites import Site
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES, TIME_RANGES, LiteralKind, LiteralValue, literal_value
+from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
+
+
+class ValueKind(StrEnum):
+    """What values a variable has, as far as comparisons care. Times and dates are integers; see `LiteralKind`."""
+
+    BOOL = "BOOL"
+    INTEGER = "integer"
+    REAL = "real"
+    DURATION = "duration"
+    DATE = "date"
+    TIME_OF_DAY = "time of day"
+    DATE_AND_TIME = "date and time"
+    SYMBOL = "symbol"
+    TEXT = "text"
+
+
+@dataclass(frozen=True, slots=True)
+class VariableValues:
+    """The values that a variable can have: its kind, and for numbers the least and the greatest value where known.
+
+    `symbols` are all values of an enumeration, as `LiteralValue.value` has them.
+    """
+
+    kind: ValueKind
+    least: int | None = None
+    greatest: int | None = None
+    symbols: tuple[str, ...] = ()
+
+
+Knowledge = Callable[[Expression], VariableValues | LiteralValue | None]
+"""What is known of a name in a condition: the values it can have, its constant value, or nothing."""
+
+
+KIND_OF_LITERAL = {
+    LiteralKind.BOOL: ValueKind.BOOL,
+    LiteralKind.INTEGER: ValueKind.INTEGER,
+    LiteralKind.REAL: ValueKind.REAL,
+    LiteralKind.DURATION: ValueKind.DURATION,
+    LiteralKind.DATE: ValueKind.DATE,
+    LiteralKind.TIME_OF_DAY: ValueKind.TIME_OF_DAY,
+    LiteralKind.DATE_AND_TIME: ValueKind.DATE_AND_TIME,
+    LiteralKind.STRING: ValueKind.TEXT,
+    LiteralKind.ENUMERATED: ValueKind.SYMBOL,
+}
+KIND_OF_NUMBER = {"REAL": ValueKind.REAL, "LREAL": ValueKind.REAL, **dict.fromkeys(INTEGER_RANGES, ValueKind.INTEGER)}
+
+
+def constant_of(tree: Expression, dialect: Dialect, knowledge: Knowledge | None) -> LiteralValue | None:
+    """Return the value of a literal or of a constant; None for anything else."""
+    tree = n.bare(tree)
+    match tree:
+        case n.Literal():
+            try:
+                literal = literal_value(tree, dialect)
+            except ModelError:
+                return None
+            return None if literal.value in (math.inf, -math.inf) else literal
+        case n.Unary((n.Operator.NEGATE | n.Operator.PLUS) as sign, operand):
+            inner = constant_of(operand, dialect, knowledge)
+            if inner is None or not isinstance(inner.value, int | float):
+                return None
+            return LiteralValue(inner.kind, -inner.value if sign is n.Operator.NEGATE else inner.value)
+        case n.Name() | n.Member():
+            known = knowledge(tree) if knowledge is not None else None
+            return known if isinstance(known, LiteralValue) else None
+    return None
+
 
 _BOOLEAN_ADDRESS = re.compile(r"%[IQM](X?\d+(\.\d+)+|X\d+)", re.IGNORECASE)
 _KINDS = {
@@ -88,17 +160,17 @@ class _Known:
         self._distinct = project.distinct
         charts = (chart,) if chart is not None else ()
         self._site = Site(pou, charts=charts, place=pou.place if pou is not None else "")
-        self._found: dict[n.Expression, Domain | LiteralValue | None] = {}
+        self._found: dict[n.Expression, VariableValues | LiteralValue | None] = {}
 
-    def of(self, tree: n.Expression) -> Domain | LiteralValue | None:
+    def of(self, tree: n.Expression) -> VariableValues | LiteralValue | None:
         """The values that a variable can have, the value of a constant, or None."""
         if tree not in self._found:
             self._found[tree] = self._look_up(tree)
         return self._found[tree]
 
-    def _look_up(self, tree: n.Expression) -> Domain | LiteralValue | None:
+    def _look_up(self, tree: n.Expression) -> VariableValues | LiteralValue | None:
         if isinstance(tree, n.Address):
-            return Domain(ValueKind.BOOL) if _BOOLEAN_ADDRESS.fullmatch(tree.text) else None
+            return VariableValues(ValueKind.BOOL) if _BOOLEAN_ADDRESS.fullmatch(tree.text) else None
         declaration = self._declaration(tree)
         if declaration is not None and declaration.kind is Kind.ENUM_VALUE:
             return self._enumerated(declaration)
@@ -142,15 +214,15 @@ class _Known:
             return None
         return LiteralValue(LiteralKind.ENUMERATED, holder.name, declaration.path.rpartition(".")[0])
 
-    def _domain(self, type_: object) -> Domain | None:
+    def _domain(self, type_: object) -> VariableValues | None:
         if isinstance(type_, t.ElementaryType):
             return self._elementary(type_.name.value)
         if isinstance(type_, t.StringType):
-            return Domain(ValueKind.TEXT)
+            return VariableValues(ValueKind.TEXT)
         if isinstance(type_, t.EnumType):
             if any(value.value is not None and id(value) not in self._distinct for value in type_.values):
                 return None
-            return Domain(ValueKind.SYMBOL, symbols=tuple(value.name for value in type_.values))
+            return VariableValues(ValueKind.SYMBOL, symbols=tuple(value.name for value in type_.values))
         if isinstance(type_, t.SubrangeType):
             try:
                 bounds = [
@@ -159,12 +231,12 @@ class _Known:
             except ModelError:
                 return self._domain(type_.base)
             least, greatest = (bound if isinstance(bound, int) else None for bound in bounds)
-            return Domain(ValueKind.INTEGER, least, greatest)
+            return VariableValues(ValueKind.INTEGER, least, greatest)
         return None
 
-    def _elementary(self, name: str) -> Domain | None:
+    def _elementary(self, name: str) -> VariableValues | None:
         if name in INTEGER_RANGES:
-            return Domain(ValueKind.INTEGER, *INTEGER_RANGES[name])
+            return VariableValues(ValueKind.INTEGER, *INTEGER_RANGES[name])
         if name not in _KINDS:
             return None
-        return Domain(_KINDS[name], *TIME_RANGES.get((self._dialect, name), (None, None)))
+        return VariableValues(_KINDS[name], *TIME_RANGES.get((self._dialect, name), (None, None)))

@@ -12,6 +12,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
+from plcopen_sfc.analysis.clocking import Clocking
 from plcopen_sfc.analysis.sole_bodies import all_nodes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.effects import plain_path
@@ -19,9 +20,9 @@ from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.programs.layouts import Frame, Layout
-from plcopen_sfc.semantics.programs.types import StructureType
+from plcopen_sfc.semantics.programs.types import INSTANT, StructureType
 
-__all__ = ["WaitingTimer", "waiting_timers"]
+__all__ = ["RunningClocks", "WaitingTimer", "waiting_timers"]
 
 _ON_DELAYS = frozenset({"TON", "LTON", "TON_TIME", "TON_LTIME"})
 _COMPARING = frozenset(
@@ -160,3 +161,61 @@ class _Uses:
         except LiteralError:
             return None
         return literal.value if literal.kind is LiteralKind.DURATION and isinstance(literal.value, int) else None
+
+
+STEADY = 2
+"""Scans after the end of a clock in which it is still waited for."""
+
+
+class RunningClocks:
+    """The clocks that run in an instance, and the cells in it that are none."""
+
+    def __init__(self, instance: Instance) -> None:
+        self._controller = instance.controller
+        self._starts: list[tuple[list[Any], int]] = []
+        self._rest: list[tuple[list[Any], int]] = []
+        self._seen: set[int] = set()
+        for frame in (instance.frame, instance.controller.library.frame):
+            self._look(frame)
+
+    def _look(self, frame: Frame) -> None:
+        if id(frame) in self._seen:
+            return
+        self._seen.add(id(frame))
+        types = [field.type for field in frame.layout.fields]
+        times = INSTANT in types
+        for slot, (type_, value) in enumerate(zip(types, frame.v, strict=False)):
+            if type_ is INSTANT:
+                self._starts.append((frame.v, slot))
+            elif isinstance(value, Frame):
+                self._look(value)
+            elif isinstance(value, list):
+                for item in value:
+                    if isinstance(item, Frame):
+                        self._look(item)
+            elif not (times and getattr(type_, "name", "") in ("TIME", "LTIME")) and not _is_elapsed(type_):
+                self._rest.append((frame.v, slot))
+
+    def still(self) -> list[Any]:
+        """The values of all that is no clock."""
+        return [cells[slot] if not isinstance(cells[slot], list) else None for cells, slot in self._rest]
+
+    def next_end(self, clock: Clocking) -> int | None:
+        """In how many scans the next clock ends, if one runs; one that has just ended is waited for.
+
+        A condition may want more than the time, or see it a scan later.
+        """
+        now = self._controller.now
+        past = STEADY * clock.scan_time
+        left = [
+            constant - (now - start)
+            for cells, slot in self._starts
+            if (start := cells[slot]) is not None
+            for constant in clock.constants
+            if constant + past > now - start
+        ]
+        return min(left) // clock.scan_time if left else None
+
+
+def _is_elapsed(type_: Any) -> bool:
+    return getattr(type_, "unit", 0) == 1 and getattr(type_, "length", 0) == 1

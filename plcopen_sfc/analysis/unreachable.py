@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from plcopen_sfc.analysis.exclusivity import condition_of
-from plcopen_sfc.analysis.formulas import Formula, Reading
+from plcopen_sfc.analysis.formulas import Formula, JudgedCondition
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.analysis.systems import ProgramSystem
@@ -238,7 +238,7 @@ class Unreachable:
     def _is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, fixed: set[str]) -> bool:
         """Whether one of some conditions is FALSE while some variables are not written."""
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._pou, chart))
-        terms = formula.terms([Reading(tree) for tree in trees])
+        terms = formula.terms([JudgedCondition(tree) for tree in trees])
         known = {}
         for text in formula.names():
             root = text.casefold().partition(".")[0]

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.exclusivity import Truth, condition_of, covered, exclusive, truth
-from plcopen_sfc.analysis.formulas import Domain, ValueKind
+from plcopen_sfc.analysis.knowledge import ValueKind, VariableValues
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal_value
@@ -93,8 +93,8 @@ def situations(numbers: list[Any]) -> Iterator[dict[str, Any]]:
         yield dict(zip("abcxy", values, strict=True))
 
 
-def integers(tree: Any) -> Domain | None:
-    return Domain(ValueKind.INTEGER, 0, 3) if isinstance(tree, n.Name) and tree.identifier in "xy" else None
+def integers(tree: Any) -> VariableValues | None:
+    return VariableValues(ValueKind.INTEGER, 0, 3) if isinstance(tree, n.Name) and tree.identifier in "xy" else None
 
 
 def of_witness(witness: dict[str, str]) -> dict[str, Any]:
@@ -161,14 +161,14 @@ def ill_typed() -> st.SearchStrategy[str]:
     return st.recursive(words, combine, max_leaves=6)
 
 
-def of_all_kinds(tree: Any) -> Domain | None:
+def of_all_kinds(tree: Any) -> VariableValues | None:
     domains = {
-        "b": Domain(ValueKind.BOOL),
-        "i": Domain(ValueKind.INTEGER, 0, 9),
-        "r": Domain(ValueKind.REAL),
-        "t": Domain(ValueKind.DURATION),
-        "s": Domain(ValueKind.SYMBOL),
-        "e": Domain(ValueKind.SYMBOL, symbols=("one", "two")),
+        "b": VariableValues(ValueKind.BOOL),
+        "i": VariableValues(ValueKind.INTEGER, 0, 9),
+        "r": VariableValues(ValueKind.REAL),
+        "t": VariableValues(ValueKind.DURATION),
+        "s": VariableValues(ValueKind.SYMBOL),
+        "e": VariableValues(ValueKind.SYMBOL, symbols=("one", "two")),
     }
     return domains.get(tree.identifier) if isinstance(tree, n.Name) else None
 
@@ -268,8 +268,8 @@ def test_of_these_nobody_knows(a: str, b: str, reason: str) -> None:
 
 
 def test_types_decide_what_use_does_not_show() -> None:
-    integer = Domain(ValueKind.INTEGER, -32768, 32767)
-    real = Domain(ValueKind.REAL)
+    integer = VariableValues(ValueKind.INTEGER, -32768, 32767)
+    real = VariableValues(ValueKind.REAL)
     assert exclusive("x > 5", "x < 6", knowledge=lambda _: integer).answer is Answer.YES
     found = exclusive("x > 5", "x < 6", knowledge=lambda _: real)
     assert found.answer is Answer.NO
@@ -277,7 +277,7 @@ def test_types_decide_what_use_does_not_show() -> None:
 
 
 def test_ranges_of_types_count() -> None:
-    unsigned = Domain(ValueKind.INTEGER, 0, 255)
+    unsigned = VariableValues(ValueKind.INTEGER, 0, 255)
     assert truth("x >= 0", knowledge=lambda _: unsigned) is Truth.ALWAYS
     assert truth("x > 255", knowledge=lambda _: unsigned) is Truth.NEVER
     assert truth("x >= 0") is Truth.VARIES
@@ -295,9 +295,9 @@ def test_named_constants_count() -> None:
 
 
 def test_an_enumeration_has_no_other_values() -> None:
-    lamp = Domain(ValueKind.SYMBOL, symbols=("red", "green"))
+    lamp = VariableValues(ValueKind.SYMBOL, symbols=("red", "green"))
 
-    def known(tree: n.Expression) -> Domain | None:
+    def known(tree: n.Expression) -> VariableValues | None:
         return lamp if tree == n.Name("Lamp") else None
 
     neither = "Lamp <> Color#red AND Lamp <> Color#green"

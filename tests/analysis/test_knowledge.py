@@ -7,8 +7,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.exclusivity import Truth, exclusive, truth
-from plcopen_sfc.analysis.formulas import Domain, Knowledge, ValueKind
-from plcopen_sfc.analysis.knowledge import project_knowledge
+from plcopen_sfc.analysis.knowledge import Knowledge, ValueKind, VariableValues, project_knowledge
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model.project import Project, TagTable
@@ -78,7 +77,11 @@ def test_witnesses_are_of_the_type(known: Knowledge) -> None:
 
 
 def test_addresses_tell_their_type(known: Knowledge) -> None:
-    for text, domain in (("%IX0.0", Domain(ValueKind.BOOL)), ("%I0.1", Domain(ValueKind.BOOL)), ("%IW4", None)):
+    for text, domain in (
+        ("%IX0.0", VariableValues(ValueKind.BOOL)),
+        ("%I0.1", VariableValues(ValueKind.BOOL)),
+        ("%IW4", None),
+    ):
         tree = parse_expression(text, Dialect.IEC).tree
         assert known(tree) == domain
 

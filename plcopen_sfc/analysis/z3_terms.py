@@ -1,14 +1,14 @@
-"""Arithmetic and standard functions as z3 terms, for guesses that are tried: without overflow and rounding errors."""
+"""Terms of z3: texts, and arithmetic and standard functions for guesses, without overflow and rounding errors."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from functools import reduce
+from threading import local
 from typing import Any
 
 from plcopen_sfc.languages.st.nodes import Operator
-
-__all__ = ["FIRST_IS_TEXT", "OF_NUMBERS", "TEXT_RESULT", "calculated", "called", "converted"]
 
 _MOST_FACTORS = 4
 
@@ -84,3 +84,41 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
     "MAX": _greatest,
     "LIMIT": lambda z3, low, number, high: _least(z3, _greatest(z3, low, number), high),
 }
+
+
+_CONTEXTS = local()
+
+
+def z3_context() -> tuple[Any, Any]:
+    """The module, loaded when it is first needed, and a context for this thread."""
+    import z3  # noqa: PLC0415  # takes a tenth of a second
+
+    if not hasattr(_CONTEXTS, "context"):
+        _CONTEXTS.context = z3.Context()
+    return z3, _CONTEXTS.context
+
+
+_ESCAPED = re.compile(r"\\u\{([0-9a-fA-F]+)\}")
+
+
+def text_term(text: str) -> Any:
+    """A text as a z3 term."""
+    z3, context = z3_context()
+    return z3.StringVal(text.replace("\\", "\\u{5c}"), ctx=context)  # else z3 reads the text \u{41} as A
+
+
+def plain_text(value: Any) -> str:
+    """The text of a z3 value, which escapes what is not ASCII."""
+    text = value.as_string() if hasattr(value, "as_string") else ""
+    return _ESCAPED.sub(lambda found: chr(int(found[1], 16)), text)
+
+
+def negation(term: Any) -> Any:
+    """The opposite of a z3 term."""
+    return z3_context()[0].Not(term)
+
+
+def disjunction(terms: list[Any]) -> Any:
+    """That at least one of the z3 terms is true."""
+    z3, context = z3_context()
+    return z3.Or(*terms) if terms else z3.BoolVal(False, ctx=context)
