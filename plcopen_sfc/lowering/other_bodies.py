@@ -38,15 +38,15 @@ def with_step_data(pou: Pou, flags: Mapping[str, str], dialect: Dialect) -> Pou:
     where the code does not keep what is asked for, or a contact cannot ask for it.
     """
     declared = {variable.name.casefold() for variable in pou.variables()}
-    told = {name: flag for name, flag in flags.items() if name not in declared}
+    replacing = {name: flag for name, flag in flags.items() if name not in declared}
     changed = pou.model_copy(deep=True)
     for name, _, body in changed.named_bodies():
-        _Replacing(told, dialect, changed.report_path_of(name)).replace_in(body)
+        _Replacing(replacing, dialect, changed.report_path_of(name)).replace_in(body)
     return changed
 
 
 class ContactError(LoweringError):
-    """A contact asks for a step that no variable of the code stands for."""
+    """A contact asks for a step that no variable of the code tells of."""
 
 
 class _Replacing:

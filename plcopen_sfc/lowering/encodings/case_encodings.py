@@ -96,7 +96,7 @@ class RegionEncoding(ScanSchedule):
             state = self.states.following(self.machines[0])
             self.code.add(self.texts.selection, [when(selecting, assignment(state, selected))])
             return
-        # the number says nothing of its region: all regions are left, then the one with that step is entered
+        # the number does not tell its region: all regions are left, then the one with that step is entered
         ended: list[Statement] = []
         if len(self.machines) > 1:
             ended = [assignment(self.states.following(machine), self.names.none) for machine in self.machines]

@@ -87,11 +87,11 @@ def _with_flags(condition: Expression, flags: Mapping[str, Expression]) -> Expre
                 return flags.get(step.casefold(), node)
         return node
 
-    told = transform(condition, flag)
-    asks = (node.base for node in walk(told) if isinstance(node, n.Member))
+    resolved = transform(condition, flag)
+    asks = (node.base for node in walk(resolved) if isinstance(node, n.Member))
     if any(isinstance(base, n.Name) and base.identifier.casefold() in flags for base in asks):
         return None
-    return told
+    return resolved
 
 
 def _around(body: Body, first: LoweredCode, last: LoweredCode, source: ChartSource, declared: list[Variable]) -> Body:

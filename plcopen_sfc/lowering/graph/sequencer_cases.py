@@ -463,7 +463,7 @@ class CaseSequencer(RegionSequencer):
 def _without(known: Sequence[Expression], statement: Statement) -> tuple[Statement, ...]:
     """Return a statement without the conditions that are known to be satisfied."""
     match statement:
-        # the branch of the CASE says what these operands ask
+        # the branch of the CASE implies these operands
         case n.If((n.Branch(n.Operation(n.Operator.AND, operands), statements),), None):
             rest = conjunction(operand for operand in operands if operand not in known)
             return statements if is_constant(rest, TRUE) else (when(rest, *statements),)

@@ -164,8 +164,8 @@ class ModeInputs:
         if OperatingMode.SELECT in self._modes and not self._numbers:
             raise LoweringError("the chart has no step that could be selected", location=Location(path=source.pou.name))
         self._usual, self._forced = self._declared(init)
-        told = rules.texts.step_numbers(source.net, self._numbers) if self.selected is not None else ""
-        code.add(rules.texts.modes, self._statements, told)
+        comment = rules.texts.step_numbers(source.net, self._numbers) if self.selected is not None else ""
+        code.add(rules.texts.modes, self._statements, comment)
 
     def may_fire(self, condition: Expression) -> Expression:
         """Return when a transition whose steps are active fires, by its condition."""
