@@ -9,7 +9,12 @@ from plcopen_sfc.formats.matiec.matiec_charts import ChartFitter
 from plcopen_sfc.formats.matiec.matiec_declarations import TypeFitter, declare_globals, name_structures, quote_strings
 from plcopen_sfc.formats.matiec.matiec_names import give_plain_names, note_undeclared, used_types
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, give_iec_pins
-from plcopen_sfc.formats.matiec.matiec_statements import compilable_instructions, compilable_statements, fit_expressions
+from plcopen_sfc.formats.matiec.matiec_statements import (
+    compilable_instructions,
+    compilable_statements,
+    fit_expressions,
+    without_for,
+)
 from plcopen_sfc.formats.task_schedules import duration_literal, iec_form, nanoseconds, schedule_of
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -125,7 +130,10 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None) -> None:
     written = [body, *(action.body for action in pou.actions)]
     for text in written:
         if isinstance(text, StBody):
-            shown = compilable_statements(text.text, unit.dialect, unit.idle, unit.result)
+            looping, obstacles = without_for(text.text, unit.dialect)
+            for obstacle in obstacles:
+                unit.note(Outcome.APPROXIMATED, "loop", unit.path, obstacle)
+            shown = compilable_statements(looping, unit.dialect, unit.idle, unit.result)
             text.text, text.markup = shown.strip("\n"), None
         elif isinstance(text, IlBody):
             text.text, text.markup = compilable_instructions(text.text, unit.dialect).strip("\n"), None

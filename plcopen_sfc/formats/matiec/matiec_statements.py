@@ -10,7 +10,8 @@ operands of one type only, and literals of the kind of that type (tried with iec
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
@@ -19,7 +20,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.il import CALLS
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import ElementaryType, SimpleValue
@@ -81,6 +82,104 @@ def _working(statements: tuple[n.Statement, ...]) -> tuple[n.Statement, ...]:
 
 def _idle(idle: Idle) -> n.Statement:
     return n.Assignment(n.Name(idle()), n.Literal("FALSE"))
+
+
+# -- loops ------------------------------------------------------------------------------------------------------------
+
+
+def without_for(text: str, dialect: Dialect) -> tuple[str, list[str]]:
+    """Return statements whose FOR loops do the same in matiec, and the reasons why some could not be rewritten.
+
+    matiec compiles ``FOR i := a TO b`` into ``while (i < b)`` with the first turn not counted: a loop of exactly one
+    turn is not executed at all, and `i` ends a turn earlier than elsewhere (seen in the C code of 2024, also with BY).
+    Only loops of literals whose variable nothing else uses are left as they are.
+    """
+    parsed = parse_statements(text, dialect)
+    if parsed.problems or not any(isinstance(node, n.For) for node in walk(parsed.tree)):
+        return text, []
+    obstacles: list[str] = []
+    named = Counter(node.identifier.casefold() for node in walk(parsed.tree) if isinstance(node, n.Name))
+
+    def unrolled(statement: n.Statement) -> tuple[n.Statement, ...]:
+        if not isinstance(statement, n.For) or _is_executed_alike(statement, named):
+            return (statement,)
+        obstacle = _obstacle(statement)
+        if obstacle:
+            obstacles.append(f"FOR {print_node(statement.variable)}: matiec leaves out a single turn; {obstacle}")
+            return (statement,)
+        return _as_while(statement)
+
+    def change(node: n.Node) -> n.Node:
+        new: dict[str, tuple[n.Statement, ...]] = {}
+        for name in ("statements", "otherwise"):
+            found = getattr(node, name, None)
+            if isinstance(found, tuple) and any(isinstance(each, n.For) for each in found):
+                new[name] = tuple(one for each in found for one in unrolled(each))
+        return replace(node, **new) if new else node  # type: ignore[arg-type]  # fields of several kinds of nodes
+
+    tree = transform(parsed.tree, change)
+    return (render(parsed, tree) if tree is not parsed.tree else text), obstacles
+
+
+def _is_executed_alike(loop: n.For, named: Mapping[str, int]) -> bool:
+    """True for a loop with two turns or more whose variable is used inside only."""
+    start, end, step = (_number(node) for node in (loop.start, loop.end, loop.step))
+    if start is None or end is None or not step or not isinstance(loop.variable, n.Name):
+        return False
+    name = loop.variable.identifier.casefold()
+    inside = sum(isinstance(node, n.Name) and node.identifier.casefold() == name for node in walk(loop))
+    return (end - start) // step >= 1 and inside == named[name]
+
+
+def _number(node: n.Expression | None) -> int | None:
+    """The value of a literal; that of a step which is not given."""
+    if node is None:
+        return 1
+    bare = n.bare(node)
+    if isinstance(bare, n.Unary) and bare.operator is n.Operator.NEGATE:
+        value = _number(bare.operand)
+        return None if value is None else -value
+    return int(bare.text) if isinstance(bare, n.Literal) and bare.text.isdecimal() else None
+
+
+def _obstacle(loop: n.For) -> str:
+    """The reason why a loop cannot be written with WHILE; empty if it can."""
+    inside = [node for statement in loop.statements for node in walk(statement)]
+    if any(isinstance(node, n.Continue) for node in inside):
+        return "it has CONTINUE"
+    if not _number(loop.step):
+        return "its step is no literal"
+    fixed = {node.identifier.casefold() for node in walk(loop.end) if isinstance(node, n.Name)}
+    if fixed and any(isinstance(node, n.Call) for node in inside):
+        return "what it calls may change its end"
+    targets = [node.target for node in inside if isinstance(node, n.Assignment)] + [loop.variable]
+    written = {node.identifier.casefold() for target in targets for node in walk(target) if isinstance(node, n.Name)}
+    if fixed & written or any(isinstance(node, n.Call) for node in walk(loop.end)):
+        return "it changes its end"
+    return ""
+
+
+def _as_while(loop: n.For) -> tuple[n.Statement, ...]:
+    # The turn that reaches the end leaves the loop before its variable is compared again: behind the greatest value of
+    # its type a WHILE would not end.
+    step = _number(loop.step) or 1
+    forth, amount = step > 0, n.Literal(str(abs(step)))
+    within, beyond = (
+        (n.Operator.LESS_OR_EQUAL, n.Operator.GREATER) if forth else (n.Operator.GREATER_OR_EQUAL, n.Operator.LESS)
+    )
+    if abs(step) == 1:
+        is_last = n.Operation(
+            n.Operator.GREATER_OR_EQUAL if forth else n.Operator.LESS_OR_EQUAL, (loop.variable, loop.end)
+        )
+    else:
+        back = n.Operation(n.Operator.SUBTRACT if forth else n.Operator.ADD, (loop.end, amount))
+        is_last = n.Operation(beyond, (loop.variable, back))
+    sign = n.Operator.ADD if forth else n.Operator.SUBTRACT
+    counted = n.Assignment(loop.variable, n.Operation(sign, (loop.variable, amount)))
+    last = n.If((n.Branch(is_last, (counted, n.Exit())),))
+    turns = n.While(n.Literal("TRUE"), (*loop.statements, last, counted))
+    entered = n.If((n.Branch(n.Operation(within, (loop.variable, loop.end)), (turns,)),))
+    return (n.Assignment(loop.variable, loop.start), entered)
 
 
 def _with_semicolons(text: str, dialect: Dialect) -> str:

@@ -13,6 +13,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.profile import PROFILES
+from plcopen_sfc.semantics.programs import Controller
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import resolve
 from tests.judges.comparing import Compiled, differences
@@ -283,3 +284,38 @@ def test_fixtures_compile_but_where_they_cannot(path: Path, tmp_path: Path) -> N
             matiec.translate(text, tmp_path)
     else:
         matiec.translate(text, tmp_path)
+
+
+LOOPS = {
+    "one turn": "FOR i := 3 TO 3 DO k := k + 10 * i; END_FOR; k := k + i;",
+    "no turn": "FOR i := 3 TO 2 DO k := k + 10 * i; END_FOR; k := k + i;",
+    "the end is a variable": "FOR i := 1 TO n DO k := k + 10 * i; END_FOR; k := k + i;",
+    "down by two": "FOR i := 5 TO 0 BY -2 DO k := k + 10 * i; END_FOR; k := k + i;",
+    "a step beyond the end": "FOR i := n TO 4 BY 9 DO k := k + 10 * i; END_FOR; k := k + i;",
+    "left early": "FOR i := 1 TO n DO k := k + 1; IF i = 2 THEN EXIT; END_IF; END_FOR; k := k + 100 * i;",
+    "nested": "FOR i := 1 TO n DO FOR j := i TO n DO k := k + i * j; END_FOR; END_FOR; k := k + 100 * i + 1000 * j;",
+    "literals": "FOR i := 0 TO 4 DO k := k + i; END_FOR;",
+}
+
+
+@pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)
+@pytest.mark.parametrize("n", [0, 1, 3])
+def test_loops_do_the_same_in_matiec(loop: str, n: int, tmp_path: Path) -> None:
+    text = f"PROGRAM Plant VAR_INPUT n : INT; END_VAR VAR i, j, k : INT; s : SINT; END_VAR {loop} END_PROGRAM"
+    project = sfc.loads(text.encode(), format="iec-text")
+    data, report = sfc.convert(project, "iec-text", flavour="matiec")
+    assert report.losses == []
+    instance = Controller(project, "iec").instance("Plant")
+    instance["n"] = n
+    instance.scan()
+    machine = require_matiec().build(data.decode(), tmp_path, program="Plant")
+    assert machine.run([{"n": n}], ["k"])[0]["k"] == instance["k"]
+
+
+@pytest.mark.parametrize(
+    "loop", ["FOR i := 1 TO n DO n := n - 1; END_FOR;", "FOR i := 1 TO n BY n DO k := 1; END_FOR;"]
+)
+def test_a_loop_that_matiec_may_leave_out_is_reported(loop: str) -> None:
+    text = f"PROGRAM Plant VAR i, k, n : INT; END_VAR {loop}; END_PROGRAM"
+    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "iec-text", flavour="matiec", partial=True)
+    assert [item.what for item in report.losses] == ["loop"]
