@@ -356,7 +356,7 @@ class RowsWriter:
 
     def _note_rows(self, planned: PlannedRows, what: str, name: str, shown: str) -> None:
         if shown.startswith("`"):
-            self.ctx.actions_told.add(shown.strip("`").casefold())
+            self.ctx.actions_reported.add(shown.strip("`").casefold())
         lost = planned.outcome is Outcome.NOT_EXECUTED
         why = f"{shown} is not executed: {planned.why}" if lost else planned.why
         self.ctx.note(planned.outcome, what, name, why)

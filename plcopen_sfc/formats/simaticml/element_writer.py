@@ -64,7 +64,7 @@ class DocumentWriting:
         source = options.source if options.same else b""
         self.keeps_sections = bool(source) and LAYOUT.encode() not in source
         """True if the sections of interfaces are those of a file of TIA Portal, which are written as they are."""
-        self.actions_told: set[str] = set()
+        self.actions_reported: set[str] = set()
         """Actions of that block whose outcome the report lists already at their steps."""
         self.body_name = ""
         """Name of the body being written, as `Pou.named_bodies` gives it."""

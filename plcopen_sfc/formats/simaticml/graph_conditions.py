@@ -340,8 +340,8 @@ class ConditionWriter:
                     mark_constants(network, network_text(network), self.constants)
                 self.ctx.note(Outcome.TRANSLATED, what, why=f"a network of {drawn.language}")
         plain = isinstance(condition, Expression) and condition.text == "TRUE" and condition.carried is None
-        unsaid = condition is None and kind == "Transition" and not self.ctx.options.same
-        if also or unsaid or (condition is not None and not plain):
+        is_without = condition is None and kind == "Transition" and not self.ctx.options.same
+        if also or is_without or (condition is not None and not plain):
             source = condition.model_dump(mode="json", exclude_none=True) if condition is not None else None
             self.write_instead(element, body, source)
         else:

@@ -78,7 +78,7 @@ class _ChartReader:
         self._named: list[tuple[str, str, etree._Element]] = []
         self._networks: dict[int, Fields] = {}
         """Conditions of the networks, for the transitions whose source is kept instead."""
-        self._told: set[int] = set()
+        self._sourced: set[int] = set()
         """Transitions of which a comment of this package keeps the condition, whether it counts or not."""
         self._excluded: dict[int, Fields] = {}
         """Steps that a comment of this package excludes, as the file has them."""
@@ -123,13 +123,13 @@ class _ChartReader:
 
     def _forget_edited(self) -> None:
         """Forget the fields that comments keep of steps that were edited, or whose transitions were."""
-        found = forget_edited_exclusions(self.chart, self._excluded, self._networks, self._told, self._edited)
+        found = forget_edited_exclusions(self.chart, self._excluded, self._networks, self._sourced, self._edited)
         kept = [("exclusion of the step", number) for number in found]
         there = {row["id"] for step in self.chart["steps"] for row in step["actions"]}
         for symbol in self.chart.get("drawing", {}).get("symbols", ()):
             if "entries" in symbol:
                 symbol["entries"] = [entry for entry in symbol["entries"] if entry["association"] in there]
-        found = forget_edited_times(self.chart, self._networks, self._told)
+        found = forget_edited_times(self.chart, self._networks, self._sourced)
         for what, number in (*kept, *(("minimum time", number) for number in found)):
             element = self._elements[number]
             self.ctx.place.append(f"step {element.get('Name', '')}")
@@ -372,7 +372,7 @@ class _ChartReader:
         for name, value in left.items():
             carry_attribute(fields, name, value)
         if _replace_condition(self.ctx, element, fields):
-            self._told.add(fields["id"])
+            self._sourced.add(fields["id"])
         if fields["condition"] is not condition:
             self._networks[fields["id"]] = condition
         self.chart["transitions"].append(fields)

@@ -147,11 +147,11 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     if chart is not None and ctx.body_name not in ctx.options.untouched:
         _write_settings(writer, chart.chart.graph_settings)
     write_object_text(ctx, writer.objects, "Comment", pou.comment)
-    ctx.actions_told = set()
+    ctx.actions_reported = set()
     for body in bodies_with_result(pou):
         write_units(ctx, writer.objects, body)
     for action in pou.actions:
-        if action.body is not None and action.name.casefold() not in ctx.actions_told:
+        if action.body is not None and action.name.casefold() not in ctx.actions_reported:
             is_called = id(action) in ctx.called_actions
             why = "blocks of TIA Portal have no actions: what calls it does not execute it" if is_called else UNCALLED
             outcome = Outcome.NOT_EXECUTED if is_called else Outcome.EXTENSION_DATA

@@ -11,7 +11,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc.formats.simaticml.element_reader import VERBATIM
-from plcopen_sfc.formats.simaticml.row_tokens import SAYABLE, read_action, write_row
+from plcopen_sfc.formats.simaticml.row_tokens import GRAPH_QUALIFIERS, read_action, write_row
 from plcopen_sfc.model import ActionAssociation, ActionEvent, Qualifier, StBody
 from tests.formats.simaticml.documents import FIXTURES, parsed, real_documents
 
@@ -97,7 +97,7 @@ def test_renaming_the_operand_of_a_row_keeps_its_blanks() -> None:
 OPERANDS = st.sampled_from(('"Tag"', "#x", '"DB".a[1].b', "#a.%X3", '#"with blank".c', "%M0.1"))
 TIMES = st.sampled_from(("T#5s", '"DB".time', "#t"))
 EVENTS = st.none() | st.sampled_from([event for event in ActionEvent if event is not ActionEvent.C])
-PLAIN = sorted(SAYABLE - {Qualifier.CALL})
+PLAIN = sorted(GRAPH_QUALIFIERS - {Qualifier.CALL})
 
 
 @st.composite
