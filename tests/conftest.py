@@ -6,6 +6,7 @@ is hypothesis' own rule), and what fails is reported as it was drawn: shrinking 
 
 from __future__ import annotations
 
+import gc
 import os
 from typing import Any
 
@@ -29,6 +30,16 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     from xdist.scheduler import WorkStealingScheduling  # noqa: PLC0415  # not without xdist
 
     return WorkStealingScheduling(config, log)
+
+
+def pytest_collection_finish() -> None:
+    """Let the garbage collector run less often: a fifth of the time of all tests is its looking through what lives on.
+
+    What is imported and collected is never garbage; 20 000 new objects are fewer than a project of the corpus has.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

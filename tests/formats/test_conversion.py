@@ -31,38 +31,34 @@ def own_name(project: Project) -> str:
     return origin.format if origin.format == "codesys" else f"plcopen-{origin.version}"
 
 
-def assert_there_and_back(path: Path, targets: Sequence[str] = (*TC6, "json")) -> None:
+def assert_valid_and_there_and_back(path: Path, targets: Sequence[str] = (*TC6, "json")) -> None:
+    """What is written for each target is valid, where the file itself is, and comes back equal."""
     project = accepting(sfc.load(path))
+    is_valid = not any(d.severity == "error" for d in validate_tc6(path.read_bytes()))
     own = own_name(project)
     others = [target for target in targets if target != own]
     assert others
     for target in others:
         there, report = sfc.convert(project, target, partial=True)
         assert report.with_outcome(Outcome.DROPPED) == []
+        if target in TC6 and is_valid:
+            assert_valid(there, target)
         back, _ = sfc.convert(accepting(sfc.loads(there)), own, partial=True)
         found = differences(project, sfc.loads(back))
         # other formats write text that stands in <ST> itself as their tools do
         assert [d for d in found if not (d.path.endswith("markup") and "<" not in d.left)] == [], f"{target} and back"
+    if is_valid and "json" in targets:
+        written, _ = sfc.convert(project, "plcopen", flavour="beremiz", partial=True)
+        assert_valid(written, "beremiz")
 
 
-def assert_valid(path: Path, targets: Sequence[str] = (*TC6, "beremiz")) -> None:
-    project = accepting(sfc.load(path))
-    if any(d.severity == "error" for d in validate_tc6(path.read_bytes())):
-        pytest.skip("the file itself is not valid")
-    for target in targets:
-        flavour = target if target == "beremiz" else ""
-        written, _ = sfc.convert(project, "plcopen" if flavour else target, flavour=flavour, partial=True)
-        assert [str(d) for d in validate_tc6(written) if d.severity == "error"] == [], target
+def assert_valid(written: bytes, target: str) -> None:
+    assert [str(d) for d in validate_tc6(written) if d.severity == "error"] == [], target
 
 
 @pytest.mark.parametrize("path", OWN, ids=lambda p: p.name)
-def test_there_and_back(path: Path) -> None:
-    assert_there_and_back(path)
-
-
-@pytest.mark.parametrize("path", OWN, ids=lambda p: p.name)
-def test_what_is_written_is_valid(path: Path) -> None:
-    assert_valid(path)
+def test_what_is_written_is_valid_and_comes_back(path: Path) -> None:
+    assert_valid_and_there_and_back(path)
 
 
 CORPUS = [*corpus_files("codesys"), *corpus_files("plcopen")]
@@ -70,24 +66,13 @@ LARGE = [path for path in CORPUS if path.stat().st_size > 300_000]
 """Of these there are several, mostly of the same tool: each goes to one target only, the next to another."""
 
 
-def targets_for(path: Path, targets: Sequence[str]) -> Sequence[str]:
-    return in_turn(targets, LARGE.index(path)) if path in LARGE else targets
-
-
 @pytest.mark.corpus
 @pytest.mark.slow
 @pytest.mark.parametrize("path", CORPUS, ids=lambda p: p.name)
-def test_there_and_back_on_the_corpus(path: Path) -> None:
+def test_what_is_written_is_valid_and_comes_back_on_the_corpus(path: Path) -> None:
     require_corpus()
-    assert_there_and_back(path, targets_for(path, (*TC6, "json")))
-
-
-@pytest.mark.corpus
-@pytest.mark.slow
-@pytest.mark.parametrize("path", CORPUS, ids=lambda p: p.name)
-def test_what_is_written_is_valid_on_the_corpus(path: Path) -> None:
-    require_corpus()
-    assert_valid(path, targets_for(path, (*TC6, "beremiz")))
+    targets = (*TC6, "json")
+    assert_valid_and_there_and_back(path, in_turn(targets, LARGE.index(path)) if path in LARGE else targets)
 
 
 def first_chart(project: Project) -> SfcNetwork:
