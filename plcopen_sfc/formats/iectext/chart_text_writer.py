@@ -1,4 +1,4 @@
-"""Writes the parts of a chart: steps with their associations, and transitions. The reader is `chart_reader`."""
+"""Writes the parts of a chart: steps with their associations, and transitions. The reader is `chart_text_reader`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads programs, function blocks, functions, and the actions and methods in them. The writer is `unit_writer`."""
+"""Reads programs, function blocks, functions, and the actions and methods in them. The writer is `pou_text_writer`."""
 
 from __future__ import annotations
 

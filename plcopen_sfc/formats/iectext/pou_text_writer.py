@@ -1,4 +1,4 @@
-"""Writes programs, function blocks, functions, and the actions and methods in them. The reader is `unit_reader`."""
+"""Writes programs, function blocks, functions, and the actions and methods in them. The reader is `pou_text_reader`."""
 
 from __future__ import annotations
 

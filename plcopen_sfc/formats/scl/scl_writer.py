@@ -1,4 +1,4 @@
-"""Writes SCL sources. `reader` is the way back.
+"""Writes SCL sources. `scl_reader` is the way back.
 
 Content that SCL cannot express (charts, actions, tasks ..) is written in comments that the reader takes back, so that
 nothing is lost: the text is read as it is, and the rest of the model is put behind it.

@@ -1,4 +1,4 @@
-"""Writes logic elements as ``FlgNet``. The reader is `networks_reader`.
+"""Writes logic elements as ``FlgNet``. The reader is `flgnet_reader`.
 
 The order is that of TIA Portal: operands, parts, then wires, each in the order of the parts and their pins; a wire
 is where its first consumer is. ``UId`` count on from 21.

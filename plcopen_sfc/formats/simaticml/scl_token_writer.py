@@ -1,4 +1,4 @@
-"""Writes SCL as the tokens of ``StructuredText``. The reader is `structured_text`."""
+"""Writes SCL as the tokens of ``StructuredText``. The reader is `scl_token_reader`."""
 
 from __future__ import annotations
 

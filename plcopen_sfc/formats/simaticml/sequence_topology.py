@@ -74,7 +74,7 @@ def added_in(element: etree._Element) -> set[ElementRef]:
 
 
 def usual_order(links: list[SequenceLink], symbols: list[ElementRef]) -> list[SequenceLink]:
-    """Links in the order of `topology_writer`: by their target; jumps, then ends behind the others."""
+    """Links in the order of `TopologyWriter`: by their target; jumps, then ends behind the others."""
     place = {ref: index for index, ref in enumerate(symbols)}
 
     def rank(link: SequenceLink) -> tuple[int, int, int]:
@@ -95,7 +95,7 @@ class TopologyReader:
         self._new_id = new_id
         self.found = Topology()
         self.added: set[ElementRef] = set()
-        """Steps and transitions that are none of the chart: see `topology_rules`."""
+        """Steps and transitions that are none of the chart: see `sequence_rules`."""
         self.counts: list[tuple[Fields, int, etree._Element]] = []
         """Number of paths that the file gives for each branch."""
 
