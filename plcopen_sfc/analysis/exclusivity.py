@@ -20,6 +20,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
+from plcopen_sfc.languages.st.effects import targets
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import Expression as Condition
@@ -146,12 +147,8 @@ def _written(condition: NetworkExpression) -> frozenset[str]:
     """The variables that are written, and the instances that are called, before the condition has its value."""
     found = {helper.name.casefold() for helper in condition.helpers}
     for statement in condition.before:
-        for node in walk(statement):
-            if isinstance(node, n.Assignment | n.AssignmentExpression):
-                found |= _names(node.target)
-            elif isinstance(node, n.Call):
-                found |= _names(node.callee)
-                found |= {name for a in node.arguments if a.output and a.value for name in _names(a.value)}
+        written = [*targets(statement), *(node.callee for node in walk(statement) if isinstance(node, n.Call))]
+        found |= {name for each in written for name in _names(each)}
     return frozenset(found)
 
 

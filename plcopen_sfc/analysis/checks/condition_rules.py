@@ -13,7 +13,7 @@ from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.languages.st.effects import reads
+from plcopen_sfc.languages.st.effects import reads, targets
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import Body, IlBody
 from plcopen_sfc.model.conditions import BodyCondition, NamedCondition, WiredCondition
@@ -70,15 +70,16 @@ def _assigning(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, transition in _transitions(chart):
         found = chart.condition(sheet, transition)
         own = {helper.name.casefold() for helper in found.helpers}
-        targets = [
-            print_node(node.target, chart.dialect)
-            for node in _nodes(found)
-            if isinstance(node, n.Assignment | n.AssignmentExpression)
-            and not (isinstance(node.target, n.Name) and node.target.identifier.casefold() in own)
+        trees = [*found.before, *([found.tree] if found.tree is not None else [])]
+        written = [target for tree in trees for target in targets(tree)]
+        names = [
+            print_node(target, chart.dialect)
+            for target in written
+            if not (isinstance(target, n.Name) and target.identifier.casefold() in own)
         ]
-        targets += _stored(chart, transition)
-        if targets:
-            yield Finding(sheet.at(transition), f"the condition writes {', '.join(dict.fromkeys(targets))}")
+        names += _stored(chart, transition)
+        if names:
+            yield Finding(sheet.at(transition), f"the condition writes {', '.join(dict.fromkeys(names))}")
 
 
 def _body_of(chart: CheckedChart, transition: Transition) -> tuple[Body | None, str]:

@@ -17,8 +17,8 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il import CALLS, JUMPS, STORING, instructions
 from plcopen_sfc.languages.networks import Helper, body_statements, chart_statements, condition_reader
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements, walk
-from plcopen_sfc.languages.st.effects import Effects, calls, effects, path_of
+from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
+from plcopen_sfc.languages.st.effects import Effects, calls, effects, path_of, targets
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
@@ -97,11 +97,7 @@ class BoundBody:
 
     def targets(self) -> Iterator[n.Expression]:
         """The variables that statements and instructions write, as they are written there."""
-        for node in (node for tree in self.trees for node in walk(tree)):
-            if isinstance(node, n.Assignment | n.AssignmentExpression):
-                yield node.target
-            elif isinstance(node, n.Argument) and node.output and node.value is not None:
-                yield node.value
+        return (target for tree in self.trees for target in targets(tree))
 
 
 def bind(body: Body, dialect: Dialect) -> BoundBody:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Set
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -177,14 +177,9 @@ def is_standard_call(call: n.Call) -> bool:
 
 def writes(tree: Expression | Statement, standard_instances: Set[Path]) -> frozenset[Path]:
     """The variables that a statement or expression writes. `standard_instances`: those of standard function blocks."""
-    found: set[Path] = set()
+    found = {path_of(target) for target in targets(tree)}
     for node in walk(tree):
-        if isinstance(node, n.Assignment | n.AssignmentExpression):
-            found.add(path_of(node.target))
-        elif isinstance(node, n.For):
-            found.add(path_of(node.variable))
-        elif isinstance(node, n.Call) and not is_standard_call(node):
-            found.update(path_of(a.value) for a in node.arguments if a.output and a.value is not None)
+        if isinstance(node, n.Call) and not is_standard_call(node):
             path = path_of(node.callee)
             found.update((path,) if path in standard_instances else (path, ANYTHING))
         elif isinstance(node, n.Unreadable) or (
@@ -192,6 +187,17 @@ def writes(tree: Expression | Statement, standard_instances: Set[Path]) -> froze
         ):
             found.add(ANYTHING)
     return frozenset(found)
+
+
+def targets(tree: n.Node) -> Iterator[Expression]:
+    """Yield the variables that a tree names as written: by assignments, loops and outputs of calls."""
+    for node in walk(tree):
+        if isinstance(node, n.Assignment | n.AssignmentExpression):
+            yield node.target
+        elif isinstance(node, n.For):
+            yield node.variable
+        elif isinstance(node, n.Argument) and node.output and node.value is not None:
+            yield node.value
 
 
 def may_change(read: frozenset[Path], written: frozenset[Path], private: Set[str]) -> bool:

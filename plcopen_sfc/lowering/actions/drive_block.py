@@ -10,6 +10,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
+from plcopen_sfc.languages.st.effects import targets
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, standard_block
 from plcopen_sfc.lowering.actions.action_execution import OwnVariables
@@ -140,15 +141,20 @@ class DriveBlock:
 
     def _kind(self, name: str) -> SectionKind:
         """Return the kind of parameter of a variable: it is only read, only written, or both."""
-        written = [each for each in self._targets() if _root(each).casefold() == name.casefold()]
+        written = [
+            each
+            for statement in self._statements()
+            for each in targets(statement)
+            if _root(each).casefold() == name.casefold()
+        ]
         if not written:
             return SectionKind.INPUT
         each_scan = [each for each in self._statements() if isinstance(each, n.Assignment)]
         whole = {id(each.target) for each in each_scan if isinstance(each.target, n.Name)}
-        targets = {id(each) for each in written}
+        places = {id(each) for each in written}
         uses = sum(each.identifier.casefold() == name.casefold() for each in self._names())
         # written in every scan and never read: the old value does not matter
-        if targets <= whole and uses == len(written):
+        if places <= whole and uses == len(written):
             return SectionKind.OUTPUT
         # no other code writes it, so that the block can keep the value between two scans
         if self._owned.has(n.Name(name)) and (uses == len(written) or self.code.drawn):
@@ -157,17 +163,6 @@ class DriveBlock:
         if self.code.drawn:
             self._refuse(f"{name} is read and written: networks do not show what goes in and out")
         return SectionKind.IN_OUT
-
-    def _targets(self) -> Iterator[Expression]:
-        """Yield what is written: by assignments, loops and outputs of calls, and whatever else a call may write."""
-        for statement in self._statements():
-            for node in walk(statement):
-                if isinstance(node, n.Assignment | n.AssignmentExpression):
-                    yield node.target
-                elif isinstance(node, n.For):
-                    yield node.variable
-                elif isinstance(node, n.Call):
-                    yield from (a.value for a in node.arguments if a.output and a.value is not None)
 
     def _names(self) -> Iterator[n.Name]:
         """Yield the names of variables, not of members, parameters and functions."""

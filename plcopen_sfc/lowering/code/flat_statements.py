@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
-from plcopen_sfc.languages.st.effects import is_impure
+from plcopen_sfc.languages.st.effects import is_impure, targets
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
@@ -125,7 +125,7 @@ def _needs_bits(branches: Sequence[n.Branch], guards: Sequence[Expression]) -> b
     # what a call or an address changes is not known here
     if any(isinstance(node, n.CallStatement | n.Call | n.Address) for node in nodes):
         return True
-    written = {name for node in nodes if isinstance(node, n.Assignment) for name in _names(node.target)}
+    written = {name for statement in statements for target in targets(statement) for name in _names(target)}
     return not written.isdisjoint(name for guard in guards for name in _names(guard))
 
 
