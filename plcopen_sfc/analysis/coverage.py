@@ -26,20 +26,24 @@ __all__ = ["Coverage", "Tally", "Unreached", "any_untested", "listed"]
 STEP, TRANSITION, ACTION, ASSIGNMENT = "step", "transition", "action", "assignment"
 PART = "part of condition"
 OUTCOME = "outcome of comparison"
+DECISION = "outcome of condition"
 _SHOWN = 10
 _DELAYED = (Qualifier.D, Qualifier.SD, Qualifier.DS)
 
+_UNDECIDED = ("can never decide it", "never decided it")
+
 Key = tuple[str, str, int, str]
 """What can be reached: the chart or text it stands in, its name, a number where names are not unique, and the condition
-that an assignment stands behind, or the part of the condition of a transition. An outcome has its value as number."""
+that an assignment stands behind, or the part of the condition of a transition. An outcome has its value as number, a
+part of a condition in a text -1."""
 
 
 @dataclass(frozen=True)
 class Unreached:
     """A step, transition, action or assignment that was not executed, or a part of a condition, and why.
 
-    Or an outcome that a comparison which is assigned did not have, or a value that a Boolean did not have where it was
-    tested: then `value` is TRUE or FALSE.
+    Or an outcome that a condition of a program, or a comparison which is assigned, did not have, or a value that a
+    Boolean did not have where it was tested: then `value` is TRUE or FALSE.
 
     `impossible`: it is proven that nothing reaches it.
     """
@@ -60,6 +64,8 @@ class Unreached:
             return f"{TRANSITION} {self.name} {self.why}"
         if self.kind == OUTCOME:
             return f"{ASSIGNMENT} {_quoted(self.name)} {self.why}"
+        if self.kind == DECISION:
+            return f"condition {self.name} {self.why}"
         return f"{self.kind} {self.name}: {self.why}"
 
 
@@ -70,7 +76,8 @@ class Coverage:
     `counts`: by kind (``step``, ``transition`` and ``action`` of a chart, ``assignment`` of a program or of the actions
     of a chart) how many were reached, and how many there are; without a proof also ``part of condition``, those that
     have decided it or, of Booleans, the values that were tested, and ``outcome of comparison``, TRUE and FALSE of each
-    comparison that is assigned.
+    comparison that is assigned, and ``outcome of condition``, TRUE and FALSE of each condition in programs, and their
+    parts.
     """
 
     name: str
@@ -91,7 +98,7 @@ class Coverage:
         """What was reached here or there, in two searches of the same side."""
         known = {each.key: each for each in other.unreached}
         for kind in sorted(
-            {PART, OUTCOME} - other.counts.keys()
+            {PART, OUTCOME, DECISION} - other.counts.keys()
         ):  # a proof with some inputs at rest: it does not tell these
             known |= {each.key: each for each in self.unreached if each.kind == kind}
         both = [(each, known[each.key]) for each in self.unreached if each.key in known]
@@ -110,7 +117,7 @@ class Coverage:
         """What was not reached, a line for each reason; behind the first ones only how many there are."""
         together: dict[tuple[str, str], list[str]] = {}
         for each in self.unreached:
-            if each.kind not in (PART, OUTCOME):
+            if each.kind not in (PART, OUTCOME, DECISION) or each.why.startswith("needs "):
                 together.setdefault((each.kind, each.why), []).append(each.name)
         lines = [
             f"not reached: {kind}{'s' * (len(names) > 1)} {listed(names)}: {why}"
@@ -121,6 +128,11 @@ class Coverage:
         lines += [f"not reached: {each}" for each in parts if each.name.partition(": `")[0] not in missed]
         missed = {each.name for each in self.unreached if each.kind == ASSIGNMENT}
         lines += [f"not reached: {each}" for each in self.unreached if each.kind == OUTCOME and each.name not in missed]
+        lines += [
+            f"not reached: {each}"
+            for each in self.unreached
+            if each.kind == DECISION and not each.why.startswith("needs ")
+        ]
         more = len(lines) - _SHOWN
         return [*lines[:_SHOWN], f"not reached for other reasons: {more}"] if more > 0 else lines
 
@@ -155,6 +167,7 @@ class Tally:
     def look_at_conditions(self) -> ConditionParts:
         """Count the parts of conditions that decide them, from now on."""
         self.parts = self.parts or ConditionParts(self.system, _charts(self.system))
+        self.system.marks.watch()
         return self.parts
 
     def reached(self, kind: str) -> set[Key]:
@@ -172,7 +185,7 @@ class Tally:
     def coverage(self, *, complete: bool) -> Coverage:
         """What it comes to. `complete`: all that the system can do was searched."""
         kinds: tuple[str, ...] = (STEP, TRANSITION, ACTION, PART, ASSIGNMENT) if _charts(self.system) else (ASSIGNMENT,)
-        kinds += (OUTCOME,) if self.parts is not None else ()
+        kinds += (OUTCOME, DECISION) if self.parts is not None else ()
         counts: dict[str, tuple[int, int]] = {}
         missing: dict[str, list[Key]] = {}
         reached: dict[str, set[Key]] = {}
@@ -215,8 +228,8 @@ def _charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgra
 
 def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
     """All of a kind, and whether it was reached."""
-    if kind in (ASSIGNMENT, OUTCOME):
-        yield from _assignments(system) if kind == ASSIGNMENT else _outcomes(system)
+    if kind in _OF_TEXTS:
+        yield from _OF_TEXTS[kind](system)
         return
     for name, chart in _charts(system):
         reached = chart.reached
@@ -252,6 +265,21 @@ def _outcomes(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
             yield _outcome_key(branch, *branch.outcome), is_reached
 
 
+def _decisions(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
+    for branch, is_reached in _branches(system):
+        if branch.decides is not None:
+            yield _decision_key(branch), is_reached
+
+
+_OF_TEXTS = {ASSIGNMENT: _assignments, OUTCOME: _outcomes, DECISION: _decisions}
+
+
+def _decision_key(branch: Branch) -> Key:
+    condition, part, value = branch.decides or ("", "", None)
+    label = f"{_quoted(condition)}: {_quoted(part)}" if part else _quoted(condition)
+    return branch.owner, label, -1 if value is None else int(value), branch.inside
+
+
 def _assignment_key(branch: Branch, text: str) -> Key:
     return branch.owner, text, 0, branch.condition
 
@@ -280,8 +308,8 @@ class _Reasons:
 
     def of(self, kind: str, key: Key) -> Unreached:
         name, label, number, condition = key
-        if kind == OUTCOME:
-            return self._outcome(key)
+        if kind in (OUTCOME, DECISION):
+            return self._outcome(kind, key)
         several = len(self._nets) > 1 and kind != ASSIGNMENT
         shown = f"{name}: {label}" if several else label
         if kind == ASSIGNMENT:
@@ -310,18 +338,25 @@ class _Reasons:
             why, impossible = f"{why} (proven)", True
         return Unreached(kind, shown, why, impossible=impossible)
 
-    def _outcome(self, key: Key) -> Unreached:
-        owner, assignment, value, inside = key
-        shown = "TRUE" if value else "FALSE"
-        around = self.of(ASSIGNMENT, (owner, assignment, 0, inside))
-        if around.impossible or self._never_true(OUTCOME, key):
-            return Unreached(OUTCOME, assignment, f"is never {shown} (proven)", impossible=True, value=shown)
-        leading = self._leading_to[OUTCOME, key]
+    def _outcome(self, kind: str, key: Key) -> Unreached:
+        owner, name, number, inside = key
+        value = {1: "TRUE", 0: "FALSE"}.get(number, "")
+        leading = self._leading_to[kind, key]
+        if kind == DECISION and not any(self._system.marks.reached[each.around] for each in leading):
+            why, impossible = "what it stands in was not executed", self._unreachable.is_never_executed(owner)
+            if inside:
+                impossible |= bool(self._never_true(kind, key))
+                why = f"needs {_quoted(inside)}, never reached"
+            why = f"{why} (proven)" if impossible else why
+            return Unreached(kind, name, why, impossible=impossible, value=value)
+        around = kind == OUTCOME and self.of(ASSIGNMENT, (owner, name, 0, inside)).impossible
+        is_never, was_never = (f"is never {value}", f"was never {value}") if value else _UNDECIDED
+        if around or self._never_true(kind, key):
+            return Unreached(kind, name, f"{is_never} (proven)", impossible=True, value=value)
         frozen = [self._unreachable.frozen_by(each.guards, self._system.subject.pou.chart) for each in leading]
         if all(frozen):
-            why = f"was never {shown}, as {_kept(frozen[0])}"
-            return Unreached(OUTCOME, assignment, why, impossible=True, value=shown)
-        return Unreached(OUTCOME, assignment, f"was never {shown}", value=shown)
+            return Unreached(kind, name, f"{was_never}, as {_kept(frozen[0])}", impossible=True, value=value)
+        return Unreached(kind, name, was_never, value=value)
 
     def _not_executed(self, name: str, label: str, net: Net) -> tuple[str, bool]:
         """Why an action was never executed, and whether nothing can execute it."""
@@ -383,6 +418,8 @@ class _Reasons:
         for branch, _ in _branches(self._system):
             if branch.outcome is not None:
                 found.setdefault((OUTCOME, _outcome_key(branch, *branch.outcome)), []).append(branch)
+            if branch.decides is not None:
+                found.setdefault((DECISION, _decision_key(branch)), []).append(branch)
             for text in branch.assignments:
                 found.setdefault((ASSIGNMENT, _assignment_key(branch, text)), []).append(branch)
         return found
@@ -451,7 +488,9 @@ def _kept(names: Sequence[str]) -> str:
 
 
 def _plural(kind: str) -> str:
-    return {PART: "parts of conditions", OUTCOME: "outcomes of comparisons"}.get(kind, f"{kind}s")
+    return {PART: "parts of conditions", OUTCOME: "outcomes of comparisons", DECISION: "outcomes of conditions"}.get(
+        kind, f"{kind}s"
+    )
 
 
 def listed(names: Sequence[str]) -> str:

@@ -15,30 +15,16 @@ from plcopen_sfc.analysis.exclusivity import condition_of
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.networks import normal_form
-from plcopen_sfc.languages.networks.values import inverted, joined
-from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.networks.values import inverted
 from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.languages.st.nodes import Expression, Operator
-from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
+from plcopen_sfc.semantics.programs.decisions import deciding_booleans, deciding_parts, may_act
 from plcopen_sfc.semantics.programs.layouts import Frame
 
 __all__ = ["ConditionPart", "ConditionParts"]
-
-_AND = (Operator.AND, Operator.AND_THEN)
-_OR = (Operator.OR, Operator.OR_ELSE)
-_COMPARING = frozenset(
-    {
-        Operator.EQUAL,
-        Operator.UNEQUAL,
-        Operator.LESS,
-        Operator.GREATER,
-        Operator.LESS_OR_EQUAL,
-        Operator.GREATER_OR_EQUAL,
-    }
-)
 
 
 @dataclass(eq=False)
@@ -84,11 +70,11 @@ class ConditionParts:
                 tree = self._condition(transition)
                 own = [
                     ConditionPart(name, chart, transition, print_node(part), deciding)
-                    for part, deciding in _parts(tree)
+                    for part, deciding in deciding_parts(tree)
                 ]
                 own += [
                     ConditionPart(name, chart, transition, print_node(leaf), leaf if value else inverted(leaf), value)
-                    for leaf in _booleans(tree)
+                    for leaf in deciding_booleans(tree)
                     for value in (True, False)
                 ]
                 if own:
@@ -113,7 +99,7 @@ class ConditionParts:
         if read.tree is None or not read.complete or read.before:
             return None
         tree = normal_form(read.tree)
-        return None if any(map(_may_act, walk(tree))) else tree
+        return None if any(map(may_act, walk(tree))) else tree
 
     def _looking(self, parts: Sequence[ConditionPart]) -> Callable[[Frame], None]:
         waiting: list[tuple[ConditionPart, Callable[[Frame], bool]]] | None = None
@@ -144,68 +130,6 @@ class ConditionParts:
             del library.problems[before:]
         library.link()
         return prepared
-
-
-def _parts(tree: Expression | None, around: tuple[Expression, ...] = ()) -> Iterator[tuple[Expression, Expression]]:
-    """The parts of a condition, and when they decide it; `around` is what must hold for the condition to matter."""
-    match tree:
-        case n.Parenthesized(inner):
-            yield from _parts(inner, around)
-        case n.Unary(Operator.NOT, operand):
-            yield from _parts(operand, around)
-        case n.Operation(operator, operands) if operator in _AND or operator in _OR:
-            is_or = operator in _OR
-            for number, operand in enumerate(operands):
-                others = [*operands[:number], *operands[number + 1 :]]
-                visible = (*around, *(map(inverted, others) if is_or else others))
-                if any(map(_compares, walk(operand))):
-                    yield operand, joined(Operator.AND, [*visible, operand if is_or else inverted(operand)])
-                yield from _parts(operand, visible)
-
-
-def _booleans(tree: Expression | None) -> Iterator[Expression]:
-    """The Booleans that a condition joins, each once."""
-    found: dict[str, Expression] = {}
-    waiting = list(_operands(tree))
-    while waiting:
-        node = waiting.pop(0)
-        inner = list(_operands(node))
-        waiting += inner
-        if not inner and not isinstance(node, n.Literal) and not any(map(_compares, walk(node))):
-            found.setdefault(print_node(node).casefold(), node)
-    return iter(found.values())
-
-
-def _operands(tree: Expression | None) -> Sequence[Expression]:
-    """What an operation joins; that of a condition which joins nothing is empty."""
-    tree = _bare(tree) if tree is not None else None
-    if isinstance(tree, n.Operation) and tree.operator in (*_AND, *_OR, Operator.XOR):
-        return [_bare(each) for each in tree.operands]
-    return ()
-
-
-def _bare(tree: Expression) -> Expression:
-    """An operand without parentheses and NOT."""
-    while isinstance(tree, n.Parenthesized) or (isinstance(tree, n.Unary) and tree.operator is Operator.NOT):
-        tree = tree.inner if isinstance(tree, n.Parenthesized) else tree.operand
-    return tree
-
-
-def _compares(node: n.Node) -> bool:
-    """True for comparisons of numbers and times, or of what may be some."""
-    if not isinstance(node, n.Operation) or node.operator not in _COMPARING:
-        return False
-    return not any(isinstance(each, n.Literal) and each.text in ("TRUE", "FALSE") for each in node.operands)
-
-
-def _may_act(node: n.Node) -> bool:
-    """True for calls that may do more than give a value."""
-    if isinstance(node, n.AssignmentExpression):
-        return True
-    if not isinstance(node, n.Call):
-        return False
-    block = standard_block(node.callee.identifier) if isinstance(node.callee, n.Name) else None
-    return block is None or block.stateful
 
 
 def _is_true(function: Callable[[Frame], bool], frame: Frame) -> bool:

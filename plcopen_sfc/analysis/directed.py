@@ -124,7 +124,7 @@ class DirectedSearch:
         self._parts = parts
         self._with_parts = [self._goals]
         other = self._sides[1 - leading]
-        has_outcomes = any(branch.outcome is not None for branch in other.marks.branches)
+        has_outcomes = not all(branch.is_statement for branch in other.marks.branches)
         if any(parts[1 - leading]) or (has_outcomes and bool(other.instance.charts()) == bool(self._goals.charts)):
             self._with_parts.append(Goals(other, signals, parts[1 - leading]))
         self._quiet: Row = {name: signal.default for name, signal in signals.items()}

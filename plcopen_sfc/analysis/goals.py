@@ -145,7 +145,7 @@ class Goals:
         marks = self._system.marks
         own = self._system.subject.pou.name
         for number, branch in enumerate(marks.branches):
-            goals = self.branches if branch.outcome is None else self.outcomes
+            goals = self.branches if branch.is_statement else self.outcomes
             if len(goals) >= _MOST_BRANCHES:
                 continue
             inside = branch.owner == own or branch.owner.startswith((f"{own}.", f"{own} "))

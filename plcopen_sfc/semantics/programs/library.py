@@ -22,7 +22,7 @@ from plcopen_sfc.semantics.programs.code import Code, Converter
 from plcopen_sfc.semantics.programs.declared_types import Initials, TypeReader
 from plcopen_sfc.semantics.programs.layouts import MOST_ELEMENTS, Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.linking import Linker, Writer
-from plcopen_sfc.semantics.programs.marks import Marks
+from plcopen_sfc.semantics.programs.marks import UNSEEN, Marks
 from plcopen_sfc.semantics.programs.places import ANYWHERE, Place, Space
 from plcopen_sfc.semantics.programs.scopes import Scope
 from plcopen_sfc.semantics.programs.standard_blocks import BlockType, BlockTypes
@@ -140,7 +140,7 @@ class Library:
         namespace.update({"coerced": runtime.coerced, "U": runtime.UNREAD, "p": self.processor})
         namespace.update({"g": self.frame.v, "fetch": self._fetch, "asked": self._asked})
         if self.marks is not None:
-            namespace["m"] = self.marks.reached
+            namespace.update({"m": self.marks.reached, "w": self.marks.watched, "Unseen": UNSEEN})
 
     def _fetch(self, cells: list[Any], index: int) -> Any:
         """A value, which is asked for where it is a free input that the scan has not read yet."""

@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 
 from plcopen_sfc.errors import Location, SimulationError
-from plcopen_sfc.languages.networks.values import inverted
+from plcopen_sfc.languages.networks import normal_form
+from plcopen_sfc.languages.networks.values import inverted, joined
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Operator, Statement
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.calls import Calls
 from plcopen_sfc.semantics.programs.code import Code, constant, settled, truth
+from plcopen_sfc.semantics.programs.decisions import decided_arguments, deciding_booleans, deciding_parts, may_act
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.guards import Guards, case_condition
 from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslator
 from plcopen_sfc.semantics.programs.places import Place
 
 _MANY_LABELS = 6
+_MOST_LABELS = 64
+_Decision = tuple[str, bool | None, n.Expression]
+"""A part of a condition, or empty the whole; the value it is to have, None: it is to decide; and what is TRUE then."""
+
 _Branch = tuple[str, Sequence[n.Expression], Sequence[Statement]]
 """A branch of CASE: what leads to it, as text and as what is TRUE in it, and its statements."""
 _CALCULATING = {
@@ -132,6 +138,7 @@ class StatementTranslator:
                 self._guards.forget(statement)
                 with self._writer.block("while True:"):
                     self._count_turn()
+                    self._watch_conditions([condition])
                     with self._writer.block(f"if not {self._truth(condition).text}:"):
                         self._writer.write("break")
                     with self._within(condition, [condition]):
@@ -164,6 +171,7 @@ class StatementTranslator:
 
     def call(self, node: n.Expression) -> None:
         """Write a call."""
+        self._watch_arguments(node)
         self._calls.statement(node)
 
     def _truth(self, node: n.Expression) -> Code:
@@ -179,6 +187,7 @@ class StatementTranslator:
         if node.kind is AssignmentKind.ATTEMPT:
             raise SimulationError("?= is not known to the simulator")
         if node.kind in (AssignmentKind.SET, AssignmentKind.RESET):
+            self._watch_conditions([node.value])
             with self._writer.block(f"if {self._truth(node.value).text}:"), self._within(node.value, [node.value]):
                 self.note(print_node(node))
                 place = translator.place(node.target, t.BOOL)
@@ -198,9 +207,11 @@ class StatementTranslator:
         if isinstance(known, Place) and isinstance(known.type, t.ReferenceType) and known.type.automatic:
             place = translator.followed(known, None)
         translator.note_write(place)
+        self._watch_arguments(node)
         before = translator.comparisons
         code = settled(translator.fitted(translator.value(assigned, place.type), place.type))
         if self._marks is not None and code.type is t.BOOL and not code.constant and translator.comparisons > before:
+            self._watch([(print_node(node.value), _parts(assigned))])
             held = self._writer.temporary()
             first = self._marks.outcomes(self._branch, print_node(node), assigned, self._guards.holding)
             self._writer.write(f"{held} = {code.text}; m[{first} + (1 if {held} else 0)] = True")
@@ -241,6 +252,66 @@ class StatementTranslator:
         yield
         self._branch, self._guards.holding = outer, holding
 
+    # -- what conditions come to
+
+    def _watch_conditions(self, conditions: Sequence[n.Expression]) -> None:
+        """Look at the outcomes and parts of conditions, of which each is tested where those before it are FALSE."""
+        found: list[tuple[str, Iterable[_Decision]]] = []
+        before: list[n.Expression] = []
+        for condition in conditions:
+            found.append((print_node(condition), list(_decisions(condition, before))))
+            found += [(print_node(each), list(_decisions(each, before))) for each in decided_arguments(condition)]
+            if any(map(may_act, walk(condition))):
+                break  # what follows is only known to be tested when it has been
+            before.append(inverted(condition))
+        self._watch(found)
+
+    def _watch_arguments(self, node: n.Node) -> None:
+        """Look at the arguments of calls that compare."""
+        self._watch([(print_node(each), _decisions(each)) for each in decided_arguments(node)])
+
+    def _watch_selector(self, node: n.Case) -> None:
+        """Look at the labels of CASE, where several lead to a branch; and whether none fits, unless it is a state."""
+        conditions = [case_condition(node.selector, branch) for branch in node.branches]
+        found: list[tuple[str, Iterable[_Decision]]] = []
+        if len(conditions) <= _MOST_LABELS:
+            for condition in conditions:
+                found.append((print_node(condition), [("", True, condition), *_parts(condition)][:_MOST_LABELS]))
+        if not isinstance(n.bare(node.selector), n.Name | n.Member):
+            whole = joined(Operator.OR, conditions)
+            found.append((print_node(node.selector), [("any label", False, inverted(n.Parenthesized(whole)))]))
+        self._watch(found)
+
+    def _watch(self, conditions: Sequence[tuple[str, Iterable[_Decision]]]) -> None:
+        """Write what looks at conditions, as long as something was not seen; those that may act are left alone."""
+        known = [
+            (shown, each)
+            for shown, decisions in conditions
+            for each in decisions
+            if not any(map(may_act, walk(each[2])))
+        ]
+        if self._marks is None or not known:
+            return
+        mark, first = self._writer.mark(), len(self._marks.branches)
+        group = self._marks.group()
+        try:
+            with self._writer.block(f"if w[{group}]:"):
+                for shown, (part, value, deciding) in known:
+                    code = self._truth(deciding)
+                    if code.constant:
+                        continue
+                    guards = (*self._guards.holding, deciding)
+                    number = self._marks.decision(self._branch, shown, part, value, guards)
+                    with self._writer.block(f"if not m[{number}]:"):
+                        with self._writer.block("try:"):
+                            self._writer.write(f"m[{number}] = bool({code.text})")
+                        with self._writer.block("except Unseen:"):
+                            self._writer.write("pass")
+                self._writer.write(f"w[{group}] = not all(m[{first}:{len(self._marks.branches)}])")
+        except SimulationError:  # the statement itself tells what is wrong
+            self._writer.rollback(mark)
+            self._marks.forget(first)
+
     def note(self, assignment: str) -> None:
         """Note an assignment of the present branch."""
         if self._marks is not None:
@@ -249,6 +320,7 @@ class StatementTranslator:
     def _if(self, branches: Sequence[n.Branch], otherwise: Sequence[Statement] | None) -> None:
         """IF. What a condition needs before it is part of the expression, so ELSIF stays a chain."""
         others: list[n.Expression] = []
+        self._watch_conditions([branch.condition for branch in branches])
         for index, branch in enumerate(branches):
             word = "elif" if index else "if"
             known = [*others, branch.condition]
@@ -262,6 +334,7 @@ class StatementTranslator:
 
     def _case(self, node: n.Case) -> None:
         selector = settled(self._translator.value(node.selector, t.DINT))
+        self._watch_selector(node)
         held = self._writer.temporary()
         self._writer.write(f"{held} = {selector.text}")
         branches: list[tuple[list[tuple[int, int]], _Branch]] = []
@@ -358,6 +431,9 @@ class StatementTranslator:
             settled(translator.fitted(translator.value(node_, type_), type_)) for node_ in (node.start, node.end)
         )
         step = settled(translator.fitted(translator.value(node.step, type_), type_)) if node.step is not None else None
+        if not (start.constant and end.constant) and (step is None or step.constant):
+            order = Operator.LESS_OR_EQUAL if step is None or step.value > 0 else Operator.GREATER_OR_EQUAL
+            self._watch_conditions([n.Operation(order, (node.start, node.end))])
         last, by = self._writer.temporary(), self._writer.temporary()
         self._writer.write(f"{last} = {end.text}")
         if step is not None and not step.constant:
@@ -388,8 +464,10 @@ class StatementTranslator:
         self._writer.write(f"{again} = False")
         with self._writer.block("while True:"):
             # CONTINUE goes to the condition, which therefore stands at the beginning of the next turn
-            with self._writer.block(f"if {again}:"), self._writer.block(f"if {self._truth(condition).text}:"):
-                self._writer.write("break")
+            with self._writer.block(f"if {again}:"):
+                self._watch_conditions([condition])
+                with self._writer.block(f"if {self._truth(condition).text}:"):
+                    self._writer.write("break")
             self._writer.write(f"{again} = True")
             self._count_turn()
             self._inside("", statements)
@@ -403,6 +481,24 @@ class StatementTranslator:
             raise SimulationError("a jump out of a loop is not known to the simulator")
         self._writer.write(f"_to = {index}")
         self._writer.write("continue")
+
+
+def _decisions(condition: n.Expression, before: Sequence[n.Expression] = ()) -> Iterator[_Decision]:
+    """Yield the outcomes and parts of a condition; `before` are conditions that must be TRUE for it to be tested."""
+    tree = normal_form(condition)
+    yield "", True, joined(Operator.AND, [*before, tree])
+    yield "", False, joined(Operator.AND, [*before, inverted(tree)])
+    for part, value, deciding in _parts(tree):
+        yield part, value, joined(Operator.AND, [*before, deciding])
+    for leaf in deciding_booleans(tree):
+        for value in (True, False):
+            yield print_node(leaf), value, joined(Operator.AND, [*before, leaf if value else inverted(leaf)])
+
+
+def _parts(condition: n.Expression) -> Iterator[_Decision]:
+    """Yield the parts of a condition that decide it."""
+    for part, deciding in deciding_parts(normal_form(condition)):
+        yield print_node(part), None, deciding
 
 
 def _matches(held: str, labels: list[tuple[int, int]]) -> str:
