@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -151,8 +152,8 @@ class Coverage:
 class Tally:
     """What of a system, and of systems that are parts of it, was reached.
 
-    Only what the compared POU itself has is counted: blocks that it calls are the same on both sides, or have a
-    comparison of their own.
+    What the compared POU itself has is counted, and what blocks and functions have that it calls, unless they are the
+    same on both sides.
     """
 
     def __init__(self, system: ProgramSystem) -> None:
@@ -247,10 +248,15 @@ def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
 
 def _branches(system: ProgramSystem) -> Iterator[tuple[Branch, bool]]:
     marks = system.marks
-    own = system.instance.unit.pou.name
     for branch, is_reached in zip(marks.branches, marks.reached, strict=True):
-        if branch.owner == own or branch.owner.startswith((f"{own}.", f"{own} ")):
+        if _is_own(system, branch.owner) or re.split(r"[. ]", branch.owner)[0] in system.also_counted:
             yield branch, is_reached
+
+
+def _is_own(system: ProgramSystem, owner: str) -> bool:
+    """Return True for texts of the compared POU itself."""
+    own = system.instance.unit.pou.name
+    return owner == own or owner.startswith((f"{own}.", f"{own} "))
 
 
 def _assignments(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
@@ -310,7 +316,7 @@ class _Reasons:
         name, label, number, condition = key
         if kind in (OUTCOME, DECISION):
             return self._outcome(kind, key)
-        several = len(self._nets) > 1 and kind != ASSIGNMENT
+        several = len(self._nets) > 1 if kind != ASSIGNMENT else not _is_own(self._system, name)
         shown = f"{name}: {label}" if several else label
         if kind == ASSIGNMENT:
             if self._unreachable.is_never_executed(name):
@@ -340,6 +346,8 @@ class _Reasons:
 
     def _outcome(self, kind: str, key: Key) -> Unreached:
         owner, name, number, inside = key
+        is_own = _is_own(self._system, owner)
+        shown = name if is_own else f"{owner}: {name}"
         value = {1: "TRUE", 0: "FALSE"}.get(number, "")
         leading = self._leading_to[kind, key]
         if kind == DECISION and not any(self._system.marks.reached[each.around] for each in leading):
@@ -348,15 +356,15 @@ class _Reasons:
                 impossible |= bool(self._never_true(kind, key))
                 why = f"needs {_quoted(inside)}, never reached"
             why = f"{why} (proven)" if impossible else why
-            return Unreached(kind, name, why, impossible=impossible, value=value)
+            return Unreached(kind, shown, why, impossible=impossible, value=value)
         around = kind == OUTCOME and self.of(ASSIGNMENT, (owner, name, 0, inside)).impossible
         is_never, was_never = (f"is never {value}", f"was never {value}") if value else _UNDECIDED
         if around or self._never_true(kind, key):
-            return Unreached(kind, name, f"{is_never} (proven)", impossible=True, value=value)
+            return Unreached(kind, shown, f"{is_never} (proven)", impossible=True, value=value)
         frozen = [self._unreachable.frozen_by(each.guards, self._system.subject.pou.chart) for each in leading]
-        if all(frozen):
-            return Unreached(kind, name, f"{was_never}, as {_kept(frozen[0])}", impossible=True, value=value)
-        return Unreached(kind, name, was_never, value=value)
+        if is_own and all(frozen):
+            return Unreached(kind, shown, f"{was_never}, as {_kept(frozen[0])}", impossible=True, value=value)
+        return Unreached(kind, shown, was_never, value=value)
 
     def _not_executed(self, name: str, label: str, net: Net) -> tuple[str, bool]:
         """Why an action was never executed, and whether nothing can execute it."""
@@ -405,9 +413,11 @@ class _Reasons:
         told = ""
         for branch in self._leading_to[kind, key]:
             alone = branch.guards[-1:]
-            if not branch.guards or not self._unreachable.is_impossible(branch.guards, self._system.subject.pou.chart):
+            pou = None if _is_own(self._system, branch.owner) else re.split(r"[. ]", branch.owner)[0]
+            chart = self._system.subject.pou.chart
+            if not branch.guards or not self._unreachable.is_impossible(branch.guards, chart, pou):
                 return ""
-            is_alone = self._unreachable.is_impossible(alone, self._system.subject.pou.chart)
+            is_alone = self._unreachable.is_impossible(alone, chart, pou)
             told = " and ".join(_quoted(print_node(each)) for each in (alone if is_alone else branch.guards))
         return told
 

@@ -11,16 +11,17 @@ chance. The same arguments always give the same search: its effort is counted in
 from __future__ import annotations
 
 import heapq
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
-from math import frexp
+from math import frexp, inf, nextafter
 from random import Random
 from typing import Any
 
 from plcopen_sfc.analysis.clocking import Clocking
 from plcopen_sfc.analysis.deciding_parts import ConditionParts
-from plcopen_sfc.analysis.domains import Domain, NotProvableError, plain
+from plcopen_sfc.analysis.domains import GREATEST_REAL, Domain, NotProvableError, plain
 from plcopen_sfc.analysis.goals import Goal, Goals, total
 from plcopen_sfc.analysis.product import compare, end_of, failure_of
 from plcopen_sfc.analysis.search_limits import INTERRUPTED
@@ -39,18 +40,22 @@ _WAITS = 40
 
 _FLIPS = 24
 _VALUES = 8
-_MOST_VALUES = 24
+_MOST_VALUES = 60
 """Of an input, with those that conditions want."""
 
 _MOST_PATTERNS = 96
 """Of an input whose bits may matter."""
 
 _CHANGED_BIT = 0.5
+_ANY_VALUE = 0.3
 _CHANCES = 12
 _LOOKED_BACK = 40
 _REPEATED = 2_000
 _MOST_GOALS = 24
 _MOST_STATES = 20_000
+_BOUND_TRIES = 3
+"""How often a bound of a comparison is solved."""
+
 _TRIES = 8
 """How often inputs are tried that z3 has found for a part of a condition."""
 
@@ -129,6 +134,10 @@ class DirectedSearch:
             self._with_parts.append(Goals(other, signals, parts[1 - leading]))
         self._quiet: Row = {name: signal.default for name, signal in signals.items()}
         self._values = {name: _values(domains[name], signal) for name, signal in signals.items()}
+        for side in self._sides:
+            for name, signal in signals.items():
+                if signal.kind is SignalKind.STRING:
+                    self._learn(name, map(_text, side.text_lengths(signal)))
         for goals in self._with_parts:  # what is compared with a constant may be a copy of an input
             for name, signal in signals.items():
                 self._learn(name, goals.constants(signal))
@@ -351,6 +360,12 @@ class DirectedSearch:
             for goal in chain(goals.open_actions(), goals.open_parts()):
                 if goal.tries < _TRIES and add(goals.solve_part(goal)):
                     goal.tries += 1
+            for goal in goals.open_bounds(_BOUND_TRIES):
+                found = goals.solve([goal], [])
+                if add(found) and found is not None:
+                    for name, value in found.items():
+                        for near in _neighbours(self._signals[name], value):
+                            add({**found, name: near})
             for goal in goals.open_outcomes():
                 if goal.tries < _TRIES and add(goals.solve([goal], [])):
                     goal.tries += 1
@@ -384,7 +399,7 @@ class DirectedSearch:
         names = [name for name in read if name in self._values]
         for name in names[:_FLIPS]:
             values = [value for value in self._values[name] if value != state.row[name]]
-            if name in self._bitwise:
+            if name in self._bitwise or len(values) > 2 * _VALUES:
                 values = self._chance.sample(values, min(len(values), _VALUES))
             for value in values[:_VALUES]:
                 row = {**state.row, name: value}
@@ -447,6 +462,10 @@ class DirectedSearch:
             return _wrapped(
                 self._chance.choice((value ^ bit, value + 1, value - 1, self._chance.getrandbits(64))), signal
             )
+        if signal.kind in (SignalKind.REAL, SignalKind.STRING) and self._chance.random() < _ANY_VALUE:
+            if signal.kind is SignalKind.STRING:
+                return _text(self._chance.randrange(signal.length + 1))
+            return signal.accept(self._chance.uniform(-1, 1) * 10 ** self._chance.randrange(-2, 7))
         return self._chance.choice(self._values[name])
 
 
@@ -470,5 +489,28 @@ def _values(domain: Domain, signal: Signal) -> list[Value]:
     if signal.kind is SignalKind.BOOL:
         return known
     first, *others = samples(signal)
-    bounds = (signal.least, signal.greatest) if signal.kind is SignalKind.INTEGER else ()
+    bounds: tuple[Value, ...] = ()
+    if signal.kind is SignalKind.INTEGER:
+        bounds = (signal.least, signal.greatest)
+    elif signal.kind is SignalKind.REAL:
+        most = GREATEST_REAL if signal.type == "REAL" else sys.float_info.max
+        bounds = tuple(map(signal.accept, (*_ROUNDED, most, -most)))
     return list(dict.fromkeys([*(known if len(known) > 1 else ()), first, *others[:1], *bounds, *others, *known]))
+
+
+_ROUNDED = (1.5, 2.5, -1.5, -0.5, 2.7, 0.1, 16777217.0, 1.0e-30)
+"""Real numbers that are rounded, some of them where they are kept with single precision."""
+
+
+def _text(length: int) -> str:
+    """Return a text of a length; those of less lengths begin it."""
+    return "".join(chr(ord("A") + (7 * place + place // 26 * 3) % 26) for place in range(length))
+
+
+def _neighbours(signal: Signal, value: Value) -> list[Value]:
+    """Return the real numbers beside one: what is calculated with it may be rounded."""
+    if signal.kind is not SignalKind.REAL or not isinstance(value, float) or not value:
+        return []
+    if signal.type != "REAL":
+        return [nextafter(value, -inf), nextafter(value, inf)]
+    return [signal.accept(value * (1 - 2**-23)), signal.accept(value * (1 + 2**-23))]

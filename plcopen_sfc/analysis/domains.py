@@ -51,7 +51,9 @@ class Domain:
 
     def note(self, constant: int | float) -> None:
         """Have values on both sides of a constant, unless there are far too many already."""
-        found = {constant} if self.signal.kind is SignalKind.REAL else {math.floor(constant), math.ceil(constant)}
+        unit = self.signal.unit
+        low = math.floor(constant) // unit * unit
+        found = {constant} if self.signal.kind is SignalKind.REAL else {low, low + unit * (low < constant)}
         if found <= self._cuts or len(self._cuts) > _MOST_CUTS:
             return
         self._cuts |= found
@@ -79,7 +81,7 @@ class Domain:
         """One number for each constant, and one below, between and above them where the type has any; or two."""
         cuts = sorted(self._cuts)
         if not cuts:
-            some = range(2 if self._is_doubled else 1)
+            some = (0, self.signal.unit) if self._is_doubled else (0,)
             return sorted({min(max(each, self.signal.least), self.signal.greatest) for each in some})
         if self.signal.kind is SignalKind.REAL:
             most = GREATEST_REAL if self.signal.type == "REAL" else sys.float_info.max
@@ -90,7 +92,7 @@ class Domain:
                 between += [2 * below, 2 * above]
             inside = (min(max(float(each), -most), most) for each in (below, *cuts, *between, above))
             return sorted({each for each in map(self.signal.accept, inside) if isinstance(each, float)})
-        offsets = (0, 1, 2) if self._is_doubled else (0, 1)
+        offsets = [self.signal.unit * count for count in range(3 if self._is_doubled else 2)]
         near = {cut + offset for cut in cuts for offset in offsets} | {cuts[0] - offset for offset in offsets}
         near |= {self.signal.least, self.signal.greatest}  # for intervals that a bound of the type cuts off
         return sorted(each for each in near if self.signal.least <= each <= self.signal.greatest)

@@ -12,7 +12,7 @@ written in the scan makes no difference.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from time import monotonic
@@ -25,7 +25,7 @@ from plcopen_sfc.analysis.delay import NO_DELAY, Delay, delays, retimed
 from plcopen_sfc.analysis.directed import DirectedSearch, Step
 from plcopen_sfc.analysis.domains import Domain
 from plcopen_sfc.analysis.number_terms import explore_terms
-from plcopen_sfc.analysis.pairing import connect, heed_instability, step_observations
+from plcopen_sfc.analysis.pairing import connect, heed_called, heed_instability, step_observations
 from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, search
 from plcopen_sfc.analysis.search_limits import INTERRUPTED, SearchProgress, SearchWatch, seconds
 from plcopen_sfc.analysis.stimuli import stimuli
@@ -40,7 +40,7 @@ from plcopen_sfc.semantics.drawn import as_executed
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.programs.library import ALL_FREE
-from plcopen_sfc.semantics.signals import Signal, Value
+from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.simulation import nanoseconds
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
@@ -330,6 +330,13 @@ class _Compared:
         lengths = [length for length in found if length is not None]
         return min(lengths, default=None)
 
+    def limits(self, signals: Mapping[str, Signal]) -> Iterator[str]:
+        """Yield what "all inputs" does not mean."""
+        if self.resting:
+            yield f"{', '.join(self.resting)} at rest"
+        if any(each.kind is SignalKind.REAL for each in signals.values()):
+            yield "REAL inputs are finite numbers"
+
     def verdict(self, delay: Delay, tries: _Tries) -> Verdict:
         """Compare both with one delay."""
         return _Attempt(self, delay, tries).verdict()
@@ -353,6 +360,7 @@ class _Attempt:
         self._clock = compared.clock
         self._comparison, self._signals = compared.prepared(delay)
         self._left, self._right = self._comparison.left, self._comparison.right
+        heed_called(self._left, self._right)
         self._tallies = (Tally(self._left), Tally(self._right))
         self._watch = SearchWatch(tries.limit, tries.progress, self._tallies[0].numbers, tries.whole)
         self._domains = {name: Domain(name, signal) for name, signal in self._signals.items()}
@@ -463,7 +471,7 @@ class _Attempt:
             " and ".join(dict.fromkeys(each.name for each in compared.profiles)),
             reason,
             ran.counterexample,
-            (*found.notes, *([f"{', '.join(compared.resting)} at rest"] if compared.resting else [])),
+            (*found.notes, *compared.limits(self._signals)),
             found.parts,
             coverage,
             frozen,

@@ -81,6 +81,7 @@ _LITERALS = {
     ValueKind.DATE_AND_TIME: LiteralKind.DATE_AND_TIME,
 }
 _NUMBERS = (ValueKind.INTEGER, ValueKind.REAL)
+_TIMES = (ValueKind.DURATION, ValueKind.TIME_OF_DAY, ValueKind.DATE_AND_TIME)
 _CALCULATING = frozenset(
     {
         Operator.ADD,
@@ -158,7 +159,9 @@ class Formula:
         """The variables in the terms that were made."""
         return [atom.text for atom in self._atoms.values()]
 
-    def model(self, terms: list[Any], known: Mapping[str, bool | int | float | str | None]) -> dict[str, Any] | None:
+    def model(
+        self, terms: list[Any], known: Mapping[str, bool | int | float | str | date | None]
+    ) -> dict[str, Any] | None:
         """Values of variables with which all terms are true, or None.
 
         `known` are values that variables have; names of enumerations are texts. What the formula does not know may take
@@ -185,15 +188,18 @@ class Formula:
             elif z3.is_int_value(value):
                 number = value.as_long()
                 is_symbol = atom.kind is ValueKind.SYMBOL and number in range(len(self._symbols))
-                found[atom.text] = self._symbols[number] if is_symbol else number
+                is_date = atom.kind is ValueKind.DATE and 0 < number <= date.max.toordinal()
+                found[atom.text] = (
+                    self._symbols[number] if is_symbol else date.fromordinal(number) if is_date else number
+                )
         return found
 
-    def is_impossible(self, terms: list[Any], known: Mapping[str, bool | int | float | str | None]) -> bool:
+    def is_impossible(self, terms: list[Any], known: Mapping[str, bool | int | float | str | date | None]) -> bool:
         """True if the terms cannot all be true while variables have these values."""
         z3, solver = self._solver(terms, known)
         return bool(solver.check() == z3.unsat)
 
-    def _solver(self, terms: list[Any], known: Mapping[str, bool | int | float | str | None]) -> tuple[Any, Any]:
+    def _solver(self, terms: list[Any], known: Mapping[str, bool | int | float | str | date | None]) -> tuple[Any, Any]:
         z3, context = z3_context()
         solver = z3.Solver(ctx=context)
         solver.set("rlimit", _EFFORT_FOR_A_MODEL)
@@ -204,7 +210,7 @@ class Formula:
                 solver.add(*self._is(atom, value))
         return z3, solver
 
-    def _is(self, atom: _Atom, value: bool | int | float | str) -> list[Any]:
+    def _is(self, atom: _Atom, value: bool | int | float | str | date) -> list[Any]:
         """That an atom has a value, if its kind can have it."""
         z3, context = z3_context()
         if atom.kind is ValueKind.BOOL:
@@ -215,7 +221,9 @@ class Formula:
             if atom.kind is not ValueKind.SYMBOL:
                 return []
             return [atom.term == self._code(LiteralValue(LiteralKind.ENUMERATED, value))]
-        if isinstance(value, bool) or atom.kind not in (*_NUMBERS, ValueKind.DURATION) or not math.isfinite(value):
+        if isinstance(value, date):
+            return [atom.term == value.toordinal()] if atom.kind is ValueKind.DATE else []
+        if isinstance(value, bool) or atom.kind not in (*_NUMBERS, *_TIMES) or not math.isfinite(value):
             return []
         if isinstance(value, int):
             return [atom.term == value]
@@ -428,6 +436,7 @@ class Formula:
             term = z3.Real(key, ctx=context)
         else:
             term = z3.Int(key, ctx=context)
+            term = term * domain.unit if domain is not None and domain.unit > 1 else term
         if domain is not None:
             self._bounds += [term >= bound for bound in [domain.least] if bound is not None]
             self._bounds += [term <= bound for bound in [domain.greatest] if bound is not None]

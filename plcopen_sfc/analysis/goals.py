@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import chain
+from datetime import date, timedelta
+from itertools import chain, islice
 from typing import Any
 
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
@@ -22,26 +23,18 @@ from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.values import joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.languages.st.literals import LiteralKind, literal_value
+from plcopen_sfc.languages.st.literals import literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
+from plcopen_sfc.semantics.programs.decisions import COMPARING, bounds
+from plcopen_sfc.semantics.programs.types import ElementaryType, Family
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
 __all__ = ["Goal", "Goals"]
 
 Distance = Callable[[], float]
-_COMPARING = frozenset(
-    {
-        Operator.EQUAL,
-        Operator.UNEQUAL,
-        Operator.LESS,
-        Operator.GREATER,
-        Operator.LESS_OR_EQUAL,
-        Operator.GREATER_OR_EQUAL,
-    }
-)
 _OPPOSITE = {
     Operator.EQUAL: Operator.UNEQUAL,
     Operator.UNEQUAL: Operator.EQUAL,
@@ -50,14 +43,8 @@ _OPPOSITE = {
     Operator.GREATER: Operator.LESS_OR_EQUAL,
     Operator.LESS_OR_EQUAL: Operator.GREATER,
 }
-_LITERALS = {
-    SignalKind.INTEGER: (LiteralKind.INTEGER,),
-    SignalKind.REAL: (LiteralKind.REAL, LiteralKind.INTEGER),
-    SignalKind.DURATION: (LiteralKind.DURATION,),
-    SignalKind.STRING: (LiteralKind.STRING,),
-}
 _FAR = 1e15
-_MOST_BRANCHES = 400
+_MOST_BRANCHES = 600
 
 
 @dataclass(eq=False)
@@ -120,6 +107,7 @@ class Goals:
         self.actions = [goal for number, _ in enumerate(self.charts) for goal in self._of_actions(number)]
         self._find_branches()
         self.parts = [self._of_part(part) for part in parts]
+        self.bounds = list(islice(self._of_bounds(), _MOST_BRANCHES))
         self._library.link()
 
     # -- which
@@ -174,14 +162,33 @@ class Goals:
         number = next(number for number, (chart, _) in enumerate(self.charts) if chart is part.chart)
         transition = part.transition
         goal = Goal(part.text, part.deciding, number, transition.bit, transition.pre, part=part)
-        paths = (node for node in walk(part.deciding) if isinstance(node, n.Name | n.Member | n.Index | n.Address))
-        goal.has_inputs = any(self._input(print_node(node)) is not None for node in paths)
+        goal.has_inputs = self._reads_inputs(part.deciding)
         goal.distance = self._distance(part.deciding, wanted=True)
         return goal
 
+    def _of_bounds(self) -> Iterator[Goal]:
+        """What makes both sides of a comparison equal where it matters, and one more or less."""
+        seen: set[tuple[int, int, str]] = set()
+        for goal in chain(chain.from_iterable(self.transitions), self.branches, self.outcomes):
+            for comparison, around in bounds(goal.tree) if goal.tree is not None else ():
+                left, right = map(n.Parenthesized, comparison.operands)
+                more = [
+                    n.Operation(operator, (right, n.Literal("1"))) for operator in (Operator.ADD, Operator.SUBTRACT)
+                ]
+                for other in (right, *map(n.Parenthesized, more)):
+                    tree = normal_form(joined(Operator.AND, [n.Operation(Operator.EQUAL, (left, other)), around]))
+                    key = (goal.chart, goal.sources, print_node(tree))
+                    if key not in seen and self._reads_inputs(tree):
+                        seen.add(key)
+                        yield Goal(goal.name, tree, goal.chart, goal.bit, goal.sources)
+
+    def _reads_inputs(self, tree: Expression) -> bool:
+        paths = (node for node in walk(tree) if isinstance(node, n.Name | n.Member | n.Index | n.Address))
+        return any(self._input(print_node(node)) is not None for node in paths)
+
     def constants(self, signal: Signal) -> Iterator[Value]:
         """The constants in the conditions that an input of a type could have."""
-        kinds = _LITERALS.get(signal.kind, ())
+        kinds = signal.literals
         transitions = chain.from_iterable(self.transitions)
         for goal in chain(transitions, self.branches, self.outcomes, self.parts):
             for node in walk(goal.tree) if goal.tree is not None and kinds else ():
@@ -237,6 +244,14 @@ class Goals:
             if not goal.sources & ~marking
         ]
 
+    def open_bounds(self, tries: int) -> Iterator[Goal]:
+        """The bounds of comparisons that can be tried now, each only so often."""
+        markings = self.markings()
+        for goal in self.bounds:
+            if goal.tries < tries and (goal.chart < 0 or not goal.sources & ~markings[goal.chart]):
+                goal.tries += 1
+                yield goal
+
     def solve_part(self, goal: Goal) -> dict[str, Value] | None:
         """Values of inputs that make something of a step TRUE now, if possible while no competing transition fires."""
         markings = self.markings()
@@ -264,7 +279,7 @@ class Goals:
                 if (operator in (Operator.AND, Operator.AND_THEN)) is wanted:
                     return lambda: sum([part() for part in parts])
                 return lambda: min([part() for part in parts])
-            case n.Operation(operator, (left, right)) if operator in _COMPARING:
+            case n.Operation(operator, (left, right)) if operator in COMPARING:
                 return self._compared(operator if wanted else _OPPOSITE[operator], left, right)
         return self._boolean(tree, wanted=wanted)
 
@@ -398,6 +413,8 @@ class Goals:
             type_ = self._system.instance.type_of(text)
         except SfcError:
             return None
+        if isinstance(type_, ElementaryType) and type_.family is Family.DATE and isinstance(value, int):
+            return date(1970, 1, 1) + timedelta(value // type_.unit)
         names = getattr(type_, "names", None)
         if names and isinstance(value, int) and not isinstance(value, bool):
             return next((name for name, number in names.items() if number == value), None)
@@ -417,11 +434,12 @@ def _accepted(signal: Signal, value: Any) -> Value | None:
         return next((number for number, name in signal.names.items() if name.casefold() == wanted), None)
     try:
         if signal.kind is SignalKind.STRING:
-            return signal.accept(value) if isinstance(value, str) else None
+            is_text = isinstance(value, str) and len(value) <= (signal.length or len(value))
+            return signal.accept(value) if is_text else None
         if signal.kind is SignalKind.REAL:
             return signal.accept(float(value))
         if signal.kind in (SignalKind.INTEGER, SignalKind.DURATION):
-            return signal.accept(min(max(int(value), signal.least), signal.greatest))
+            return signal.accept(value if isinstance(value, date) else signal.whole(int(value)))
     except (SfcError, ValueError, OverflowError):
         return None
     return None

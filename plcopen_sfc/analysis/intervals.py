@@ -77,7 +77,9 @@ class Split(Probe):
         bound = self._number(constant)
         least, greatest, least_open, greatest_open = self._interval
         if self.domain.signal.kind is not SignalKind.REAL:
-            bound, inclusive = math.floor(bound) if inclusive else math.ceil(bound) - 1, True
+            unit = self.domain.signal.unit
+            bound = math.floor(bound) // unit * unit if inclusive else (math.ceil(bound) - 1) // unit * unit
+            inclusive = True
         if bound > greatest or (bound == greatest and (inclusive or greatest_open)):
             return True
         if bound < least or (bound == least and (least_open or not inclusive)):
@@ -85,7 +87,7 @@ class Split(Probe):
         below = _Interval(least, bound, least_open, not inclusive)
         above = _Interval(bound, greatest, inclusive, greatest_open)
         if self.domain.signal.kind is not SignalKind.REAL:
-            above = _Interval(bound + 1, greatest)
+            above = _Interval(bound + self.domain.signal.unit, greatest)
         some_below, some_above = below.some(self.domain.signal), above.some(self.domain.signal)
         if some_below is None or some_above is None:
             return some_above is None

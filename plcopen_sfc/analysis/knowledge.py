@@ -23,6 +23,7 @@ from plcopen_sfc.model import types as t
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.semantics.programs.types import elementary
 
 
 class ValueKind(StrEnum):
@@ -43,13 +44,15 @@ class ValueKind(StrEnum):
 class VariableValues:
     """The values that a variable can have: its kind, and for numbers the least and the greatest value where known.
 
-    `symbols` are all values of an enumeration, as `LiteralValue.value` has them.
+    `symbols` are all values of an enumeration, as `LiteralValue.value` has them. `unit` is what durations and times are
+    multiples of, in nanoseconds.
     """
 
     kind: ValueKind
     least: int | None = None
     greatest: int | None = None
     symbols: tuple[str, ...] = ()
+    unit: int = 1
 
 
 Knowledge = Callable[[Expression], VariableValues | LiteralValue | None]
@@ -239,4 +242,7 @@ class _Known:
             return VariableValues(ValueKind.INTEGER, *INTEGER_RANGES[name])
         if name not in _KINDS:
             return None
-        return VariableValues(_KINDS[name], *TIME_RANGES.get((self._dialect, name), (None, None)))
+        kind, type_ = _KINDS[name], elementary(name, self._dialect)
+        unit = type_.unit if type_ is not None and kind is not ValueKind.DATE else 1  # of dates the formula counts days
+        least, greatest = TIME_RANGES.get((self._dialect, name), (None, None))
+        return VariableValues(kind, least, greatest, unit=unit)

@@ -9,9 +9,12 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.errors import ModelError, UnstableChartError
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.model.variables import SectionKind
@@ -19,7 +22,7 @@ from plcopen_sfc.semantics.profile import Evolution
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.watching import Watched, signal_of
 
-__all__ = ["connect", "heed_instability", "output_pairs", "step_observations", "unpaired"]
+__all__ = ["connect", "heed_called", "heed_instability", "output_pairs", "step_observations", "unpaired"]
 
 _SEEN_OUTSIDE = frozenset({"output", "external"})
 
@@ -176,6 +179,31 @@ def heed_instability(chart: ProgramSystem, code: ProgramSystem) -> None:
     for name, each in code.variables.items():
         if _UNSTABLE.fullmatch(name) and each.signal.kind is SignalKind.BOOL and not each.is_input:
             code.leave_out(name, UnstableChartError)
+
+
+def heed_called(left: ProgramSystem, right: ProgramSystem) -> None:
+    """Count what is executed of called POUs, but of those that are the same on both sides."""
+    called = left.called_pous(), right.called_pous()
+    for system, own, others in ((left, *called), (right, *called[::-1])):
+        system.also_counted = frozenset(
+            name for name, pou in own.items() if name not in others or not _are_alike(pou, others[name])
+        )
+
+
+def _are_alike(one: Pou, other: Pou) -> bool:
+    if one is other:
+        return True
+    bodies = [
+        [b.text for b in _texts(pou)] if all(isinstance(b, StBody) for b in _texts(pou)) else [] for pou in (one, other)
+    ]
+    if all(bodies):
+        flat = [[" ".join(text.split()).casefold() for text in texts] for texts in bodies]
+        return flat[0] == flat[1] and not any(differences(one.interface, other.interface))
+    return not any(differences(one, other))
+
+
+def _texts(pou: Pou) -> list[Any]:
+    return [*pou.bodies, *(action.body for action in pou.actions), *(method.body for method in pou.methods)]
 
 
 _UNSTABLE = re.compile(r"(unstable|instabil)(_?\d+)?", re.IGNORECASE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -111,6 +112,8 @@ class ProgramSystem:
         self._seen: tuple[Any, ...] | None = None
         self._initial = self._state()
         self._observe: Callable[[], tuple[Any, ...]] = tuple
+        self.also_counted: frozenset[str] = frozenset()
+        """Names of called POUs that the other side has not, or not so: what of them is executed counts too."""
         self.not_followed: dict[str, type[SfcError]] = {}
         """By the names of variables, how a scan ends that leaves them TRUE."""
         self._not_followed: Callable[[], tuple[Any, ...]] = tuple
@@ -168,6 +171,12 @@ class ProgramSystem:
             for shift in (0, *(each for each in library.shifts if 0 < each < width)):
                 low = (1 << shift) - 1
                 yield from (number << shift, number << shift | low, number >> shift | (number & low) << width - shift)
+
+    def text_lengths(self, signal: Signal) -> Iterator[int]:
+        """Yield lengths that tell texts of a type apart: those of other texts, and numbers in the programs."""
+        lengths = {each.signal.length for each in (*self.variables.values(), *self.members.values())}
+        around = {length + more for length in (*self._controller.library.numbers, *lengths) for more in (-1, 0, 1)}
+        yield from sorted(length for length in {*around, signal.length} if 0 < length <= signal.length)
 
     def not_driven(self) -> list[str]:
         """The inputs that it reads and that keep their values, because no few values stand for them."""
@@ -275,6 +284,7 @@ class ProgramSystem:
             not_free=self._not_free,
         )
         made.delay(begins=self._begins, kept=self._kept)
+        made.also_counted = self.also_counted
         for name, kind in self.not_followed.items():
             made.leave_out(name, kind)
         bits = {path: 1 << index for index, path in enumerate(made.steps)}
@@ -363,6 +373,11 @@ class ProgramSystem:
         if self.not_followed and any(values := self._not_followed()):
             name, kind = next(each for each, value in zip(self.not_followed.items(), values, strict=True) if value)
             raise kind(f"{name} = TRUE")
+
+    def called_pous(self) -> dict[str, Pou]:
+        """Return the POUs of the project whose texts it executes besides its own, by their names."""
+        owners = {re.split(r"[. ]", branch.owner)[0] for branch in self.marks.branches}
+        return {p.name: p for p in self.subject.project.pous if p.name in owners and p.name != self.subject.pou.name}
 
     def pass_time(self, scans: int) -> None:
         """Let the time of some scans go by, in which nothing but clocks would go on."""

@@ -63,9 +63,12 @@ class Unreachable:
         steps = self._nets[own].steps if own in self._nets else ()
         return any(step.path == place and step.index in self.steps.get(own, ()) for step in steps)
 
-    def is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None) -> bool:
-        """True if conditions that stand in a chart are never TRUE together."""
-        return self._is_impossible(trees, chart, self._fixed)
+    def is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, called: str | None = None) -> bool:
+        """True if conditions that stand in a chart, or in a called POU of a name, are never TRUE together."""
+        if called is None:
+            return self._is_impossible(trees, chart, self._fixed)
+        formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._system.called_pous()[called]))
+        return formula.is_impossible(formula.terms([JudgedCondition(tree) for tree in trees]), {})
 
     def frozen_by(self, trees: Sequence[Expression], chart: SfcNetwork | None) -> list[str]:
         """The variables whose values keep conditions from being TRUE together, as nothing writes or gives them."""

@@ -338,5 +338,5 @@ def samples(signal: Signal) -> list[Value]:
             return ["", "A", "Test"]
         case SignalKind.ENUMERATION if signal.names:
             return list(signal.names)
-    around = (0, 1, 2, 3, 4, 5, 10, 20, 50, 100, 1000, -1)
+    around = [count * signal.unit for count in (0, 1, 2, 3, 4, 5, 10, 20, 50, 100, 1000, -1)]
     return [value for value in around if signal.least <= value <= signal.greatest] or [signal.least]

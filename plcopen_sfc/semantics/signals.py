@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import date, timedelta
 from enum import Enum
 from typing import TypeAlias
 
@@ -13,10 +14,12 @@ from plcopen_sfc.languages.st.literals import (
     INTEGER_RANGES,
     LiteralError,
     LiteralKind,
+    LiteralValue,
     literal_value,
     real_literal,
     string_literal,
     time_literal,
+    write_literal,
 )
 
 __all__ = ["Signal", "SignalKind", "Value"]
@@ -41,6 +44,22 @@ _FALSE = frozenset({"0", "FALSE", "FALSCH", "BOOL#FALSE", "BOOL#0"})
 _DURATIONS = ("TIME", "LTIME", "S5TIME")
 _KINDS = {"BOOL": SignalKind.BOOL, **dict.fromkeys(("REAL", "LREAL"), SignalKind.REAL)}
 _KINDS |= dict.fromkeys(_DURATIONS, SignalKind.DURATION)
+_CALENDAR = {
+    name: kind
+    for kind, names in (
+        (LiteralKind.DATE, "DATE LDATE"),
+        (LiteralKind.TIME_OF_DAY, "TOD LTOD"),
+        (LiteralKind.DATE_AND_TIME, "DT LDT DTL"),
+    )
+    for name in names.split()
+}
+_LITERALS = {
+    SignalKind.REAL: (LiteralKind.REAL, LiteralKind.INTEGER),
+    SignalKind.DURATION: (LiteralKind.DURATION,),
+    SignalKind.STRING: (LiteralKind.STRING,),
+}
+_EPOCH = date(1970, 1, 1)
+_DAY = 86_400_000_000_000
 _TEXTS = ("STRING", "WSTRING", "CHAR", "WCHAR")
 
 
@@ -48,7 +67,8 @@ _TEXTS = ("STRING", "WSTRING", "CHAR", "WCHAR")
 class Signal:
     """The type of a variable: its name (``INT``, ``E_Mode``) and, of an enumeration, the names of its values.
 
-    `least` and `greatest` are the bounds of integers and subranges.
+    `least` and `greatest` are the bounds of integers and subranges, `unit` is the resolution of durations and times in
+    nanoseconds, `length` the most characters of texts, as far as that is known.
     """
 
     type: str
@@ -56,6 +76,8 @@ class Signal:
     names: Mapping[int, str] = field(default_factory=dict)
     least: int = -(1 << 63)
     greatest: int = (1 << 63) - 1
+    unit: int = 1
+    length: int = 0
 
     @classmethod
     def elementary(cls, type_name: str) -> Signal:
@@ -88,6 +110,17 @@ class Signal:
         return min(max(0, self.least), self.greatest)
 
     @property
+    def literals(self) -> tuple[LiteralKind, ...]:
+        """The kinds of literals whose values the type has."""
+        if self.kind is SignalKind.INTEGER:
+            return (_CALENDAR.get(self.type, LiteralKind.INTEGER),)
+        return _LITERALS.get(self.kind, ())
+
+    def whole(self, value: int) -> int:
+        """Return the nearest value of an integer, duration or time that is not greater, in the bounds of the type."""
+        return min(max(value // self.unit * self.unit, self.least), self.greatest)
+
+    @property
     def bits(self) -> int:
         """How many bits an integer of the type has."""
         return max(self.greatest.bit_length(), (-self.least - 1).bit_length() + 1 if self.least < 0 else 1)
@@ -105,7 +138,18 @@ class Signal:
                 return self.names.get(value, str(value))
             case SignalKind.STRING if isinstance(value, str):
                 return _quoted(value, wide=self.type.startswith("W"))
+            case SignalKind.INTEGER if self.type in _CALENDAR and isinstance(value, int):
+                return self._calendar(value)
         return str(value)
+
+    def _calendar(self, value: int) -> str:
+        """Return a date or time as a literal, or where none can say it as its number."""
+        kind = _CALENDAR[self.type]
+        try:
+            said = _EPOCH + timedelta(value // _DAY) if kind is LiteralKind.DATE else value
+            return write_literal(LiteralValue(kind, said, self.type))
+        except (ModelError, OverflowError):
+            return str(value)
 
     def parse(self, text: str) -> Value:
         """The value that `text` says: what `text()` gives, a literal, or a plain number. Raises `ModelError`."""
@@ -125,6 +169,8 @@ class Signal:
 
     def accept(self, value: object) -> Value:
         """A value that a Python function gave, checked against the type. Texts are parsed. Raises `ModelError`."""
+        if isinstance(value, date):
+            value = (value - _EPOCH).days * _DAY
         if isinstance(value, str):
             return value if self.kind is SignalKind.STRING else self.parse(value)
         if self.kind is SignalKind.BOOL and isinstance(value, int) and value in (0, 1):
@@ -165,6 +211,8 @@ class Signal:
             literal = literal_value(word)
         except LiteralError as error:
             raise ModelError(f"{word!r} is no {self.type}", hint=error.hint) from None
+        if isinstance(literal.value, date) and literal.kind in self.literals:
+            return self._within((literal.value - _EPOCH).days * _DAY, word)
         wanted = LiteralKind.DURATION if self.kind is SignalKind.DURATION else None
         if isinstance(literal.value, bool) or not isinstance(literal.value, int):
             raise ModelError(f"{word!r} is no {self.type}")

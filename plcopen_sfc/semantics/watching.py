@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from typing import Any
@@ -170,7 +170,13 @@ def signal_of(type_: Type) -> Signal | None:
     if type_.names:
         return Signal.enumeration(type_.name, {value: name for name, value in type_.names.items()})
     plain = Signal.elementary("TIME" if type_.family is Family.DURATION else type_.name)
-    if type_.narrowed is not None:
-        least, greatest = type_.narrowed
-        return Signal(type_.name, plain.kind, least=least, greatest=greatest)
-    return plain
+    least, greatest = type_.narrowed or (type_.least, type_.greatest)
+    if not type_.is_ranged:
+        return replace(plain, length=type_.length)
+    return replace(
+        plain,
+        type=type_.name if type_.narrowed else plain.type,
+        unit=type_.unit,
+        least=-(-least // type_.unit) * type_.unit,
+        greatest=greatest // type_.unit * type_.unit,
+    )

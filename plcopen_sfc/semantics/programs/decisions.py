@@ -14,7 +14,7 @@ from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.standard_blocks import standard_block
 
-__all__ = ["COMPARING", "compares", "decided_arguments", "deciding_booleans", "deciding_parts", "may_act"]
+__all__ = ["COMPARING", "bounds", "compares", "decided_arguments", "deciding_booleans", "deciding_parts", "may_act"]
 
 _AND = (Operator.AND, Operator.AND_THEN)
 _OR = (Operator.OR, Operator.OR_ELSE)

@@ -21,6 +21,7 @@ from plcopen_sfc.semantics.programs.decisions import decided_arguments, deciding
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.guards import Guards, case_condition
 from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslator
+from plcopen_sfc.semantics.programs.layouts import MOST_ELEMENTS
 from plcopen_sfc.semantics.programs.places import Place
 
 _MANY_LABELS = 6
@@ -138,7 +139,7 @@ class StatementTranslator:
                 self._guards.forget(statement)
                 with self._writer.block("while True:"):
                     self._count_turn()
-                    self._watch_conditions([condition])
+                    self._watch_conditions([condition], [statements])
                     with self._writer.block(f"if not {self._truth(condition).text}:"):
                         self._writer.write("break")
                     with self._within(condition, [condition]):
@@ -254,12 +255,16 @@ class StatementTranslator:
 
     # -- what conditions come to
 
-    def _watch_conditions(self, conditions: Sequence[n.Expression]) -> None:
-        """Look at the outcomes and parts of conditions, of which each is tested where those before it are FALSE."""
+    def _watch_conditions(self, conditions: Sequence[n.Expression], inside: Sequence[Sequence[Statement]] = ()) -> None:
+        """Look at the outcomes and parts of conditions, of which each is tested where those before it are FALSE.
+
+        `inside`: what they lead to; assignments there tell by themselves that they were executed.
+        """
         found: list[tuple[str, Iterable[_Decision]]] = []
         before: list[n.Expression] = []
-        for condition in conditions:
-            found.append((print_node(condition), list(_decisions(condition, before))))
+        for number, condition in enumerate(conditions):
+            assigns = any(isinstance(each, n.Assignment) for each in (inside[number] if inside else ()))
+            found.append((print_node(condition), list(_decisions(condition, before))[assigns:]))
             found += [(print_node(each), list(_decisions(each, before))) for each in decided_arguments(condition)]
             if any(map(may_act, walk(condition))):
                 break  # what follows is only known to be tested when it has been
@@ -267,8 +272,28 @@ class StatementTranslator:
         self._watch(found)
 
     def _watch_arguments(self, node: n.Node) -> None:
-        """Look at the arguments of calls that compare."""
-        self._watch([(print_node(each), _decisions(each)) for each in decided_arguments(node)])
+        """Look at the arguments of calls that compare, and at indexes that are inputs."""
+        found = [(print_node(each), _decisions(each)) for each in decided_arguments(node)]
+        self._watch([*found, *self._indexes(node)] if self._marks is not None else ())
+
+    def _indexes(self, node: n.Node) -> Iterator[tuple[str, Iterable[_Decision]]]:
+        """Yield the indexes that are inputs, with the values that they can have."""
+        for each in walk(node):
+            if not isinstance(each, n.Index) or not isinstance(n.bare(each.indices[0]), n.Name):
+                continue
+            array, index = self._translator.meaning(each.base), self._translator.meaning(each.indices[0])
+            known = index.known if isinstance(index, Place) else None
+            if (
+                known is None
+                or not known.input
+                or not isinstance(array, Place)
+                or not isinstance(array.type, t.ArrayType)
+            ):
+                continue
+            lower, upper = array.type.dimensions[0] if array.type.dimensions else (0, 0)
+            values = range(lower, upper + 1) if upper - lower < MOST_ELEMENTS else (lower, upper)
+            equal = [n.Operation(Operator.EQUAL, (each.indices[0], n.Literal(str(value)))) for value in values]
+            yield print_node(each), [(print_node(tree), True, tree) for tree in equal]
 
     def _watch_selector(self, node: n.Case) -> None:
         """Look at the labels of CASE, where several lead to a branch; and whether none fits, unless it is a state."""
@@ -320,7 +345,7 @@ class StatementTranslator:
     def _if(self, branches: Sequence[n.Branch], otherwise: Sequence[Statement] | None) -> None:
         """IF. What a condition needs before it is part of the expression, so ELSIF stays a chain."""
         others: list[n.Expression] = []
-        self._watch_conditions([branch.condition for branch in branches])
+        self._watch_conditions([each.condition for each in branches], [each.statements for each in branches])
         for index, branch in enumerate(branches):
             word = "elif" if index else "if"
             known = [*others, branch.condition]

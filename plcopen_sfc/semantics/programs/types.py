@@ -13,7 +13,7 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.st.literals import TIME_RANGES
+from plcopen_sfc.languages.st.literals import SECOND, TIME_RANGES
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.layouts import Layout
@@ -176,21 +176,27 @@ INT, DINT, LINT = ELEMENTARY["INT"], ELEMENTARY["DINT"], ELEMENTARY["LINT"]
 
 _DEFAULT_LENGTHS = {Dialect.CODESYS: 80, Dialect.TWINCAT: 80}
 _NARROW_TIMES = {
-    dialect: ElementaryType("TIME", Family.DURATION, 32, *TIME_RANGES[dialect, "TIME"], unit=_MILLISECOND)
+    (dialect, "TIME"): ElementaryType("TIME", Family.DURATION, 32, *TIME_RANGES[dialect, "TIME"], unit=_MILLISECOND)
     for dialect in (Dialect.CODESYS, Dialect.TWINCAT, Dialect.SCL)
+}
+_NARROW_TIMES |= {
+    (dialect, name): ElementaryType("DT", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1, unit=unit)
+    for dialect, unit in ((Dialect.CODESYS, SECOND), (Dialect.TWINCAT, SECOND), (Dialect.SCL, _MILLISECOND))
+    for name in ("DT", "DATE_AND_TIME")
 }
 
 
 def elementary(name: str, dialect: Dialect = Dialect.IEC) -> ElementaryType | None:
     """The elementary type of this name in a dialect; None if there is none.
 
-    TIME has 32 bits of milliseconds in CODESYS (without a sign) and in S7 (with one), 64 bits of nanoseconds else.
+    TIME has 32 bits of milliseconds in CODESYS (without a sign) and in S7 (with one), 64 bits of nanoseconds else. DT
+    has whole seconds in CODESYS, whole milliseconds in S7.
     A STRING without a length has 80 characters in CODESYS, 254 in S7; the same is taken for IEC 61131-3, which leaves
     it open.
     """
     key = name.upper()
-    if key == "TIME" and dialect in _NARROW_TIMES:
-        return _NARROW_TIMES[dialect]
+    if (dialect, key) in _NARROW_TIMES:
+        return _NARROW_TIMES[dialect, key]
     if key in ("STRING", "WSTRING"):
         return string(key, _DEFAULT_LENGTHS.get(dialect, 254))
     return ELEMENTARY.get(key)
