@@ -116,12 +116,11 @@ class _Writer:
         for draft in self.drafts:
             for end in draft.ends:
                 end.sources = [self._source(*source) for source in end.sources]
-        # in this order: an inverter that is folded needs no operand, and wires meet only after outputs became operands
         self._fold_inverters()
         self._enable_moves()
         self._outputs(network)
         self._join()
-        self._wired_outputs()
+        self._wired_outputs()  # last: it needs the sources as the others leave them
         self.consumers: dict[tuple[int, str | None], list[tuple[_Draft, _End]]] = {}
         for draft in self.drafts:
             for end in draft.ends:

@@ -279,7 +279,7 @@ def without_inserted(links: list[SequenceLink], added: frozenset[ElementRef]) ->
 
 def is_contractible(links: list[SequenceLink], added: frozenset[ElementRef]) -> bool:
     """True if all elements marked as added are between two others, as `Legaliser` inserts them."""
-    # a jump to an inserted step, or a second connection at one, was made in TIA Portal: the step is part of the chart
+    # a jump to an inserted step, or a second connection at one, came later: the step is part of the chart now
     if any(link.is_jump and link.target in added for link in links):
         return False
     entering = [link.target for link in links if link.target in added]
