@@ -10,10 +10,12 @@ from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
+from plcopen_sfc.languages.networks import body_statements, condition_reader
 from plcopen_sfc.languages.s7_globals import blocks_of_variables
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
-from plcopen_sfc.languages.st.nodes import Call, Expression
+from plcopen_sfc.languages.st.nodes import Assignment, Call, Expression, Name, Statements
+from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, S7_VERSION
 from plcopen_sfc.languages.translation import (
     NameScope,
@@ -27,8 +29,9 @@ from plcopen_sfc.languages.translation import (
     is_foreign,
     translate,
 )
+from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
 from plcopen_sfc.languages.translation.renames import keep_names, kept_names
-from plcopen_sfc.languages.translation.translation_context import family
+from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, family
 from plcopen_sfc.model import (
     ActionAssociation,
     Interface,
@@ -40,6 +43,8 @@ from plcopen_sfc.model import (
     SfcNetwork,
     Variable,
 )
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.conditions import BodyCondition, WiredCondition
 from plcopen_sfc.model.types import DerivedType, ElementaryType, EnumType, StringType, StructType, SubrangeType
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 
@@ -87,7 +92,7 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
         results = [_translated(text_site, target, renames, project, globals_) for text_site in texts]
         if len(renames) == known:
             break
-    found: list[TranslatedText] = []
+    found = list(_boxes_of_other_types(project, source, target, globals_)) if source is not target else []
     for text_site, result in zip(texts, results, strict=True):
         changed = result.text != text_site.text
         if changed:
@@ -210,7 +215,7 @@ def _translated(
         blocks=known.blocks,
     )
     if known.resolver is not None:
-        context = _with_types(context, text_site, known.resolver)
+        context = _with_types(context, text_site.site, known.resolver, text_site)
     if text_site.site.transition is not None and (body := text_site.text.rstrip()).endswith(";"):
         expression = parse_condition(body[:-1], source)  # ``Ready;`` would be a call among statements
         if not expression.problems:
@@ -224,9 +229,10 @@ def _translated(
     return translate(parse_condition(text_site.text, source), target, context)
 
 
-def _with_types(context: TranslationContext, text_site: TextSite, resolver: Resolver) -> TranslationContext:
-    """`context` with the types of expressions."""
-    site, holder = text_site.site, text_site.holder
+def _with_types(
+    context: TranslationContext, site: Site, resolver: Resolver, text_site: TextSite | None = None
+) -> TranslationContext:
+    """`context` with the types of expressions at a site."""
 
     def type_of(node: Expression) -> str:
         return _elementary(resolver.type_of(node, site))
@@ -235,9 +241,46 @@ def _with_types(context: TranslationContext, text_site: TextSite, resolver: Reso
         return _elementary(resolver.parameter_type(call, position, site))
 
     wanted = ""
-    if isinstance(holder, ActionAssociation) and text_site.key == "value" and holder.target is not None:
+    holder = text_site.holder if text_site is not None and text_site.key == "value" else None
+    if isinstance(holder, ActionAssociation) and holder.target is not None:
         wanted = type_of(parse_expression(holder.target, resolver.dialect).tree)
     return replace(context, type_of=type_of, parameter_type=parameter_type, wanted=wanted)
+
+
+def _boxes_of_other_types(
+    project: Project, source: Dialect, target: Dialect, known: _Globals
+) -> Iterator[TranslatedText]:
+    """Say which boxes give something else in the target, as they stay: it calculates in other types."""
+    assert known.resolver is not None  # noqa: S101
+    for path, pou, tree in _drawn(project, source):
+        notes = Notes("")
+        context = _with_types(TranslationContext(), Site(pou=pou), known.resolver)
+        fitted = ArithmeticTranslator(family(source), family(target), context, notes).fitted(tree)
+        changed = [new for old, new in zip(tree.statements, fitted.statements, strict=True) if old is not new]
+        for statement in changed:
+            reason = f"its boxes calculate in other types in {TITLES[family(target)]}"
+            same = " ".join(print_node(statement).split())
+            notes.add(Severity.WARNING, f"{reason}, where `{same}` would give the same", (0, 0))
+        if notes.in_order():
+            yield TranslatedText(path, changed=False, notes=notes.in_order())
+
+
+def _drawn(project: Project, dialect: Dialect) -> Iterator[tuple[str, Pou, Statements]]:
+    """The networks of a project as statements, with their paths in reports and their POUs."""
+    for name, pou, body in project.bodies():
+        if isinstance(body, FbdBody | LdBody):
+            yield pou.report_path_of(name), pou, body_statements(body, dialect).tree
+    for chart in project.charts():
+        read = condition_reader(chart.chart, dialect, transitions=chart.pou.transitions)
+        conditions = [(f"transition {chart.chart.label(t)}", t.condition) for t in chart.chart.transitions]
+        for step in chart.chart.steps:
+            for kind, part in (("interlock", step.interlock), ("supervision", step.supervision)):
+                conditions.append((f"step {step.name} / {kind}", part.condition if part is not None else None))
+        for label, condition in conditions:
+            found = read(condition) if isinstance(condition, BodyCondition | WiredCondition) else None
+            if found is not None and found.tree is not None:
+                last = Assignment(Name("condition"), found.tree)
+                yield f"{chart.report_path} / {label}", chart.pou, Statements((*found.before, last))
 
 
 def _elementary(type_: Type) -> str:

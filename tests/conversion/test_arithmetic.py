@@ -7,11 +7,16 @@ from __future__ import annotations
 
 import io
 from itertools import product
+from typing import Any
 
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_ld
+from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.programs import Controller
 
@@ -138,8 +143,6 @@ def test_transitions_give_the_same_in_boxes(type_: str, condition: str) -> None:
 def test_running_sees_that_a_product_is_cut_off() -> None:
     """The same text under the rules of both tools."""
     text = CHART.format(type_="INT", condition="x * y > d")
-    from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415
-
     one, other = (sfc.loads(text.encode(), format="iec-text") for _ in range(2))
     one.dialect, other.dialect = Dialect.CODESYS, Dialect.IEC
     verdict = equivalent(one, other)
@@ -168,3 +171,22 @@ def test_logic_of_integers_is_that_of_bit_strings_in_scl(type_: str, word: str) 
 def test_logic_of_integers_of_two_widths_is_refused() -> None:
     _, report = converted(source_of("codesys", "INT", "stored := x AND wide;"), "scl", "")
     assert [item.outcome for item in report.losses] == [Outcome.NOT_EXECUTED]
+
+
+@pytest.mark.parametrize(("tool", "target"), [("codesys", "simaticml"), ("codesys", "scl"), ("scl", "codesys")])
+@pytest.mark.parametrize("draw", [draw_fbd, draw_ld])
+@pytest.mark.parametrize(
+    ("statement", "differs"),
+    [("wide := x * y;", True), ("stored := x * y;", False), ("is_greater := x + y > 100;", True)],
+)
+def test_boxes_that_calculate_otherwise_are_reported(
+    tool: str, target: str, draw: Any, statement: str, differs: bool
+) -> None:
+    """A box stays as it is: where it gives something else it is approximated, in bodies and conditions."""
+    project = source_of(tool, "INT", statement)
+    body = project.pous[0].bodies[0]
+    assert isinstance(body, StBody)
+    tree = parse_statements(body.text, project.dialect).tree
+    project.pous[0].bodies = [draw(tree.statements, DrawingRules(project.dialect)).body]
+    _, report = converted(project, target, "")
+    assert any("calculate in other types" in item.why for item in report.losses) is differs

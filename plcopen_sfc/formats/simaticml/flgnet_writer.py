@@ -24,6 +24,8 @@ from plcopen_sfc.formats.simaticml.network_boxes import (
     RESULTS,
     s7_name,
     template_type,
+    type_of_box,
+    type_of_literal,
 )
 from plcopen_sfc.formats.simaticml.network_operands import Hints, literal_type, parse_operand, write_operand, write_path
 from plcopen_sfc.formats.simaticml.program_comparison import FIRST, NUMBERS, renumber
@@ -299,23 +301,21 @@ class _Writer:
             return values
         inputs = [end for end in draft.ends if not end.is_output and end.name != "en"]
         if draft.name not in _UNTYPED:
-            values["SrcType"] = self._type_of(inputs)
+            values["SrcType"] = self._type_of(block.name, inputs)
             draft.kind = values["SrcType"]
         if block.name in _COUNTED:
             values["Card"] = str(len(inputs))
         return values
 
-    def _type_of(self, inputs: list[_End]) -> str:
-        """Type of the values that a box compares or computes: that of a known variable, else of a literal."""
+    def _type_of(self, name: str, inputs: list[_End]) -> str:
+        """The type of the values that a box compares or computes: that of known variables, else of a literal."""
         texts = [end.operand for end in inputs if end.operand is not None]
         texts += [self.inputs[s].expression for end in inputs for s, _ in end.sources if s in self.inputs]
-        known = [self.types[text.lower()] for text in texts if text.lower() in self.types]
+        known = [self.types[text.lower()].partition("[")[0] for text in texts if text.lower() in self.types]
         literals = [text for text in texts if parse_operand(text) is not None and not text.startswith(("#", '"', "%"))]
-        if known:
-            return known[0]
-        if any(text.upper().startswith(("T#", "TIME#")) for text in literals):
-            return "Time"
-        return literal_type(literals[0], "") if literals else "Int"
+        known += [kind for text in literals if (kind := type_of_literal(text)) is not None]
+        found = type_of_box(name, known, literals)
+        return found or (literal_type(literals[0], "") if literals else "Int")
 
     def _call(self, parent: XmlNode, draft: _Draft, node: Block) -> None:
         draft.uid = self.uid()

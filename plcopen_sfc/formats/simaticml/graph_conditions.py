@@ -16,10 +16,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.formats.simaticml.element_reader import local
+from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError, local
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, keep_fields
 from plcopen_sfc.formats.simaticml.graph_reader import RESULT_OF
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import has_all_elements, write_flgnet_body
+from plcopen_sfc.formats.simaticml.network_boxes import BIT_STRINGS, BOX_TYPES, type_of_box, type_of_literal
 from plcopen_sfc.formats.simaticml.network_operands import literal_type
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, condition_digest
 from plcopen_sfc.formats.simaticml.tia_adaptation import mark_constants, network_text, user_constants
@@ -53,20 +54,6 @@ from plcopen_sfc.model.network import (
 )
 from plcopen_sfc.report import Outcome
 
-_WIDER = {
-    "SInt": "Int DInt LInt Real LReal",
-    "Int": "DInt LInt Real LReal",
-    "DInt": "LInt LReal",
-    "USInt": "UInt UDInt ULInt Int DInt LInt Real LReal",
-    "UInt": "UDInt ULInt DInt LInt Real LReal",
-    "UDInt": "ULInt LInt LReal",
-    "Real": "LReal",
-    "Byte": "Word DWord LWord",
-    "Word": "DWord LWord",
-    "DWord": "LWord",
-}
-"""Types that hold all values of a type; TIA Portal V19 help, "Implicit conversion"."""
-_BITS = frozenset({"Byte", "Word", "DWord", "LWord"})
 _WORD_BOXES = {"AND": "And", "OR": "Or", "XOR": "Xor"}
 _COMPARING = frozenset({"GT", "GE", "EQ", "LE", "LT", "NE"})
 _COUNTED = frozenset({"ADD", "MUL"})
@@ -116,7 +103,7 @@ class _Typing:
         if standard.name in ("AND", "OR", "XOR", "NOT"):
             return self._logic(block, known, inputs)
         if standard.name in _COMPARING | _COMPUTING:
-            kind = self._common(block, known)
+            kind = self._common(block, known, inputs)
             if any(pin.negated for pin in inputs) and known != {"Bool"}:
                 self.problem = self.problem or f"TIA Portal negates no input of a box {block.type_name}"
             if kind is not None:
@@ -130,12 +117,20 @@ class _Typing:
             return target
         return "Bool" if standard.stateful else None
 
-    def _common(self, block: Block, known: Iterable[str]) -> str | None:
-        kinds = set(known)
-        found = next((a for a in kinds if all(b == a or a in _WIDER.get(b, "").split() for b in kinds)), None)
-        if kinds and found is None:
-            names = " and ".join(sorted(kinds))
-            self.problem = self.problem or f"a box {block.type_name} of TIA Portal has one type, and this one {names}"
+    def _common(self, block: Block, known: Iterable[str], inputs: list[BlockVariable] | None = None) -> str | None:
+        """The type of a box for values of the types `known` and for the literals among its `inputs`."""
+        try:
+            return type_of_box(block.type_name, set(known), [h.expression or "" for h in self._holders(inputs or [])])
+        except NotUnderstoodError as error:
+            self.problem = self.problem or str(error)
+            return None
+
+    def _holders(self, inputs: list[BlockVariable]) -> list[InputPin | InputVariable]:
+        """What has the texts of operands of a box."""
+        found: list[InputPin | InputVariable] = []
+        for pin in (pin.input for pin in inputs if pin.input is not None):
+            found += [pin] if pin.expression is not None else []
+            found += [each for w in pin.connections if isinstance(each := self.nodes.get(w.source), InputVariable)]
         return found
 
     def _logic(self, block: Block, known: set[str], inputs: list[BlockVariable]) -> str | None:
@@ -143,7 +138,7 @@ class _Typing:
             return "Bool"
         kind = self._common(block, known)
         name = _WORD_BOXES.get(block.type_name)
-        if kind is None or kind not in _BITS or name is None or any(pin.negated for pin in inputs):
+        if kind is None or kind not in BIT_STRINGS or name is None or any(pin.negated for pin in inputs):
             self.problem = self.problem or f"TIA Portal has no box {block.type_name} of {' and '.join(sorted(known))}"
             return None
         block.type_name = name
@@ -162,16 +157,11 @@ class _Typing:
         if block.type_name in _COUNTED:
             attributes["Card"] = str(len(inputs))
         block.carried = Carried(attributes=attributes)
-        if kind not in _BITS:
+        if kind not in BIT_STRINGS:
             return
-        for pin in inputs:
-            if pin.input is None:
-                continue
-            holders: list[InputPin | InputVariable] = [pin.input] if pin.input.expression is not None else []
-            holders += [n for w in pin.input.connections if isinstance(n := self.nodes.get(w.source), InputVariable)]
-            for holder in holders:
-                if holder.expression is not None and _NUMBER.fullmatch(holder.expression):
-                    holder.expression = f"16#{int(holder.expression.replace('_', '')):X}"
+        for holder in self._holders(inputs):
+            if holder.expression is not None and _NUMBER.fullmatch(holder.expression):
+                holder.expression = f"16#{int(holder.expression.replace('_', '')):X}"
 
     def _type_of(self, pin: BlockVariable) -> str | None:
         """Type of the value at an input; None for numbers, which may be of several, and for unknown types."""
@@ -190,9 +180,10 @@ class _Typing:
     def _type_of_text(self, text: str) -> str | None:
         key = text.lower()
         if key in self.types:
-            return self.types[key] if self.types[key] in _KINDS else None
-        if key.startswith(("t#", "time#")):
-            return "Time"
+            kind = self.types[key].partition("[")[0]
+            return kind if kind in _KINDS else None
+        if type_of_literal(text) is not None:
+            return type_of_literal(text)
         if text.startswith("#"):
             return next((kind for end, kind in _STEP_DATA.items() if key.endswith(end)), None)
         if text[:1].isdigit() and "#" not in text:
@@ -200,7 +191,7 @@ class _Typing:
         return "Bool" if key in ("true", "false") else None
 
 
-_KINDS = frozenset({"Bool", "LWord", "LInt", "ULInt", "LReal", "Time", "LTime", *_WIDER})
+_KINDS = frozenset({"Bool", *BOX_TYPES["EQ"]})
 _SPELLED = {kind.upper(): kind for kind in _KINDS - {"Bool"}}
 
 

@@ -240,12 +240,14 @@ class ArithmeticTranslator:
         self._context = context
         self._notes = notes
         self.types = ExpressionTypes(source, context)
+        self._in_boxes = False
 
     def fitted(self, tree: NodeT) -> NodeT:
         """The whole tree, of statements or of one expression."""
         if isinstance(tree, n.Statements):
             return cast("NodeT", self._inside(tree))
         expression = cast("Expression", tree)
+        self._in_boxes = True  # SCL has a chart in S7-GRAPH only, whose conditions are networks
         if self._context.wanted:
             return cast("NodeT", self._stored(expression, self._context.wanted))
         is_value = self.types.value(expression).type != "BOOL"
@@ -428,6 +430,9 @@ class ArithmeticTranslator:
     def _comparison(self, node: n.Operation, operands: tuple[Expression, ...]) -> Expression:
         pairs = [self._fit(each, None) for each in operands]
         values = [self.types.value(each) for each in operands]
+        ordered = node.operator not in (Operator.EQUAL, Operator.UNEQUAL)
+        if self._target is Dialect.SCL and {value.type for value in values} == {"BOOL"} and (ordered or self._in_boxes):
+            return _truth(node.operator, *(new for new, _ in pairs))
         if self._target is Dialect.SCL and all(value.is_whole for value in values):
             pairs = self._comparable(pairs, values, operands)
         return self._with(node, pairs)
@@ -500,6 +505,21 @@ class ArithmeticTranslator:
         callee = call.callee if isinstance(call.callee, n.Name) else cast("Expression", self._node(call.callee))
         same = callee is call.callee and all(a is b for a, b in zip(new, call.arguments, strict=True))
         return call if same else replace(call, callee=callee, arguments=tuple(new))
+
+
+def _truth(operator: Operator, left: Expression, right: Expression) -> Expression:
+    """A comparison of BOOL as logic: S7 has no order of them, and no box that compares them."""
+    left, right = (n.Parenthesized(each) if isinstance(each, n.Operation) else each for each in (left, right))
+    if operator in (Operator.EQUAL, Operator.UNEQUAL):
+        different = n.Operation(Operator.XOR, (left, right))
+        found = n.Unary(Operator.NOT, n.Parenthesized(different)) if operator is Operator.EQUAL else different
+    elif operator in (Operator.GREATER, Operator.LESS):
+        more, less = (left, right) if operator is Operator.GREATER else (right, left)
+        found = n.Operation(Operator.AND, (more, n.Unary(Operator.NOT, less)))
+    else:
+        more, less = (left, right) if operator is Operator.GREATER_OR_EQUAL else (right, left)
+        found = n.Operation(Operator.OR, (more, n.Unary(Operator.NOT, less)))
+    return n.Parenthesized(found)
 
 
 _TOOLS = {Dialect.SCL: "S7"}

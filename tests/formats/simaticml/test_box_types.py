@@ -8,9 +8,14 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.api import convert
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import DrawingRules, draw_fbd
+from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.report import Outcome
 
 CHART = """FUNCTION_BLOCK Chart
-  VAR_INPUT i : INT; d : DINT; u : UDINT; r : REAL; w : WORD; b : BYTE; t : TIME; x : BOOL; END_VAR
+  VAR_INPUT i : INT; d : DINT; u : UDINT; r : REAL; w : WORD; b : BYTE; t : TIME; x, y : BOOL; s : STRING[9]; END_VAR
   INITIAL_STEP S1: END_STEP
   TRANSITION FROM S1 TO S2 := {condition}; END_TRANSITION
   STEP S2: END_STEP
@@ -27,9 +32,22 @@ SAID = {
     "REAL_TO_DINT(r) = d + 1": ["Convert Real DInt", "Add DInt", "Eq DInt"],
     "t > T#5s": ["Gt Time"],
     "x AND i + 1 > 3": ["Add Int", "Gt Int"],
+    "i > 40000": ["Gt DInt"],
+    "i = 16#FFFF": ["Eq DInt"],
+    "i = 16#7F": ["Eq Int"],
+    "b > 300": ["Convert Byte DInt", "Gt DInt"],
+    "b + 1 > 3": ["Convert Byte USInt", "Add USInt", "Gt USInt"],
+    "(i AND 7) = 3": ["Convert Int Word", "And Word", "Convert Word Int", "Eq Int"],
+    "-i > 3": ["Sub Int", "Gt Int"],
+    "s = 'abc'": ["Eq String"],
+    "t <> T#0s": ["Ne Time"],
+    "x = y": [],
+    "x <> y": [],
+    "x > y OR x <= y": [],
 }
 """Conditions, and the boxes that say them, each with its types."""
 REFUSED = ["d > r", "u > i", "ABS(i) > 3", "SEL(x, i, 3) = 1", "(NOT w) = 1", "w = i", "DINT_TO_REAL(u) > r"]
+REFUSED += ["t - T#1s > T#5s", "t / 2 > T#5s", "t * 2 > T#5s", "s > 1", "x AND t > 5"]
 """Conditions that no network of TIA Portal says as they are."""
 
 
@@ -51,6 +69,30 @@ def test_what_has_no_network_does_not_compile_and_is_reported(condition: str) ->
     data, report = converted(condition)
     assert [item.what for item in report.losses] == ["condition of the transition"], report.losses
     assert b"NOT_TRANSLATED" in data
+
+
+TYPES = {"BOOL": [], "BYTE": ["EQ"], "INT": ["EQ", "ADD"], "REAL": ["EQ", "ADD"], "TIME": ["EQ"], "STRING": ["EQ"]}
+
+
+@pytest.mark.parametrize("box", ["EQ", "ADD"])
+@pytest.mark.parametrize("type_", TYPES)
+def test_boxes_of_bodies_are_of_types_that_they_take(type_: str, box: str) -> None:
+    """Box by type: what TIA Portal has not is not written."""
+    result = "BOOL" if box == "EQ" else type_
+    text = f"""FUNCTION_BLOCK Main
+    VAR_INPUT a, b : {type_}; END_VAR VAR_OUTPUT q : {result}; END_VAR
+    q := {"a = b" if box == "EQ" else "a + b"};
+    END_FUNCTION_BLOCK"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    body = project.pous[0].bodies[0]
+    assert isinstance(body, StBody)
+    drawn = draw_fbd(parse_statements(body.text, Dialect.IEC).tree.statements, DrawingRules(Dialect.IEC))
+    project.pous[0].bodies = [drawn.body]
+    data, report = convert(project, "simaticml", partial=True)
+    assert {item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)} == (
+        set() if box in TYPES[type_] else {"network"}
+    )
+    assert (f">{type_.title()}<" in data.decode()) is (box in TYPES[type_])
 
 
 def test_conversions_come_back() -> None:
