@@ -177,9 +177,9 @@ def check_syntax(project: Project) -> list[Diagnostic]:
 
 def _text_of(content: bytes, kind: Format) -> str:
     if kind.xml:
-        from plcopen_sfc.formats.xml.xml_parsing import decode  # noqa: PLC0415
+        from plcopen_sfc.formats.xml.xml_parsing import decode_xml  # noqa: PLC0415
 
-        return decode(content)[0]
-    from plcopen_sfc.formats.text_patch import decode as decode_text  # noqa: PLC0415
+        return decode_xml(content)[0]
+    from plcopen_sfc.formats.text_patch import decode_text  # noqa: PLC0415
 
     return decode_text(content).text

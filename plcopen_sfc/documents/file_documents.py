@@ -264,7 +264,7 @@ _SHOWN = 60
 def _patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the file that was read with the edits in it. Charts without edits are neither drawn nor written."""
     from plcopen_sfc.drawing import DrawingStyle, prepare, prepare_body  # noqa: PLC0415
-    from plcopen_sfc.formats.xml.source_patch import patch  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.source_patch import patch_xml  # noqa: PLC0415
     from plcopen_sfc.formats.xml.xml_codec import canonical  # noqa: PLC0415
 
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
@@ -293,7 +293,7 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
         return codec.to_tree(copy, replace(written, marks=marks), notes)
 
     after = tree(project, before, report)
-    data = patch(source.content, tree(before, None, ConversionReport()), after)
+    data = patch_xml(source.content, tree(before, None, ConversionReport()), after)
     back = tree(codec.read(data).project, None, ConversionReport())
     # comments carry ids in TC6 1.01, which may be others now
     if canonical(back) != canonical(after):
@@ -312,14 +312,14 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
 
 def _patched_text(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the text that was read with the edits in it."""
-    from plcopen_sfc.formats.text_patch import patch  # noqa: PLC0415  # only to save edits
+    from plcopen_sfc.formats.text_patch import patch_text  # noqa: PLC0415  # only to save edits
 
     codec = cast("TextCodec", kind.codec())
     before = codec.read(source.content).project
     options = WriteOptions(source.version, same=True, baseline=before)
     text, spans = codec.spans(source.content)
     after = codec.to_blocks(project, options, report)
-    data, recoded = text.encode(patch(text, spans, codec.to_blocks(before, options, ConversionReport()), after))
+    data, recoded = text.encode(patch_text(text, spans, codec.to_blocks(before, options, ConversionReport()), after))
     if recoded:
         why = f"{text.encoding} does not have all of its characters; the file is in UTF-8 now"
         report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)

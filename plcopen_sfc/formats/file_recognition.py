@@ -30,9 +30,9 @@ def recognise(data: bytes, *, file: str | None = None) -> Format:
         )
     # an error of its XML tells more than that the format is unknown
     from plcopen_sfc.formats.plcopen.tc6_versions import find_version  # noqa: PLC0415  # only for files in trouble
-    from plcopen_sfc.formats.xml.xml_parsing import parse  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.xml_parsing import parse_xml  # noqa: PLC0415
 
-    find_version(parse(data, file=file), file=file)
+    find_version(parse_xml(data, file=file), file=file)
     raise UnknownFormatError("no format recognises this file", location=Location(file), hint=_HINT)
 
 

@@ -43,7 +43,7 @@ class SourceText(NamedTuple):
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"))
 
 
-def decode(data: bytes) -> SourceText:
+def decode_text(data: bytes) -> SourceText:
     """Return the text of a file: in the encoding of its byte order mark, in UTF-8, else in a code page (a guess)."""
     marked = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), "utf-8")
     # cp1252 leaves five bytes undefined (0x81, 0x8d, 0x8f, 0x90, 0x9d); Latin-1 below takes any.
@@ -112,7 +112,7 @@ def numbered(keys: Sequence[Key]) -> list[Key]:
 # -- patching
 
 
-def patch(source: SourceText, spans: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> str:
+def patch_text(source: SourceText, spans: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> str:
     """Return the text of `source` with what differs between the blocks `before` and `after` put into it."""
     if source.text == _file(before, source.newline):  # the text is as the writer writes it, and stays so
         return _file(after, source.newline)

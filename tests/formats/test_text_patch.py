@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode, numbered, patch
+from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode_text, numbered, patch_text
 
 
 @pytest.mark.parametrize(
@@ -21,7 +21,7 @@ from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, 
     ],
 )
 def test_every_file_has_a_text(data: bytes, encoding: str, guessed: bool) -> None:
-    source = decode(data)
+    source = decode_text(data)
     assert (source.encoding, source.guessed) == (encoding, guessed)
     assert source.encode(source.text) == (data, False)
 
@@ -69,7 +69,7 @@ BEFORE = piece(ONE, TWO, THREE)
 
 
 def patched(*things: tuple[str, str]) -> str:
-    return patch(SourceText(LINES, "utf-8"), slices(), BEFORE, piece(*things))
+    return patch_text(SourceText(LINES, "utf-8"), slices(), BEFORE, piece(*things))
 
 
 def test_without_an_edit_nothing_changes() -> None:
@@ -99,7 +99,7 @@ def test_an_edit_changes_its_place(things: tuple[tuple[str, str], ...], old: str
 
 def test_what_has_no_place_is_written_with_all_that_is_around_it() -> None:
     whole = BlockSpan((("list", ""),), (0, LINES.index(" // of the list")))
-    text = patch(SourceText(LINES, "utf-8"), whole, BEFORE, piece(TWO))
+    text = patch_text(SourceText(LINES, "utf-8"), whole, BEFORE, piece(TWO))
     assert text == "LIST\r\n    two : Int;\r\nEND // of the list\r\n"
 
 
@@ -108,4 +108,4 @@ def test_verbatim_texts_are_not_laid_out() -> None:
     before = WrittenBlock(("body", ""), "\tx := 1;", verbatim=True)
     after = WrittenBlock(("body", ""), "  y := 1;\n\n", verbatim=True)
     place = BlockSpan((("body", ""),), (6, 14))
-    assert patch(SourceText(text, "utf-8"), place, before, after) == "BEGIN\n  y := 1;\n\n\nEND"
+    assert patch_text(SourceText(text, "utf-8"), place, before, after) == "BEGIN\n  y := 1;\n\n\nEND"

@@ -24,8 +24,8 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.codesys import codesys_names as names
 from plcopen_sfc.formats.plcopen.tc6_versions import tc6_version
-from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, element_path, findings
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
+from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, element_path, schema_findings
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -88,13 +88,13 @@ def validate_codesys(data: bytes, *, file: str | None = None) -> list[Diagnostic
 
     Raises `XmlSyntaxError`, `EncodingError` or `UnsafeXmlError` for what is not well-formed XML, or not safe to read.
     """
-    root = parse(data, file=file)
+    root = parse_xml(data, file=file)
     version = tc6_version(root, file)
     if isinstance(version, Diagnostic):
         return [version]
     if version.first_generation:  # has no foreign data
-        return findings(root, f"plcopen-{version.name}", data=data, file=file)
-    found = findings(root, f"codesys-{version.name}", data=data, file=file, judge=_judge)
+        return schema_findings(root, f"plcopen-{version.name}", data=data, file=file)
+    found = schema_findings(root, f"codesys-{version.name}", data=data, file=file, judge=_judge)
     lines = SourceLines(root, data)
     for number, (element, code, severity, message) in enumerate(_payload_findings(root, version.namespace)):
         if number == MAX_FINDINGS:

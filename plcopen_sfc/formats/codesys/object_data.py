@@ -34,7 +34,7 @@ from plcopen_sfc.formats.plcopen.tc6_declarations import (
 )
 from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, attributes, extension_data, read_common
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, finish
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, finish_element
 from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.declarations.kept_texts import Inheritance, kept_inheritance
 from plcopen_sfc.model.base import Carried, Model, UnknownDataRule
@@ -326,7 +326,7 @@ def _method_element(ctx: Tc6WriteContext, method: Method) -> etree._Element:
         outer, ctx.body_name = ctx.body_name, f"{ctx.body_name}.{method.name}"
         write_body(ctx, element, "body", method.body, {})
         ctx.body_name = outer
-    finish(ctx, element, method, "method", frozenset({"name", "interface", "body"}))
+    finish_element(ctx, element, method, "method", frozenset({"name", "interface", "body"}))
     ctx.place.pop()
     return element
 

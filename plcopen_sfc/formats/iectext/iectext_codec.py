@@ -14,7 +14,7 @@ from plcopen_sfc.formats.iectext.project_text import dialect_of, read_project, w
 from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_source import OWN_PRAGMA, TextSource, is_own
 from plcopen_sfc.formats.matiec.matiec_project import fit_project
-from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, WrittenBlock, decode, numbered
+from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, WrittenBlock, decode_text, numbered
 from plcopen_sfc.languages.edits import without
 from plcopen_sfc.languages.pragmas import NotationError, parse_change
 from plcopen_sfc.languages.problems import Lines
@@ -30,7 +30,7 @@ _ABOUT_THE_FILE = re.compile(r"\{\s*plcopen_sfc\s+(?:format\b|project\.dialect\b
 
 def without_own_pragmas(data: bytes) -> bytes:
     """Return the file `data` without them; `data` itself where there are none."""
-    source = decode(data)
+    source = decode_text(data)
     if OWN_PRAGMA.search(source.text) is None:
         return data
     comments = outline(source.text, dialect_of(source.text)).found.comments
@@ -273,7 +273,7 @@ class IecTextCodec(TextCodec):
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a text. Raises `FormatError`; faults inside of it are in the diagnostics."""
-        source = decode(data)
+        source = decode_text(data)
         if source.text.count("\0") > len(source.text) // _MOST_NULS:
             hint = "UTF-16 needs a byte order mark."
             raise EncodingError("this is no text: it is full of NUL bytes", location=Location(file, 1, 1), hint=hint)
@@ -289,7 +289,7 @@ class IecTextCodec(TextCodec):
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
         """Return the line of each object in the text `content`, by the path that the report gives it."""
-        return source_lines(decode(content).text)
+        return source_lines(decode_text(content).text)
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the text of a project by its objects."""
@@ -297,7 +297,7 @@ class IecTextCodec(TextCodec):
 
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
         """Return the places of those objects in the text of a file."""
-        source = decode(content)
+        source = decode_text(content)
         project, src = read_project(source.text, None)
         return source, file_slices(project, src, self.to_blocks(project, WriteOptions(), ConversionReport()))
 

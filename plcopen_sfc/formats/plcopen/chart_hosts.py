@@ -134,7 +134,7 @@ def _leads(pin: InputPin | None) -> bool:
     return pin is not None and bool(pin.connections or pin.expression)
 
 
-def term(text: str) -> str:
+def as_term(text: str) -> str:
     """Return an expression as a part of another one."""
     return text if text.replace(".", "").replace("_", "").isalnum() else f"({text})"
 

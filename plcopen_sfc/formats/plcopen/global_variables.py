@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost
-from plcopen_sfc.formats.plcopen.source_marks import ADDED_FIELD, TEXTS_FIELD, SourceMarks, added_section, digest
+from plcopen_sfc.formats.plcopen.source_marks import ADDED_FIELD, TEXTS_FIELD, SourceMarks, added_section, text_digest
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.dialects import Dialect
@@ -380,7 +380,7 @@ class _Unqualifier:
                 text_site.put(new)
         for body in bodies:
             if isinstance(body, StBody) and body.text != texts[id(body)]:
-                kept = {"text": [texts[id(body)], digest(body.text)]}
+                kept = {"text": [texts[id(body)], text_digest(body.text)]}
                 self._marks[id(body)] = {TEXTS_FIELD: kept}
         for body in drawn:
             if body.model_dump(mode="json", exclude_none=True)["networks"] != before[id(body)]:

@@ -14,11 +14,11 @@ from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.chart_hosts import (
     ChartHost,
     ChartRewriting,
+    as_term,
     is_empty_network,
     is_network,
     is_supervised,
     taken_names,
-    term,
 )
 from plcopen_sfc.formats.plcopen.global_variables import (
     add_globals,
@@ -331,12 +331,12 @@ class _ChartRewriter:
         settings = self._chart.graph_settings
         if settings is not None and settings.acknowledge_errors_required is False:
             self._note(
-                Outcome.TRANSLATED, "supervision", place, f"NOT {term(fault_text)} in the conditions that leave it"
+                Outcome.TRANSLATED, "supervision", place, f"NOT {as_term(fault_text)} in the conditions that leave it"
             )
         else:
             why = "the step is left as soon as the fault is gone; S7-GRAPH also waits for its acknowledgement by ACK_EF"
             self._note(Outcome.APPROXIMATED, "supervision", place, why)
-        return _and(text, f"NOT {term(fault_text)}")
+        return _and(text, f"NOT {as_term(fault_text)}")
 
     def _report_graph(self) -> None:
         """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
@@ -375,4 +375,4 @@ def _does_something(body: Body | None) -> bool:
 
 
 def _and(text: str, more: str) -> str:
-    return more if text == "TRUE" else f"{term(text)} AND {more}"
+    return more if text == "TRUE" else f"{as_term(text)} AND {more}"

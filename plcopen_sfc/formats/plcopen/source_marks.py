@@ -57,7 +57,7 @@ def rewritten_transition(
 
 def added_part(body: StBody) -> dict[str, Any]:
     """Return the mark of an action or transition object that the source does not have."""
-    return {ADDED_FIELD: digest(body.text)}
+    return {ADDED_FIELD: text_digest(body.text)}
 
 
 def added_section(section: VariableSection) -> dict[str, Any]:
@@ -65,12 +65,12 @@ def added_section(section: VariableSection) -> dict[str, Any]:
     return {ADDED_FIELD: _of_section(section)}
 
 
-def mark(name: str, source: Fields, written: Fields) -> dict[str, Any]:
+def source_mark(name: str, source: Fields, written: Fields) -> dict[str, Any]:
     """Return the mark of an element with the fields `source`, written as `written`; none where they are equal."""
     return {name: {"source": source, "digest": _of_fields(written)}} if source != written else {}
 
 
-def marked(fields: Fields, name: str, written: Fields) -> Fields | None:
+def marked_source(fields: Fields, name: str, written: Fields) -> Fields | None:
     """Return the fields in the source of an element that is `written` in the file: None without mark or after an edit.
 
     Takes the mark `name` out of the fields of the element.
@@ -81,7 +81,7 @@ def marked(fields: Fields, name: str, written: Fields) -> Fields | None:
 
 
 def _of_fields(fields: Fields) -> str:
-    return digest(json.dumps(fields, sort_keys=True))
+    return text_digest(json.dumps(fields, sort_keys=True))
 
 
 def take_marks(chart: Fields) -> dict[int, dict[str, Any]]:
@@ -179,7 +179,7 @@ def added_parts(parts: list[Fields]) -> tuple[set[str], set[str]]:
         if mark is None:
             continue
         name = str(part["name"]).casefold()
-        fits = isinstance(body, dict) and mark == digest(str(body.get("text", "")))
+        fits = isinstance(body, dict) and mark == text_digest(str(body.get("text", "")))
         (added if fits else edited).add(name)
     return added, edited
 
@@ -199,7 +199,7 @@ def restore_texts(fields: Fields) -> None:
     """Put the texts of the source back into an object that is being read. Takes the mark."""
     texts = fields.pop(TEXTS_FIELD, None)
     for name, kept in texts.items() if isinstance(texts, dict) else ():
-        if isinstance(kept, list) and len(kept) == 2 and digest(str(fields.get(name, ""))) == kept[1]:
+        if isinstance(kept, list) and len(kept) == 2 and text_digest(str(fields.get(name, ""))) == kept[1]:
             fields[name] = kept[0]
 
 
@@ -219,7 +219,7 @@ def is_added_configuration(configuration: Fields) -> bool:
     return added == instances and not any(used)
 
 
-def digest(text: str) -> str:
+def text_digest(text: str) -> str:
     """Return a short digest of a text; blanks at its ends and ends of lines do not matter."""
     # 48 bits: enough to tell an edit, and short beside the text of a small action.
     return hashlib.sha256("\n".join(text.split("\r\n")).strip().encode()).hexdigest()[:12]
@@ -228,7 +228,7 @@ def digest(text: str) -> str:
 def _of_step(step: Step) -> str:
     rows = [_of_row(row) for row in step.actions]
     actions = [_plain(action) for action in (step.entry_action, step.main_action, step.exit_action)]
-    return digest(json.dumps([rows, actions]))
+    return text_digest(json.dumps([rows, actions]))
 
 
 def _of_row(row: ActionAssociation) -> list[str | None]:
@@ -238,7 +238,7 @@ def _of_row(row: ActionAssociation) -> list[str | None]:
 
 def _plain(body: object) -> str | None:
     if isinstance(body, StBody):
-        return digest(body.text)
+        return text_digest(body.text)
     return body if isinstance(body, str) or body is None else type(body).__name__
 
 
@@ -250,11 +250,11 @@ def _of_condition(condition: Condition | None) -> str:
             text = condition.name
         case _:
             text = ""
-    return digest(json.dumps([text, condition is not None and condition.negated]))
+    return text_digest(json.dumps([text, condition is not None and condition.negated]))
 
 
 def _of_section(section: VariableSection) -> str:
-    return digest(json.dumps(_plain_fields(section), sort_keys=True))
+    return text_digest(json.dumps(_plain_fields(section), sort_keys=True))
 
 
 def _plain_fields(thing: Model) -> Any:

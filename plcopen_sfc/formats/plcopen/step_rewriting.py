@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, guarded, term
+from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, as_term, guarded
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, rewritten_step
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, SfcBody, StBody
@@ -374,7 +374,7 @@ class StepRewriter:
         if interlock is None or condition is None:
             return None
         parts = [part for part in (interlock, condition) if part != "TRUE"]
-        return " AND ".join(term(part) for part in parts) if len(parts) > 1 else (parts or ["TRUE"])[0]
+        return " AND ".join(as_term(part) for part in parts) if len(parts) > 1 else (parts or ["TRUE"])[0]
 
     def _driven(self, coil: ActionAssociation) -> str | None:
         """Return the OR over all rows of the chart that drive a coil; None where one of them is no expression."""
@@ -392,7 +392,7 @@ class StepRewriter:
             needed = self._needed(step, row)
             if needed is None:
                 return None
-            terms.append(" AND ".join([*parts, *([term(needed)] if needed != "TRUE" else [])]))
+            terms.append(" AND ".join([*parts, *([as_term(needed)] if needed != "TRUE" else [])]))
         return " OR ".join(terms)
 
     def _leave_out(self, step: Step, row: ActionAssociation, why: str) -> None:

@@ -21,13 +21,20 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     attributes,
     keep_attributes,
     keep_element,
-    merge,
+    merge_fields,
     read_code,
     read_common,
     take_choice,
     take_required,
 )
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, data_left, finish, sub, write_code, xhtml_child
+from plcopen_sfc.formats.plcopen.tc6_writing import (
+    Tc6WriteContext,
+    add_child,
+    data_left,
+    finish_element,
+    write_code,
+    xhtml_child,
+)
 from plcopen_sfc.formats.provenance import read_later
 from plcopen_sfc.formats.xml.extension_data import add_markup, fields_left
 from plcopen_sfc.languages.networks.sheets import on_one_sheet
@@ -77,7 +84,7 @@ def _chart_fields(unread: UnreadChart) -> Fields:
     outer, ctx.place = ctx.place, unread.place
     fields = Tc6ChartReader(ctx, read_inner_body).read(unread.element)
     ctx.place = outer
-    merge(fields, unread.late)
+    merge_fields(fields, unread.late)
     return fields
 
 
@@ -200,18 +207,18 @@ def write_body(ctx: Tc6WriteContext, parent: etree._Element, name: str, body: Bo
     """Write ``body`` or ``inline`` (`name`)."""
     if body.worksheet is not None and not ctx.version.first_generation:
         attributes = attributes | {"WorksheetName": body.worksheet}
-    element = sub(ctx, parent, name, attributes)
+    element = add_child(ctx, parent, name, attributes)
     also: dict[str, Any] = {}
     native = frozenset({"language"}) | (frozenset() if ctx.version.first_generation else {"worksheet"})
     if isinstance(body, StBody | IlBody):
         own = not ctx.is_foreign
-        write_code(ctx, sub(ctx, element, body.language), body.text, body.markup if own else None)
+        write_code(ctx, add_child(ctx, element, body.language), body.text, body.markup if own else None)
         native = native | ({"text", "markup"} if own else {"text"})
     elif isinstance(body, SfcBody) and name == "body" and ctx.body_name in ctx.untouched:
-        sub(ctx, element, "SFC")
+        add_child(ctx, element, "SFC")
         native = native | {"chart"}
     elif isinstance(body, SfcBody):
-        Tc6ChartWriter(ctx, body.chart, write_body).write(sub(ctx, element, "SFC"))
+        Tc6ChartWriter(ctx, body.chart, write_body).write(add_child(ctx, element, "SFC"))
         native = native | {"chart"}
         chart_native = _CHART_FIELDS | ctx.dialect.native_fields.get("chart", frozenset())
         if not ctx.takes_markup:
@@ -228,7 +235,7 @@ def write_body(ctx: Tc6WriteContext, parent: etree._Element, name: str, body: Bo
             chart_left["drawing"] = {"places": Places.COMPUTED.value}
         also = {"chart": chart_left} if chart_left else {}
     elif isinstance(body, FbdBody | LdBody):
-        sheet = sub(ctx, element, body.language)
+        sheet = add_child(ctx, element, body.language)
         several = len(body.networks) > 1
         for network in [on_one_sheet(body.networks, ctx.dialect.tool)] if several else body.networks:
             write_network(ctx, sheet, network)
@@ -242,13 +249,13 @@ def write_body(ctx: Tc6WriteContext, parent: etree._Element, name: str, body: Bo
             add_markup(element, body.content.replace(f'"{NEUTRAL}"', f'"{ctx.version.namespace}"'))
             native = native | {"source", "content"}
         else:  # of another format: kept, and marked as no ST
-            xhtml_child(ctx, sub(ctx, element, "ST"))
+            xhtml_child(ctx, add_child(ctx, element, "ST"))
             also = {"language": body.language}
             ctx.note(Outcome.EXTENSION_DATA, "body", "", f"a body of {body.source}; other tools see an empty one")
     if body.language in _LABELS:
         features = ["chart in an action"] if body.language == "SFC" and "." in ctx.body_name else []
         ctx.keep(_LABELS[body.language], "", *features)
-    finish(ctx, element, body, "body", native, also=also)
+    finish_element(ctx, element, body, "body", native, also=also)
 
 
 _NETWORK_FIELDS = frozenset({"nodes", "carried"})
@@ -256,13 +263,13 @@ _NETWORK_FIELDS = frozenset({"nodes", "carried"})
 
 def write_part(ctx: Tc6WriteContext, parent: etree._Element, part: Action | NamedTransition, name: str) -> None:
     """Write ``action`` or ``transition`` of a POU."""
-    element = sub(ctx, parent, name, {"name": part.name})
+    element = add_child(ctx, parent, name, {"name": part.name})
     ctx.place.append(f"{name} {part.name}")
     outer, ctx.body_name = ctx.body_name, f"{ctx.body_name}.{part.name}"
     # the schema requires a body
     write_body(ctx, element, "body", part.body if part.body is not None else StBody(), {})
     ctx.keep("action" if name == "action" else "transition object")
-    finish(ctx, element, part, f"{name}_object", frozenset({"name", "body"}))
+    finish_element(ctx, element, part, f"{name}_object", frozenset({"name", "body"}))
     ctx.body_name = outer
     ctx.place.pop()
 
@@ -272,7 +279,7 @@ _POU_KINDS = {PouKind.PROGRAM: "program", PouKind.FUNCTION_BLOCK: "functionBlock
 
 def write_pou(ctx: Tc6WriteContext, parent: etree._Element, pou: Pou, *, in_place: bool) -> None:
     """Write ``pou``. `in_place`: it is in its `place`, which then need not be kept."""
-    element = sub(ctx, parent, "pou", {"name": pou.name, "pouType": _POU_KINDS.get(pou.kind, "program")})
+    element = add_child(ctx, parent, "pou", {"name": pou.name, "pouType": _POU_KINDS.get(pou.kind, "program")})
     ctx.place.append(f"POU {pou.name}")
     ctx.body_name = pou.name
     ctx.keep("POU")
@@ -284,11 +291,11 @@ def write_pou(ctx: Tc6WriteContext, parent: etree._Element, pou: Pou, *, in_plac
     if pou.interface is not None:
         write_interface(ctx, element, pou.interface)
     if pou.actions:
-        holder = sub(ctx, element, "actions")
+        holder = add_child(ctx, element, "actions")
         for action in pou.actions:
             write_part(ctx, holder, action, "action")
     if pou.transitions:
-        holder = sub(ctx, element, "transitions")
+        holder = add_child(ctx, element, "transitions")
         for transition in pou.transitions:
             write_part(ctx, holder, transition, "transition")
     bodies = pou.bodies[:1] if ctx.version.first_generation else pou.bodies
@@ -296,5 +303,5 @@ def write_pou(ctx: Tc6WriteContext, parent: etree._Element, pou: Pou, *, in_plac
         write_body(ctx, element, "body", body, {})
     if len(bodies) == len(pou.bodies):
         native.add("bodies")
-    finish(ctx, element, pou, "pou", frozenset(native))
+    finish_element(ctx, element, pou, "pou", frozenset(native))
     ctx.place.pop()

@@ -14,7 +14,14 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.plcopen.tc6_networks import is_known, write_node
 from plcopen_sfc.formats.plcopen.tc6_pins import geometry, write_connection, write_input, write_output
 from plcopen_sfc.formats.plcopen.tc6_reading import SHARED_FIELD, STEP_ACTION_FIELD, STEP_ACTION_QUALIFIERS
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_unknown, boolean, finish, sub, write_point
+from plcopen_sfc.formats.plcopen.tc6_writing import (
+    Tc6WriteContext,
+    add_child,
+    add_unknown,
+    boolean,
+    finish_element,
+    write_point,
+)
 from plcopen_sfc.formats.xml.extension_data import fields_left
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, StBody
@@ -118,7 +125,7 @@ class Tc6ChartWriter:
         local_id = symbol.id if symbol.local_id is None else symbol.local_id
         order = None if self.ctx.version.first_generation else symbol.execution_order
         size = geometry(symbol.width, symbol.height, order)
-        element = sub(self.ctx, parent, symbol.kind.value, {"localId": str(local_id)} | attributes | size)
+        element = add_child(self.ctx, parent, symbol.kind.value, {"localId": str(local_id)} | attributes | size)
         write_point(self.ctx, element, "position", symbol.position)
         return element
 
@@ -154,7 +161,7 @@ class Tc6ChartWriter:
             native = native | {f"{kind.value}_action" for kind in self.drawn_step_actions.get(step.id, ())}
         ctx.keep("macro-step" if macro else "step", step.name, *(["negated step output"] if step.negated else []))
         ctx.place.append(f"step {step.name}")
-        finish(ctx, element, step, "macroStep" if macro else "step", native, also=self._order(symbol))
+        finish_element(ctx, element, step, "macroStep" if macro else "step", native, also=self._order(symbol))
         ctx.place.pop()
 
     def write_transition(self, parent: etree._Element, symbol: Symbol, transition: Transition) -> None:
@@ -174,7 +181,7 @@ class Tc6ChartWriter:
             self.write_condition(element, symbol, transition.condition)
         ctx.keep("transition", label, *_features(transition.condition))
         ctx.place.append(f"transition {label}")
-        finish(
+        finish_element(
             ctx,
             element,
             transition,
@@ -206,9 +213,9 @@ class Tc6ChartWriter:
     def write_condition(self, parent: etree._Element, symbol: Symbol, condition: Condition) -> None:
         """Write ``condition`` in the form in which it is drawn."""
         ctx = self.ctx
-        element = sub(ctx, parent, "condition", {"negated": boolean(True)} if condition.negated else {})
+        element = add_child(ctx, parent, "condition", {"negated": boolean(True)} if condition.negated else {})
         if isinstance(condition, NamedCondition):
-            sub(ctx, element, "reference", {"name": condition.name})
+            add_child(ctx, element, "reference", {"name": condition.name})
             return
         if isinstance(condition, BodyCondition):
             self.write_body(ctx, element, "inline", condition.body, {"name": condition.name})
@@ -230,8 +237,8 @@ class Tc6ChartWriter:
         element = self._element(parent, symbol, {})
         for output in symbol.outputs:
             write_output(self.ctx, element, output)
-        sub(self.ctx, element, "expression").text = self.conditions.get(symbol.id, symbol.name or "")
-        finish(self.ctx, element, symbol, "inVariable", self.symbol_fields | {"name"})
+        add_child(self.ctx, element, "expression").text = self.conditions.get(symbol.id, symbol.name or "")
+        finish_element(self.ctx, element, symbol, "inVariable", self.symbol_fields | {"name"})
 
     def write_jump(self, parent: etree._Element, symbol: Symbol) -> None:
         """Write ``jumpStep``."""
@@ -239,7 +246,7 @@ class Tc6ChartWriter:
         element = self._element(parent, symbol, {"targetName": self.ctx.jump_name})
         for pin in symbol.inputs:
             write_input(self.ctx, element, pin)
-        finish(self.ctx, element, symbol, "jumpStep", self.symbol_fields | {"name"})
+        finish_element(self.ctx, element, symbol, "jumpStep", self.symbol_fields | {"name"})
 
     def jump_target(self, symbol: Symbol) -> str:
         """Return the name of what a jump leads to, in the spelling of the file where it means the same."""
@@ -262,7 +269,7 @@ class Tc6ChartWriter:
                 attributes["name"] = symbol.name
         element = self._element(parent, symbol, attributes)
         self._pins(element, symbol)
-        finish(self.ctx, element, symbol, symbol.kind.value, native)
+        finish_element(self.ctx, element, symbol, symbol.kind.value, native)
 
     def write_action_block(self, parent: etree._Element, symbol: Symbol) -> None:
         """Write ``actionBlock`` with its associations."""
@@ -285,7 +292,7 @@ class Tc6ChartWriter:
                 self.write_action(element, entry, self.associations[entry.association])
             else:
                 self.write_step_action(element, symbol, entry, entry.step_action)
-        finish(ctx, element, symbol, "actionBlock", native)
+        finish_element(ctx, element, symbol, "actionBlock", native)
 
     def write_step_action(
         self, parent: etree._Element, symbol: Symbol, entry: ActionEntry, kind: StepActionKind
@@ -340,11 +347,11 @@ class Tc6ChartWriter:
             attributes["indicator"] = association.indicator or ""
         if not ctx.version.first_generation:
             attributes |= geometry(entry.width, entry.height, entry.execution_order)
-        element = sub(ctx, parent, "action", attributes)
+        element = add_child(ctx, parent, "action", attributes)
         if not ctx.version.first_generation:
             write_point(ctx, element, "relPosition", entry.position or (0, 0))
         if association.target is not None:
-            sub(ctx, element, "reference", {"name": association.target})
+            add_child(ctx, element, "reference", {"name": association.target})
         if association.body is not None:
             self.write_body(ctx, element, "inline", association.body, {})
         if entry.output is not None and not ctx.version.first_generation:
@@ -355,7 +362,7 @@ class Tc6ChartWriter:
             negated = ["negated action block"] if association.negated else []
             ctx.keep("action association", label, f"qualifier {association.qualifier.value}", *negated)
         ctx.place.append(f"step {owner} / action {association.target or 'inline'}")
-        finish(ctx, element, association, "action", native, also=also)
+        finish_element(ctx, element, association, "action", native, also=also)
         ctx.place.pop()
 
 

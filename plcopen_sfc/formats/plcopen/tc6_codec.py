@@ -23,7 +23,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import line_of
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_01, Tc6Version, find_version, validate_tc6, version_named
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6Dialect
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
-from plcopen_sfc.formats.xml.xml_parsing import parse
+from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 from plcopen_sfc.languages.s7_flip_flops import put_logic
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.project import Project
@@ -84,7 +84,7 @@ BEREMIZ = Tc6Dialect(version=V2_01)
 
 def source_lines(content: bytes, project: Project) -> dict[str, int]:
     """Return the line of each object of `project` in `content`, by the path that a `ConversionReport` gives it."""
-    root = parse(content)
+    root = parse_xml(content)
     version = find_version(root)
     lines: dict[str, int] = {}
     for declared in root.iter(version.qualified["dataType"]):

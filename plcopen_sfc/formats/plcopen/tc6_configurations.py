@@ -5,7 +5,7 @@ from __future__ import annotations
 from lxml import etree
 
 from plcopen_sfc.formats.plcopen.global_variables import list_names
-from plcopen_sfc.formats.plcopen.source_marks import mark, marked, sources_of_section
+from plcopen_sfc.formats.plcopen.source_marks import marked_source, source_mark, sources_of_section
 from plcopen_sfc.formats.plcopen.tc6_declarations import (
     parts_of_list,
     read_access_section,
@@ -27,7 +27,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_integer,
     take_required,
 )
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, finish, given_attributes, sub
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, finish_element, given_attributes
 from plcopen_sfc.formats.task_schedules import SCHEDULE_FIELDS, clock_time, codesys_form, iec_form, schedule_fields
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.project import Configuration, PouInstance, Resource, Task
@@ -71,7 +71,7 @@ def write_configuration(
     ctx: Tc6WriteContext, parent: etree._Element, configuration: Configuration, *, is_application: bool = False
 ) -> None:
     """Write ``configuration``. `is_application`: it only holds an application, which is read back as such."""
-    element = sub(ctx, parent, "configuration", {"name": configuration.name})
+    element = add_child(ctx, parent, "configuration", {"name": configuration.name})
     ctx.place.append(f"configuration {configuration.name}")
     for resource in configuration.resources:
         write_resource(ctx, element, resource, f"configuration/{configuration.name}/resource/{resource.name}")
@@ -88,7 +88,7 @@ def write_configuration(
     else:
         ctx.keep("configuration")
     also = {APPLICATION_FIELD: True} if is_application else None
-    finish(ctx, element, configuration, "configuration", frozenset(native), also=also)
+    finish_element(ctx, element, configuration, "configuration", frozenset(native), also=also)
     ctx.place.pop()
 
 
@@ -119,7 +119,7 @@ def read_resource(ctx: Tc6ReadContext, element: etree._Element, place: str) -> F
 
 def write_resource(ctx: Tc6WriteContext, parent: etree._Element, resource: Resource, place: str) -> None:
     """Write ``resource``. `place` is the `Pou.place` of POUs that belong into it."""
-    element = sub(ctx, parent, "resource", {"name": resource.name})
+    element = add_child(ctx, parent, "resource", {"name": resource.name})
     ctx.place.append(f"resource {resource.name}")
     for task in resource.tasks:
         _write_task(ctx, element, task)
@@ -128,7 +128,7 @@ def write_resource(ctx: Tc6WriteContext, parent: etree._Element, resource: Resou
         _write_instance(ctx, element, instance)
     ctx.keep("resource")
     ctx.resource_place = place
-    finish(ctx, element, resource, "resource", frozenset({"name", "tasks", "global_variables", "instances"}))
+    finish_element(ctx, element, resource, "resource", frozenset({"name", "tasks", "global_variables", "instances"}))
     ctx.place.pop()
 
 
@@ -150,7 +150,7 @@ def _read_task(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
         else:
             read_common(ctx, fields, child, local, "task")
     written = Task.model_validate({"name": "", **{name: fields.get(name) for name in SCHEDULE_FIELDS}})
-    source = marked(fields, SCHEDULE_FIELD, schedule_fields(written))
+    source = marked_source(fields, SCHEDULE_FIELD, schedule_fields(written))
     if source is not None:
         fields.update(dict.fromkeys(SCHEDULE_FIELDS) | source)
     keep_attributes(fields, left)
@@ -163,8 +163,8 @@ def _write_task(ctx: Tc6WriteContext, parent: etree._Element, task: Task) -> Non
     if ctx.version.first_generation and form["interval"] is not None and not _is_time(form["interval"]):
         form["interval"] = clock_time(form["interval"])
     shown = task.model_copy(update=form)
-    also = mark(SCHEDULE_FIELD, schedule_fields(task), schedule_fields(shown))
-    element = sub(
+    also = source_mark(SCHEDULE_FIELD, schedule_fields(task), schedule_fields(shown))
+    element = add_child(
         ctx,
         parent,
         "task",
@@ -180,7 +180,9 @@ def _write_task(ctx: Tc6WriteContext, parent: etree._Element, task: Task) -> Non
     for instance in task.instances:
         _write_instance(ctx, element, instance)
     ctx.keep("task", task.name)
-    finish(ctx, element, shown, "task", frozenset({"name", "priority", "instances", *SCHEDULE_FIELDS}), also=also)
+    finish_element(
+        ctx, element, shown, "task", frozenset({"name", "priority", "instances", *SCHEDULE_FIELDS}), also=also
+    )
 
 
 def _is_time(text: str) -> bool:
@@ -197,7 +199,7 @@ def _read_instance(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     fields["type_name"] = type_name or ""
     for child in element:
         read_common(ctx, fields, child, ctx.tags.get(child.tag), "pouInstance")
-    fields.update(marked(fields, INSTANCE_FIELD, {name: fields[name] for name in ("name", "type_name")}) or {})
+    fields.update(marked_source(fields, INSTANCE_FIELD, {name: fields[name] for name in ("name", "type_name")}) or {})
     keep_attributes(fields, left)
     return fields
 
@@ -212,7 +214,7 @@ def _write_instance(ctx: Tc6WriteContext, parent: etree._Element, instance: PouI
         # but a file of TC6 2.x may have the attribute of 1.01 (iec-checker), which stays
         name, type_name = f"{name}_write_instance", name
     source = {"name": instance.name, "type_name": instance.type_name}
-    also = mark(INSTANCE_FIELD, source, {"name": name, "type_name": type_name})
-    element = sub(ctx, parent, "pouInstance", {"name": name, type_attribute: type_name})
+    also = source_mark(INSTANCE_FIELD, source, {"name": name, "type_name": type_name})
+    element = add_child(ctx, parent, "pouInstance", {"name": name, type_attribute: type_name})
     ctx.keep("POU instance", instance.name)
-    finish(ctx, element, instance, "pouInstance", frozenset({"name", "type_name"}), also=also)
+    finish_element(ctx, element, instance, "pouInstance", frozenset({"name", "type_name"}), also=also)

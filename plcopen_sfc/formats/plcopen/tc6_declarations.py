@@ -26,7 +26,7 @@ from plcopen_sfc.formats.plcopen.tc6_types import (
     write_value,
     write_variable,
 )
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, finish, sub
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, finish_element
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.model.variables import AccessSection, ConfigSection, Interface, SectionKind, VariableSection
@@ -105,7 +105,7 @@ def write_section(ctx: Tc6WriteContext, parent: etree._Element, section: Variabl
     native = frozenset({"name", "variables", *_FLAGS})
     attributes = {"name": section.name} if section.name is not None else {}
     attributes.update({flag: "true" for flag in _FLAGS if getattr(section, flag)})
-    element = sub(ctx, parent, name or "localVars", attributes)
+    element = add_child(ctx, parent, name or "localVars", attributes)
     also: dict[str, bool] = {}
     if name is not None:
         native = native | {"kind"}
@@ -114,7 +114,7 @@ def write_section(ctx: Tc6WriteContext, parent: etree._Element, section: Variabl
         also = {"constant": False}
     for variable in section.variables:
         write_variable(ctx, element, variable)
-    finish(ctx, element, section, "globalVars", native, also=also)
+    finish_element(ctx, element, section, "globalVars", native, also=also)
 
 
 def read_interface(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -136,12 +136,12 @@ def read_interface(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
 
 def write_interface(ctx: Tc6WriteContext, parent: etree._Element, interface: Interface) -> None:
     """Write ``interface`` of a POU or method. The declaration text belongs to the POU in the file."""
-    element = sub(ctx, parent, "interface")
+    element = add_child(ctx, parent, "interface")
     if interface.return_type is not None:
         write_data_type(ctx, element, "returnType", interface.return_type)
     for section in interface.sections:
         write_section(ctx, element, section)
-    finish(ctx, element, interface, "interface", frozenset({"return_type", "sections"}))
+    finish_element(ctx, element, interface, "interface", frozenset({"return_type", "sections"}))
 
 
 def read_access_section(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -176,15 +176,15 @@ def _read_access_variable(ctx: Tc6ReadContext, element: etree._Element) -> Field
 
 def write_access_section(ctx: Tc6WriteContext, parent: etree._Element, section: AccessSection) -> None:
     """Write ``accessVars`` of a configuration."""
-    element = sub(ctx, parent, "accessVars")
+    element = add_child(ctx, parent, "accessVars")
     for variable in section.variables:
         attributes = {"alias": variable.alias, "instancePathAndName": variable.path}
         if variable.direction is not None:
             attributes["direction"] = variable.direction.value
-        entry = sub(ctx, element, "accessVariable", attributes)
+        entry = add_child(ctx, element, "accessVariable", attributes)
         write_data_type(ctx, entry, "type", variable.type)
-        finish(ctx, entry, variable, "accessVariable", frozenset({"alias", "path", "type", "direction"}))
-    finish(ctx, element, section, "accessVars", frozenset({"variables"}))
+        finish_element(ctx, entry, variable, "accessVariable", frozenset({"alias", "path", "type", "direction"}))
+    finish_element(ctx, element, section, "accessVars", frozenset({"variables"}))
 
 
 def read_config_section(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -220,17 +220,17 @@ def _read_config_variable(ctx: Tc6ReadContext, element: etree._Element) -> Field
 
 def write_config_section(ctx: Tc6WriteContext, parent: etree._Element, section: ConfigSection) -> None:
     """Write ``configVars`` of a configuration."""
-    element = sub(ctx, parent, "configVars")
+    element = add_child(ctx, parent, "configVars")
     for variable in section.variables:
         attributes = {"instancePathAndName": variable.path}
         if variable.address is not None:
             attributes["address"] = variable.address
-        entry = sub(ctx, element, "configVariable", attributes)
+        entry = add_child(ctx, element, "configVariable", attributes)
         write_data_type(ctx, entry, "type", variable.type)
         if variable.initial is not None:
-            write_value(ctx, sub(ctx, entry, "initialValue"), variable.initial)
-        finish(ctx, entry, variable, "configVariable", frozenset({"path", "type", "address", "initial"}))
-    finish(ctx, element, section, "configVars", frozenset({"variables"}))
+            write_value(ctx, add_child(ctx, entry, "initialValue"), variable.initial)
+        finish_element(ctx, entry, variable, "configVariable", frozenset({"path", "type", "address", "initial"}))
+    finish_element(ctx, element, section, "configVars", frozenset({"variables"}))
 
 
 def read_data_type_declaration(ctx: Tc6ReadContext, element: etree._Element, place: str) -> Fields:
@@ -256,12 +256,12 @@ def write_data_type_declaration(
     ctx: Tc6WriteContext, parent: etree._Element, declaration: DataTypeDeclaration, *, in_place: bool
 ) -> None:
     """Write ``dataType``. `in_place`: it is in its `place`, which then need not be kept."""
-    element = sub(ctx, parent, "dataType", {"name": declaration.name})
+    element = add_child(ctx, parent, "dataType", {"name": declaration.name})
     ctx.place.append(f"type {declaration.name}")
     write_data_type(ctx, element, "baseType", declaration.type)
     if declaration.initial is not None:
-        write_value(ctx, sub(ctx, element, "initialValue"), declaration.initial)
+        write_value(ctx, add_child(ctx, element, "initialValue"), declaration.initial)
     ctx.keep("data type")
     native = frozenset({"name", "type", "initial"}) | ({"place"} if in_place else frozenset())
-    finish(ctx, element, declaration, "dataType", native)
+    finish_element(ctx, element, declaration, "dataType", native)
     ctx.place.pop()

@@ -30,11 +30,11 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
 )
 from plcopen_sfc.formats.plcopen.tc6_writing import (
     Tc6WriteContext,
+    add_child,
     add_unknown,
     boolean,
     decimal,
-    finish,
-    sub,
+    finish_element,
     write_point,
     write_text,
 )
@@ -252,13 +252,13 @@ def write_node(ctx: Tc6WriteContext, parent: etree._Element, node: Node, *featur
     if ctx.version.first_generation and isinstance(node, logic.LeftPowerRail | logic.RightPowerRail):
         order = None
         native = native - {"execution_order"}
-    element = sub(ctx, parent, tag, {"localId": str(local_id)} | geometry(node.width, node.height, order))
+    element = add_child(ctx, parent, tag, {"localId": str(local_id)} | geometry(node.width, node.height, order))
     for name, value in attributes.items():
         element.set(name, value)
     write_point(ctx, element, "position", node.position)
     native = native | _write_content(ctx, element, node)
     ctx.keep("graphical element", f"{tag} {node.id}", *features)
-    finish(ctx, element, node, tag, native)
+    finish_element(ctx, element, node, tag, native)
 
 
 def is_known(ctx: Tc6WriteContext, node: Node) -> bool:
@@ -323,13 +323,13 @@ def _write_content(ctx: Tc6WriteContext, element: etree._Element, node: Node) ->
     if pin_out is not None:
         write_output(ctx, element, pin_out)
     if isinstance(node, logic.Contact | logic.Coil):
-        sub(ctx, element, "variable").text = node.variable
+        add_child(ctx, element, "variable").text = node.variable
         return _INPUT | _OUTPUT | _MODIFIERS | {"variable"}
     if isinstance(node, logic.InputVariable | logic.OutputVariable):
-        sub(ctx, element, "expression").text = node.expression
+        add_child(ctx, element, "expression").text = node.expression
         return _INPUT | _OUTPUT | _MODIFIERS | {"expression"}
     if isinstance(node, logic.InOutVariable):
-        sub(ctx, element, "expression").text = node.expression
+        add_child(ctx, element, "expression").text = node.expression
         sides = {f"{name}_{side}" for name in _MODIFIERS for side in ("in", "out")}
         return _INPUT | _OUTPUT | sides | {"expression"}
     return _INPUT | _OUTPUT | {"label", "name"}
@@ -344,7 +344,7 @@ def _write_parameters(
         ("outputVariables", parameters.outputs),
     ):
         if group or always:
-            holder = sub(ctx, element, name)
+            holder = add_child(ctx, element, name)
             for parameter in group:
                 write_parameter(ctx, holder, parameter)
 
@@ -355,12 +355,12 @@ def write_parameter(ctx: Tc6WriteContext, parent: etree._Element, parameter: Blo
     attributes |= _written_modifiers(parameter.negated, parameter.edge, parameter.storage)
     if parameter.hidden:
         attributes["hidden"] = "true"
-    element = sub(ctx, parent, "variable", attributes)
+    element = add_child(ctx, parent, "variable", attributes)
     if parameter.input is not None:
         write_input(ctx, element, parameter.input)
     if parameter.output is not None:
         write_output(ctx, element, parameter.output)
-    finish(ctx, element, parameter, "parameter", _INPUT | _OUTPUT | _MODIFIERS | {"name", "hidden"})
+    finish_element(ctx, element, parameter, "parameter", _INPUT | _OUTPUT | _MODIFIERS | {"name", "hidden"})
 
 
 def write_network(ctx: Tc6WriteContext, element: etree._Element, network: LogicNetwork) -> None:

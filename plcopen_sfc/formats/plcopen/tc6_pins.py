@@ -15,7 +15,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_integer,
     take_number,
 )
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, decimal, finish, sub, write_point
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, decimal, finish_element, write_point
 from plcopen_sfc.model.network import Connection, InputPin, OutputPin
 
 
@@ -48,10 +48,10 @@ def write_connection(ctx: Tc6WriteContext, parent: etree._Element, connection: C
     attributes = {"refLocalId": str(connection.source)}
     if connection.pin is not None:
         attributes["formalParameter"] = connection.pin
-    element = sub(ctx, parent, "connection", attributes)
+    element = add_child(ctx, parent, "connection", attributes)
     for point in connection.points:
         write_point(ctx, element, "position", point)
-    finish(ctx, element, connection, "connection", frozenset({"source", "pin", "points"}), documents=False)
+    finish_element(ctx, element, connection, "connection", frozenset({"source", "pin", "points"}), documents=False)
 
 
 def read_input(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -82,15 +82,15 @@ def read_input(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
 
 def write_input(ctx: Tc6WriteContext, parent: etree._Element, pin: InputPin) -> None:
     """Write ``connectionPointIn``."""
-    element = sub(ctx, parent, "connectionPointIn")
+    element = add_child(ctx, parent, "connectionPointIn")
     if pin.position is not None:
         write_point(ctx, element, "relPosition", pin.position)
     for connection in pin.connections:
         write_connection(ctx, element, connection)
     if pin.expression is not None:
-        sub(ctx, element, "expression").text = pin.expression
+        add_child(ctx, element, "expression").text = pin.expression
     native = frozenset({"position", "connections", "expression"})
-    finish(ctx, element, pin, "connectionPointIn", native, documents=False)
+    finish_element(ctx, element, pin, "connectionPointIn", native, documents=False)
 
 
 def read_output(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -119,13 +119,13 @@ def write_output(
 ) -> None:
     """Write ``connectionPointOut`` or ``connectionPointOutAction``."""
     attributes = {"formalParameter": pin.name} if pin.name is not None else {}
-    element = sub(ctx, parent, name, attributes)
+    element = add_child(ctx, parent, name, attributes)
     if pin.position is not None:
         write_point(ctx, element, "relPosition", pin.position)
     if pin.expression is not None:
-        sub(ctx, element, "expression").text = pin.expression
+        add_child(ctx, element, "expression").text = pin.expression
     native = frozenset({"name", "position", "expression"})
-    finish(ctx, element, pin, "connectionPointOut", native, documents=False)
+    finish_element(ctx, element, pin, "connectionPointOut", native, documents=False)
 
 
 def read_geometry(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:

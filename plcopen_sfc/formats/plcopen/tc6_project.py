@@ -22,9 +22,9 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
     attributes,
+    decimal_or_none,
     keep_attributes,
     keep_element,
-    number,
     read_comment,
     read_common,
     read_fields,
@@ -34,13 +34,13 @@ from plcopen_sfc.formats.plcopen.tc6_versions import NO_TIME, XHTML, Tc6Version,
 from plcopen_sfc.formats.plcopen.tc6_writing import (
     Tc6Dialect,
     Tc6WriteContext,
+    add_child,
     decimal,
-    finish,
+    finish_element,
     given_attributes,
-    sub,
     write_text,
 )
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.model.project import Configuration, Project, Scaling
 from plcopen_sfc.report import ConversionReport
 
@@ -56,7 +56,7 @@ def load_tc6(
 ) -> ReadResult:
     """Read a TC6 file. Raises `FormatError` where it cannot be read at all."""
     with collector_paused():
-        root = parse(data, file=file)
+        root = parse_xml(data, file=file)
         version = find_version(root, file=file)
         fields, ctx = read_project(
             root,
@@ -174,7 +174,7 @@ def _read_scales(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
 
 
 def _read_scale(element: etree._Element) -> Fields:
-    return {"x": number(element.get("x")) or 0, "y": number(element.get("y")) or 0}
+    return {"x": decimal_or_none(element.get("x")) or 0, "y": decimal_or_none(element.get("y")) or 0}
 
 
 def _read_info(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -256,17 +256,17 @@ def write_project(
     _write_file_header(ctx, root, project)
     _write_content_header(ctx, root, project)
     hidden = dialect.native_fields.get("resource", frozenset())
-    types = sub(ctx, root, "types")
-    data_types = sub(ctx, types, "dataTypes")
+    types = add_child(ctx, root, "types")
+    data_types = add_child(ctx, types, "dataTypes")
     for declaration in project.data_types:
         if not declaration.place or "place" not in hidden:
             write_data_type_declaration(ctx, data_types, declaration, in_place=not declaration.place)
-    pous = sub(ctx, types, "pous")
+    pous = add_child(ctx, types, "pous")
     for pou in project.pous:
         if not pou.place or "place" not in hidden:
             write_pou(ctx, pous, pou, in_place=not pou.place)
-    instances = sub(ctx, root, "instances")
-    configurations = sub(ctx, instances, "configurations")
+    instances = add_child(ctx, root, "instances")
+    configurations = add_child(ctx, instances, "configurations")
     for configuration in project.configurations:
         write_configuration(ctx, configurations, configuration)
     if "applications" not in dialect.native_fields.get("project", frozenset()):
@@ -288,7 +288,7 @@ def write_project(
         native = native - {"modified"}
     if ctx.version.first_generation:
         native = native - {"content_carried", "foreign_data_infos"}
-    finish(ctx, root, project, "project", native, documents=not ctx.version.first_generation)
+    finish_element(ctx, root, project, "project", native, documents=not ctx.version.first_generation)
     return root
 
 
@@ -311,7 +311,7 @@ def _time(ctx: Tc6WriteContext, text: str) -> str:
 
 def _write_file_header(ctx: Tc6WriteContext, root: etree._Element, project: Project) -> None:
     header = project.header
-    element = sub(
+    element = add_child(
         ctx,
         root,
         "fileHeader",
@@ -333,7 +333,7 @@ def _write_file_header(ctx: Tc6WriteContext, root: etree._Element, project: Proj
 
 
 def _write_content_header(ctx: Tc6WriteContext, root: etree._Element, project: Project) -> None:
-    element = sub(
+    element = add_child(
         ctx,
         root,
         "contentHeader",
@@ -349,20 +349,20 @@ def _write_content_header(ctx: Tc6WriteContext, root: etree._Element, project: P
         ),
     )
     if project.content_comment is not None:
-        sub(ctx, element, "Comment").text = project.content_comment
+        add_child(ctx, element, "Comment").text = project.content_comment
     scales = project.scales
-    coordinates = sub(ctx, element, "coordinateInfo")
+    coordinates = add_child(ctx, element, "coordinateInfo")
     if scales.page is not None:
-        sub(ctx, coordinates, "pageSize", _written_scale(scales.page))
+        add_child(ctx, coordinates, "pageSize", _written_scale(scales.page))
     for name, scale in (("fbd", scales.fbd), ("ld", scales.ld), ("sfc", scales.sfc)):
-        sub(ctx, sub(ctx, coordinates, name), "scaling", _written_scale(scale))
+        add_child(ctx, add_child(ctx, coordinates, name), "scaling", _written_scale(scale))
     if project.foreign_data_infos is not None and not ctx.version.first_generation:
-        infos = sub(ctx, element, "addDataInfo")
+        infos = add_child(ctx, element, "addDataInfo")
         for info in project.foreign_data_infos:
             attributes = given_attributes((("name", info.name), ("version", info.version), ("vendor", info.vendor)))
-            write_text(ctx, sub(ctx, infos, "info", attributes), "description", info.description)
+            write_text(ctx, add_child(ctx, infos, "info", attributes), "description", info.description)
     content = Project(carried=project.content_carried)
-    finish(ctx, element, content, "contentHeader", frozenset(), documents=False)
+    finish_element(ctx, element, content, "contentHeader", frozenset(), documents=False)
 
 
 def _written_scale(scale: Scaling) -> dict[str, str]:

@@ -71,15 +71,15 @@ class UnreadChart:
 
     def update(self, fields: Fields) -> None:
         """Add what was found outside of the chart's own element."""
-        merge(self.late, fields)
+        merge_fields(self.late, fields)
 
 
-def merge(fields: Fields, found: Fields) -> None:
+def merge_fields(fields: Fields, found: Fields) -> None:
     """Add `found` to `fields`; what is a part of an object is added to that object."""
     for name, value in found.items():
         present = fields.get(name)
         if isinstance(value, dict) and isinstance(present, dict):
-            merge(present, value)
+            merge_fields(present, value)
         elif isinstance(value, dict) and isinstance(present, UnreadChart):
             present.update(value)
         else:
@@ -236,7 +236,7 @@ def read_code(ctx: Tc6ReadContext, element: etree._Element) -> tuple[str, str | 
     return text["text"].strip("\n") if not element.text or not element.text.strip() else text["text"], text["markup"]
 
 
-def number(text: str | None) -> float | None:
+def decimal_or_none(text: str | None) -> float | None:
     """Return a decimal; None where it is missing or none."""
     # Python reads 1_000 as a number, XML Schema does not.
     if text is None or "_" in text:
@@ -261,7 +261,7 @@ def read_point(element: etree._Element) -> tuple[float, float] | None:
     (first, one), (second, other) = values
     if first == "y":
         first, one, second, other = second, other, first, one
-    x, y = number(str(one)), number(str(other))
+    x, y = decimal_or_none(str(one)), decimal_or_none(str(other))
     return None if x is None or y is None or first != "x" or second != "y" else (x, y)
 
 
@@ -270,7 +270,7 @@ def take_number(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, st
     text = left.get(name)
     if text is None:
         return None
-    value = number(text)
+    value = decimal_or_none(text)
     if value is None:
         ctx.warn("XML202", f"{name}={text!r} is not a number; it is kept as it is", element)
         return None
@@ -363,7 +363,7 @@ def read_fields(ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner
         except json.JSONDecodeError as error:
             ctx.warn("XML208", f"the extension data field {entry.get('name')!r} is damaged: {error}", entry, owner)
             return False
-    merge(fields, found)
+    merge_fields(fields, found)
     return True
 
 
@@ -373,7 +373,7 @@ def read_comment(ctx: Tc6ReadContext, comment: etree._Element, fields: Fields, o
     if not isinstance(comment, etree._Comment) or not text.startswith(COMMENT_MARK):
         return False
     try:
-        merge(fields, json.loads(text.removeprefix(COMMENT_MARK)))
+        merge_fields(fields, json.loads(text.removeprefix(COMMENT_MARK)))
     except (ValueError, AttributeError) as error:
         ctx.warn("XML208", f"extension data fields are damaged: {error}", comment, owner)
         return False

@@ -16,7 +16,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     read_foreign_data,
     take_required,
 )
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, finish, sub
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, finish_element
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.model.types import (
     ArrayType,
@@ -159,37 +159,42 @@ _NEVER = frozenset({"kind"})
 
 def write_data_type(ctx: Tc6WriteContext, parent: etree._Element, holder: str, kind: DataType) -> None:
     """Write a type inside a new element `holder`."""
-    element = sub(ctx, parent, holder)
+    element = add_child(ctx, parent, holder)
     if isinstance(kind, ElementaryType):
         _write_elementary(ctx, element, kind)
     elif isinstance(kind, StringType):
         _write_string(ctx, element, kind)
     elif isinstance(kind, DerivedType):
-        finish(
-            ctx, sub(ctx, element, "derived", {"name": kind.name}), kind, "derived", _NEVER | {"name"}, documents=False
+        finish_element(
+            ctx,
+            add_child(ctx, element, "derived", {"name": kind.name}),
+            kind,
+            "derived",
+            _NEVER | {"name"},
+            documents=False,
         )
     elif isinstance(kind, ArrayType):
-        array = sub(ctx, element, "array")
+        array = add_child(ctx, element, "array")
         for dimension in kind.dimensions:
             _write_bounds(ctx, array, "dimension", dimension)
         write_data_type(ctx, array, "baseType", kind.base)
     elif isinstance(kind, StructType):
-        struct = sub(ctx, element, "struct")
+        struct = add_child(ctx, element, "struct")
         for member in kind.members:
             write_variable(ctx, struct, member)
-        finish(ctx, struct, kind, "struct", _NEVER | {"members"})
+        finish_element(ctx, struct, kind, "struct", _NEVER | {"members"})
     elif isinstance(kind, EnumType):
         _write_enum(ctx, element, kind)
     elif isinstance(kind, PointerType):
-        write_data_type(ctx, sub(ctx, element, "pointer"), "baseType", kind.base)
+        write_data_type(ctx, add_child(ctx, element, "pointer"), "baseType", kind.base)
     else:
-        subrange = sub(ctx, element, "subrangeUnsigned" if kind.unsigned else "subrangeSigned")
+        subrange = add_child(ctx, element, "subrangeUnsigned" if kind.unsigned else "subrangeSigned")
         _write_bounds(ctx, subrange, "range", kind.bounds)
         write_data_type(ctx, subrange, "baseType", kind.base)
 
 
 def _write_string(ctx: Tc6WriteContext, element: etree._Element, kind: StringType) -> None:
-    string = sub(ctx, element, "wstring" if kind.wide else "string")
+    string = add_child(ctx, element, "wstring" if kind.wide else "string")
     length = kind.length
     if length is None:
         return
@@ -221,25 +226,27 @@ def _write_elementary(ctx: Tc6WriteContext, element: etree._Element, kind: Eleme
     name = kind.name.value
     if name not in ctx.version.elements:
         # TC6 does not list the 64 bit times and the characters, 1.01 no generic types either: named like a user type
-        sub(ctx, element, "derived", {"name": name})
+        add_child(ctx, element, "derived", {"name": name})
         ctx.note(
             Outcome.TRANSLATED, "data type", name, f"TC6 {ctx.version.name} does not list it; written as a derived type"
         )
     else:
-        sub(ctx, element, name)
+        add_child(ctx, element, name)
 
 
 def _write_enum(ctx: Tc6WriteContext, element: etree._Element, kind: EnumType) -> None:
-    enum = sub(ctx, element, "enum")
-    values = sub(ctx, enum, "values")
+    enum = add_child(ctx, element, "enum")
+    values = add_child(ctx, enum, "values")
     for value in kind.values:
-        sub(ctx, values, "value", {"name": value.name} | ({"value": value.value} if value.value is not None else {}))
+        add_child(
+            ctx, values, "value", {"name": value.name} | ({"value": value.value} if value.value is not None else {})
+        )
     if kind.base is not None:
         write_data_type(ctx, enum, "baseType", kind.base)
 
 
 def _write_bounds(ctx: Tc6WriteContext, parent: etree._Element, name: str, bounds: Dimension) -> None:
-    sub(ctx, parent, name, {"lower": bounds.lower, "upper": bounds.upper})
+    add_child(ctx, parent, name, {"lower": bounds.lower, "upper": bounds.upper})
 
 
 def read_value(ctx: Tc6ReadContext, holder: etree._Element) -> Fields | None:
@@ -268,16 +275,16 @@ def read_value(ctx: Tc6ReadContext, holder: etree._Element) -> Fields | None:
 def write_value(ctx: Tc6WriteContext, holder: etree._Element, value: Value) -> None:
     """Write a value into `holder`."""
     if isinstance(value, SimpleValue):
-        sub(ctx, holder, "simpleValue", {"value": value.text} if value.text is not None else {})
+        add_child(ctx, holder, "simpleValue", {"value": value.text} if value.text is not None else {})
     elif isinstance(value, ArrayValue):
-        array = sub(ctx, holder, "arrayValue")
+        array = add_child(ctx, holder, "arrayValue")
         for item in value.items:
             attributes = {"repetitionValue": item.repetitions} if item.repetitions is not None else {}
-            write_value(ctx, sub(ctx, array, "value", attributes), item.value)
+            write_value(ctx, add_child(ctx, array, "value", attributes), item.value)
     else:
-        struct = sub(ctx, holder, "structValue")
+        struct = add_child(ctx, holder, "structValue")
         for member in value.members:
-            write_value(ctx, sub(ctx, struct, "value", {"member": member.member}), member.value)
+            write_value(ctx, add_child(ctx, struct, "value", {"member": member.member}), member.value)
 
 
 def read_variable(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -303,9 +310,9 @@ def write_variable(ctx: Tc6WriteContext, parent: etree._Element, variable: Varia
     attributes = {"name": variable.name}
     if variable.address is not None:
         attributes["address"] = variable.address
-    element = sub(ctx, parent, "variable", attributes)
+    element = add_child(ctx, parent, "variable", attributes)
     write_data_type(ctx, element, "type", variable.type)
     if variable.initial is not None:
-        write_value(ctx, sub(ctx, element, "initialValue"), variable.initial)
+        write_value(ctx, add_child(ctx, element, "initialValue"), variable.initial)
     ctx.keep("variable", variable.name)
-    finish(ctx, element, variable, "variable", frozenset({"name", "type", "address", "initial"}))
+    finish_element(ctx, element, variable, "variable", frozenset({"name", "type", "address", "initial"}))

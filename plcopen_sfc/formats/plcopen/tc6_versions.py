@@ -18,8 +18,8 @@ from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
-from plcopen_sfc.formats.xml.schema_validation import element_path, findings
-from plcopen_sfc.formats.xml.xml_parsing import parse
+from plcopen_sfc.formats.xml.schema_validation import element_path, schema_findings
+from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 
 XHTML = "http://www.w3.org/1999/xhtml"
 PREFIX = "http://www.plcopen.org/xml/tc6"
@@ -129,11 +129,11 @@ def validate_tc6(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
 
     Raises `XmlSyntaxError`, `EncodingError` or `UnsafeXmlError` for what is not well-formed XML, or not safe to read.
     """
-    root = parse(data, file=file)
+    root = parse_xml(data, file=file)
     version = tc6_version(root, file)
     if isinstance(version, Diagnostic):
         return [version]
-    return findings(root, f"plcopen-{version.name}", data=data, file=file)
+    return schema_findings(root, f"plcopen-{version.name}", data=data, file=file)
 
 
 def tc6_version(root: etree._Element, file: str | None = None) -> Tc6Version | Diagnostic:

@@ -110,7 +110,7 @@ class Tc6WriteContext:
         self.report.add(outcome, what, " / ".join((*self.place, name) if name else self.place), why)
 
 
-def sub(
+def add_child(
     ctx: Tc6WriteContext, parent: etree._Element, name: str, attributes: dict[str, str] | None = None
 ) -> etree._Element:
     """Return a new child of `parent`, in the TC6 namespace."""
@@ -121,7 +121,7 @@ def write_text(ctx: Tc6WriteContext, parent: etree._Element, name: str, text: Te
     """Write ``formattedText`` as child `name` of `parent`; nothing for None."""
     if text is None:
         return
-    element = sub(ctx, parent, name)
+    element = add_child(ctx, parent, name)
     if isinstance(text, MarkupText):
         add_markup(element, text.markup)
     else:
@@ -160,7 +160,7 @@ def decimal(value: float) -> str:
 
 def write_point(ctx: Tc6WriteContext, parent: etree._Element, name: str, point: tuple[float, float]) -> None:
     """Write ``position`` or ``relPosition``."""
-    sub(ctx, parent, name, {"x": decimal(point[0]), "y": decimal(point[1])})
+    add_child(ctx, parent, name, {"x": decimal(point[0]), "y": decimal(point[1])})
 
 
 def boolean(value: bool) -> str:
@@ -179,7 +179,7 @@ def add_unknown(ctx: Tc6WriteContext, element: etree._Element, carried: Carried 
         add_markup(element, markup.replace(f'"{NEUTRAL}"', f'"{ctx.version.namespace}"'))
 
 
-def finish(
+def finish_element(
     ctx: Tc6WriteContext,
     element: etree._Element,
     thing: Model,
@@ -280,9 +280,9 @@ def _add_data(
     rank = ctx.dialect.data_rank
     if rank:
         entries.sort(key=lambda entry: rank.get(entry[0], 50))
-    holder = sub(ctx, element, "addData")
+    holder = add_child(ctx, element, "addData")
     for name, rule, content in entries:
-        data = sub(ctx, holder, "data", {"name": name, "handleUnknown": rule.value})
+        data = add_child(ctx, holder, "data", {"name": name, "handleUnknown": rule.value})
         if isinstance(content, str):
             add_markup(data, content)
         else:

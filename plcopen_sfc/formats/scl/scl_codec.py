@@ -5,7 +5,7 @@ from __future__ import annotations
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
 from plcopen_sfc.formats.scl.scl_reader import OWN_COMMENT, read_source
 from plcopen_sfc.formats.scl.scl_writer import write_pieces
-from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode
+from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode_text
 from plcopen_sfc.languages.declarations import split_units
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import without
@@ -18,12 +18,12 @@ class SclCodec(TextCodec):
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a source. What does not parse is kept and reported."""
-        found = read_source(decode(data), file)
+        found = read_source(decode_text(data), file)
         return ReadResult(found.project, found.diagnostics)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
         """Return the source without comments of this package."""
-        source = decode(data)
+        source = decode_text(data)
         comments = split_units(source.text, Dialect.SCL).comments
         own = [comment.span for comment in comments if OWN_COMMENT.match(comment.text)]
         return source.encode(without(source.text, own))[0] if own else data
@@ -39,7 +39,7 @@ class SclCodec(TextCodec):
 
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
         """Return the text of a source, and the place of each object in it."""
-        source = decode(content)
+        source = decode_text(content)
         return source, read_source(source).spans
 
 

@@ -44,7 +44,7 @@ from plcopen_sfc.formats.simaticml.graph_writer import write_graph
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network, report_network, write_network
 from plcopen_sfc.formats.simaticml.replaced_elements import warn_of_edit
 from plcopen_sfc.formats.simaticml.scl_token_writer import InterfaceNames, read_code, write_code
-from plcopen_sfc.formats.xml.extension_data import Markup, exchange
+from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.model.base import Carried, Element
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.network import LogicNetwork, OutputVariable
@@ -275,7 +275,7 @@ def _chart(ctx: DocumentReading, element: etree._Element, own: Fields, late: Fie
         finally:
             ctx.place, (ctx.types, ctx.constants) = outer, others
         if not ctx.of_tia:
-            exchange(chart, Markup.SIMATICML, Markup.TC6)
+            exchange_markup(chart, Markup.SIMATICML, Markup.TC6)
         return chart
 
     return SfcBody.model_validate({**own, "chart": read_later(SfcNetwork, {}, read)})

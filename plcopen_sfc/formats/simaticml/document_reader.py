@@ -48,8 +48,8 @@ from plcopen_sfc.formats.simaticml.tia_versions import (
     version_like,
     version_named,
 )
-from plcopen_sfc.formats.xml.extension_data import Markup, exchange
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
+from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, Pou
@@ -186,7 +186,7 @@ class LateDocument:
             found = self._tree()[place]
             thing = read_model(self._context(), found, model, fields_of)
             if not self._ctx.of_tia:
-                exchange(thing, Markup.SIMATICML, Markup.TC6)
+                exchange_markup(thing, Markup.SIMATICML, Markup.TC6)
             if isinstance(thing, Pou):
                 for name, _, body in thing.named_bodies():
                     if isinstance(body, SfcBody):
@@ -201,7 +201,7 @@ class LateDocument:
     def _tree(self) -> etree._Element:
         root = self._root
         if root is None:
-            root = parse(self._data, file=self._ctx.file)
+            root = parse_xml(self._data, file=self._ctx.file)
         if not self._begun or self._ctx.lines is None:
             self._ctx.lines = SourceLines(root, self._data)
         self._root, self._begun = root, True

@@ -34,8 +34,8 @@ from plcopen_sfc.formats.simaticml.tia_versions import (
     schema_of,
     version_named,
 )
-from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, element_path, faults, findings
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
+from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, element_path, schema_faults, schema_findings
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.model.sfc import AlarmCategory, SfcNetwork
 
 _FRAME = "simaticml/document"
@@ -52,13 +52,13 @@ def validate(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
 
     Raises `XmlSyntaxError`, `EncodingError` or `UnsafeXmlError` for what is not well-formed XML, or not safe to read.
     """
-    root = parse(data, file=file)
+    root = parse_xml(data, file=file)
     try:
         version = find_version(root, file=file)
     except FormatError as error:
         message = error.message if not error.hint else f"{error.message}. {error.hint}"
         return [Diagnostic("XSD001", Severity.ERROR, message, error.location)]
-    found = [_lenient(finding) for finding in findings(root, _FRAME, data=data, file=file)]
+    found = [_lenient(finding) for finding in schema_findings(root, _FRAME, data=data, file=file)]
     lines = SourceLines(root, data)
     for part in _parts(root):
         if len(found) > MAX_FINDINGS:
@@ -72,7 +72,7 @@ def validate(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
         kind, number = known
         if number > version.schema(kind) and _names_its_version(root):
             found.append(_too_new(kind, number, version, place))
-        found += findings(part, f"simaticml/{kind}-v{number}", data=data, file=file)
+        found += schema_findings(part, f"simaticml/{kind}-v{number}", data=data, file=file)
     found.sort(key=lambda finding: (finding.location.line is None, finding.location.line or 0))
     return found
 
@@ -200,7 +200,7 @@ def _needs_of_part(part: etree._Element, kind: str, version: TiaVersion) -> list
     numbers = sorted(schemas)
     for place, number in enumerate(numbers):
         asked = part if number == version.schema(kind) else _in_schema(part, namespace(kind, number))
-        wrong = [element for element, _ in faults(asked, f"simaticml/{kind}-v{number}")]
+        wrong = [element for element, _ in schema_faults(asked, f"simaticml/{kind}-v{number}")]
         if not wrong and place == 0:
             return []
         following = schemas[numbers[place + 1]] if place + 1 < len(numbers) else None

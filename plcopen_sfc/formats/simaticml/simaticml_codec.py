@@ -18,9 +18,9 @@ from plcopen_sfc.formats.simaticml.openness_objects import DATA_BLOCKS, DATA_TYP
 from plcopen_sfc.formats.simaticml.openness_schemas import fit_alarms
 from plcopen_sfc.formats.simaticml.tia_adaptation import adapt
 from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT, TiaVersion, version_like
-from plcopen_sfc.formats.xml.extension_data import Markup, exchange, markup_of
+from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup, markup_of
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, XmlStyle, write_xml
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.s7_flip_flops import put_boxes
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, Pou
@@ -65,7 +65,7 @@ def normalize(data: bytes, style: XmlStyle, *, file: str | None = None) -> bytes
 
     Raises `FormatError` for data that is no document of TIA Portal Openness.
     """
-    root = parse(data, file=file)
+    root = parse_xml(data, file=file)
     find_version(root, file=file)
     for info in root.findall("DocumentInfo"):
         _remove(info)
@@ -122,19 +122,19 @@ class SimaticmlCodec(FolderCodec):
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a document of TIA Portal Openness. Raises `FormatError`."""
         with collector_paused():
-            root = parse(data, file=file)
+            root = parse_xml(data, file=file)
             version = find_version(root, file=file)
             fields, diagnostics = read_project(root, version, data, file=file)
             try:
                 project = Project.model_validate(fields)
             except ValidationError as error:
                 raise misfit(error, file) from error
-            exchange(project, Markup.SIMATICML, markup_of(project))
+            exchange_markup(project, Markup.SIMATICML, markup_of(project))
         return ReadResult(project, diagnostics, version.name)
 
     def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Adapt `project`, a copy, to this format."""
-        exchange(project, markup_of(project), Markup.SIMATICML)
+        exchange_markup(project, markup_of(project), Markup.SIMATICML)
         if not options.same:
             if project.header.product == PRODUCT and options.version:
                 project.header.version = options.version
@@ -147,7 +147,7 @@ class SimaticmlCodec(FolderCodec):
         adapt(project, report)
         if not project.header.product:  # a project made in Python: nothing is lost when the file names its reader
             project.header.product, project.header.version = PRODUCT, version.name
-        exchange(project, Markup.SIMATICML, markup_of(project))
+        exchange_markup(project, Markup.SIMATICML, markup_of(project))
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
         """Return the lines of the objects in the file `content`, with the variables, steps and transitions of blocks.
@@ -155,7 +155,7 @@ class SimaticmlCodec(FolderCodec):
         They are by the paths that the report gives them.
         """
         found: dict[str, int] = {}
-        root = parse(content)
+        root = parse_xml(content)
         line_of = SourceLines(root, content).line
         for owner in root:
             kind = _KINDS.get(local(owner))
@@ -172,16 +172,16 @@ class SimaticmlCodec(FolderCodec):
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
         """Put boxes back into `project`, a copy, where tools without them had something else."""
-        exchange(project, markup_of(project), Markup.SIMATICML)
+        exchange_markup(project, markup_of(project), Markup.SIMATICML)
         put_boxes(project)
-        exchange(project, Markup.SIMATICML, markup_of(project))
+        exchange_markup(project, Markup.SIMATICML, markup_of(project))
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         """Return the tree of the document for `project`."""
         version = _version(project, options)
         if markup_of(project) is not Markup.SIMATICML:
             project = project.model_copy(deep=True)
-            exchange(project, markup_of(project), Markup.SIMATICML)
+            exchange_markup(project, markup_of(project), Markup.SIMATICML)
         return write_project(project, version, report, options)
 
     def style(self) -> XmlStyle:

@@ -39,20 +39,20 @@ class Insertion:
     elements: list[etree._Element] = field(default_factory=list)
 
 
-def make_empty(writing: SourceStyle, node: SourceNode) -> Edit:
+def make_empty(style: SourceStyle, node: SourceNode) -> Edit:
     """Return the edit that writes an element without any content."""
-    empty_end = writing.empty_end(node.start)
+    empty_end = style.empty_end(node.start)
     if empty_end is None:
         return Edit(node.open_end, node.close_start, "")
-    return Edit(writing.tree.tag_end(node), node.end, empty_end)
+    return Edit(style.tree.tag_end(node), node.end, empty_end)
 
 
 class ChildLayout:
     """The children of one source node, of which those in `going` are removed."""
 
-    def __init__(self, writing: SourceStyle, parent: SourceNode, going: AbstractSet[SourceNode]) -> None:
-        self._writing = writing
-        self._tree = writing.tree
+    def __init__(self, style: SourceStyle, parent: SourceNode, going: AbstractSet[SourceNode]) -> None:
+        self._style = style
+        self._tree = style.tree
         self._parent = parent
         self._going = going
         self._index = {child: index for index, child in enumerate(parent.children)}
@@ -93,7 +93,7 @@ class ChildLayout:
             return self._removals
         if self._tree.value_of(self._tree.content(parent)).strip():
             return self._removals
-        return [make_empty(self._writing, parent)]
+        return [make_empty(self._style, parent)]
 
     def removals_one_by_one(self) -> list[Edit]:
         """Return the same edits where something new comes in instead."""
@@ -101,7 +101,7 @@ class ChildLayout:
 
     def insertion(self, anchor: SourceNode | None, following: SourceNode | None) -> Insertion:
         """Return the place for new children between two that stay (None: the beginning or the end of the parent)."""
-        indent = self._writing.child_indent(self._parent)
+        indent = self._style.child_indent(self._parent)
         separator = "" if indent is None else self._tree.newline + indent
         if not self._parent.children and not self._tree.value_of(self._tree.content(self._parent)).strip():
             return self._fill(indent, separator)

@@ -136,7 +136,7 @@ def markup_of(project: Project) -> Markup:
     return Markup.SIMATICML if project.header.product == TIA_PORTAL else Markup.TC6
 
 
-def exchange(thing: Model, own: Markup, wanted: Markup) -> None:
+def exchange_markup(thing: Model, own: Markup, wanted: Markup) -> None:
     """Change what `thing` and the objects in it carry: markup of `wanted` as it is, instead of that of `own`.
 
     Objects and charts that are unread stay so, and as they are.

@@ -41,7 +41,7 @@ _XHTML = "http://www.w3.org/1999/xhtml"
 _MANY = 12
 
 
-def explain(element: etree._Element, schema: Path, fallback: str) -> list[Explanation]:
+def explain_fault(element: etree._Element, schema: Path, fallback: str) -> list[Explanation]:
     """Return the errors of an element that libxml2 objected to; `fallback` are libxml2's words for it."""
     grammar = Grammar.of(schema)
     declaration = grammar.declaration(element)

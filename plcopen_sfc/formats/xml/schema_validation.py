@@ -62,13 +62,13 @@ def is_valid(root: etree._Element, schema: str) -> bool:
     return _validator(schema).validate(root)
 
 
-def faults(root: etree._Element, schema: str) -> list[tuple[etree._Element, str]]:
+def schema_faults(root: etree._Element, schema: str) -> list[tuple[etree._Element, str]]:
     """Return the elements that libxml2 objects to by the schema of this name, with its words; none if it is valid."""
     validator = _validator(schema)
     return [] if validator.validate(root) else list(_places(root, validator.error_log))
 
 
-def findings(
+def schema_findings(
     root: etree._Element,
     schema: str,
     *,
@@ -86,7 +86,7 @@ def findings(
     if validator.validate(root):
         return []
     # Only a file with errors pays for loading xmlschema.
-    from plcopen_sfc.formats.xml.schema_explanation import explain  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.schema_explanation import explain_fault  # noqa: PLC0415
 
     path = schema_path(schema)
     lines = SourceLines(root.getroottree().getroot(), data)
@@ -96,7 +96,7 @@ def findings(
         if len(found) >= MAX_FINDINGS:
             left_out += 1
             continue
-        for code, message, place in explain(element, path, fallback):
+        for code, message, place in explain_fault(element, path, fallback):
             location = Location(file, lines.line(place), path=element_path(place))
             finding = Diagnostic(code, judge(place), message, location)
             if finding not in found:

@@ -46,7 +46,7 @@ from plcopen_sfc.formats.xml.source_style import (
     with_source_blanks,
 )
 from plcopen_sfc.formats.xml.source_tree import PatchError, SourceAttribute, SourceNode, SourceTree, TextSegment
-from plcopen_sfc.formats.xml.xml_parsing import decode, parse
+from plcopen_sfc.formats.xml.xml_parsing import decode_xml, parse_xml
 from plcopen_sfc.languages.edits import Edit, apply_edits
 
 if TYPE_CHECKING:
@@ -63,8 +63,8 @@ class SourceMerge:
         self._before = before
         self._after = after
         self._comparison = ElementComparison(tree, before, after, keys)
-        self._writing = SourceStyle(tree, codec)
-        self._fragments = NewMarkup(self._writing, self._reuse)
+        self._style = SourceStyle(tree, codec)
+        self._fragments = NewMarkup(self._style, self._reuse)
         self._edits: list[Edit] = []
         self._insertions: list[Insertion] = []
         self._removed = RemovedElements(self._comparison)
@@ -119,7 +119,7 @@ class SourceMerge:
             if before.get(name) == value:
                 continue
             if found is not None:
-                self._edits += attribute_changes(self._writing, found, str(value))
+                self._edits += attribute_changes(self._style, found, str(value))
                 continue
             declared: dict[str, str] = {}
             plain = qualified_name(str(name), scope, declared, after.nsmap, attribute=True)
@@ -154,7 +154,7 @@ class SourceMerge:
     def _children(self, node: SourceNode, old: list[etree._Element], new: list[etree._Element]) -> None:
         places, origins = self._match(node, old, new)
         stays, going = self._sort_out(places, origins, old, new)
-        layout = ChildLayout(self._writing, node, going)
+        layout = ChildLayout(self._style, node, going)
         # From the end, to know of every new node which one that stays follows it.
         following: list[SourceNode | None] = [None] * (len(new) + 1)
         for index in range(len(new) - 1, -1, -1):
@@ -226,11 +226,11 @@ class SourceMerge:
         if current == new:
             return
         if not new and not node.children:
-            self._edits.append(make_empty(self._writing, node))
+            self._edits.append(make_empty(self._style, node))
         elif segments:
-            self._edits += text_changes(self._writing, segments, current, new)
+            self._edits += text_changes(self._style, segments, current, new)
         else:
-            plain = escape_text(new, self._writing.habits)
+            plain = escape_text(new, self._style.habits)
             raw = plain if cdata_like is None else self._fragments.text(cdata_like)
             self._fill(node, raw, node.open_end)
 
@@ -285,7 +285,7 @@ class SourceMerge:
             if run or old == new:
                 self._text(node, run, old, new)
             else:
-                self._replace(start, start, escape_text(new, self._writing.habits))
+                self._replace(start, start, escape_text(new, self._style.habits))
 
     def _mixed_anew(
         self, node: SourceNode, after: etree._Element, matched: list[MatchedElement | None], known: set[SourceNode]
@@ -293,7 +293,7 @@ class SourceMerge:
         """Return the content, out of the old texts where they are still wanted."""
         tree = self._tree
         scope = tree.scope(node)
-        empty_end = self._writing.empty_end(node.start)
+        empty_end = self._style.empty_end(node.start)
         raw_of = {
             tree.value_of(run): tree.text[run[0].outer_start : run[-1].outer_end]
             for run in self._runs(node, set(node.children))
@@ -301,7 +301,7 @@ class SourceMerge:
         }
 
         def written(text: str) -> str:
-            return raw_of.get(text) or escape_text(text, self._writing.habits)
+            return raw_of.get(text) or escape_text(text, self._style.habits)
 
         parts = [*self._unknown_behind(node, None, known), written(after.text or "")]
         for element, origin in zip(after, matched, strict=True):
@@ -332,8 +332,8 @@ class SourceMerge:
         waiting, self._insertions = self._insertions, []
         for insertion in waiting:
             scope = self._tree.scope(insertion.parent)
-            unit = self._writing.unit(insertion.parent)
-            empty_end = self._writing.empty_end(insertion.start)
+            unit = self._style.unit(insertion.parent)
+            empty_end = self._style.empty_end(insertion.start)
             parts: list[str] = []
             for element in insertion.elements:
                 parts.append(insertion.separator if parts else insertion.first_separator)
@@ -373,7 +373,9 @@ def _texts(element: etree._Element) -> list[str]:
     return [element.text or "", *(child.tail or "" for child in element)]
 
 
-def patch(source: bytes, before: etree._Element, after: etree._Element, *, keys: KeyFunction = default_keys) -> bytes:
+def patch_xml(
+    source: bytes, before: etree._Element, after: etree._Element, *, keys: KeyFunction = default_keys
+) -> bytes:
     """Return `source` with the difference from `before` to `after`; byte for byte the same where they are equal.
 
     `keys` names the identifying attributes of an element, strongest first. Raises `PatchError` if the result would not
@@ -382,7 +384,7 @@ def patch(source: bytes, before: etree._Element, after: etree._Element, *, keys:
     """
     if before is after:
         return source
-    text, encoding = decode(source)
+    text, encoding = decode_xml(source)
     # Some codecs are not reversible byte for byte; a patch must not change the rest of such a file.
     if encoding.encode(text) != source:
         raise PatchError(f"the source text does not come back the same from {encoding.codec}")
@@ -397,7 +399,7 @@ def patch(source: bytes, before: etree._Element, after: etree._Element, *, keys:
     result = encoding.bom + encode_text(edited, encoding.codec)
     try:
         # The patch edits text, not a tree: a result that is not well-formed must not reach the disk.
-        parse(result)
+        parse_xml(result)
     except SfcError as error:
         raise PatchError(f"the edited file would be damaged: {error.message}", location=error.location) from error
     return result

@@ -132,8 +132,8 @@ Reuse: TypeAlias = Callable[[etree._Element, Mapping[str, str], str | None], str
 class NewMarkup:
     """Writes elements that the source does not have yet."""
 
-    def __init__(self, writing: SourceStyle, reuse: Reuse) -> None:
-        self._writing = writing
+    def __init__(self, style: SourceStyle, reuse: Reuse) -> None:
+        self._style = style
         self._reuse = reuse
 
     def render(
@@ -171,35 +171,35 @@ class NewMarkup:
             return self.text(element)
         mixed = is_mixed(element)
         inner = None if indent is None or mixed else indent + unit
-        line = "" if inner is None else self._writing.newline + inner
-        parts = [escape_text(element.text or "", self._writing.habits)] if mixed else []
+        line = "" if inner is None else self._style.newline + inner
+        parts = [escape_text(element.text or "", self._style.habits)] if mixed else []
         # No comprehensions: each level of nesting should take two frames of the stack, not three.
         for child in children:
             parts.append(line)
             parts.append(self.render(child, scope, inner, unit, empty_end))
             if mixed:
-                parts.append(escape_text(child.tail or "", self._writing.habits))
+                parts.append(escape_text(child.tail or "", self._style.habits))
         if inner is not None:
-            parts.append(f"{self._writing.newline}{indent}")
+            parts.append(f"{self._style.newline}{indent}")
         return "".join(parts)
 
     def note(self, element: etree._Element) -> str:
         """Return a comment or processing instruction."""
-        return etree.tostring(element, encoding="unicode", with_tail=False).replace("\n", self._writing.newline)
+        return etree.tostring(element, encoding="unicode", with_tail=False).replace("\n", self._style.newline)
 
     def text(self, element: etree._Element) -> str:
         """Return the text of an element without children, as CDATA if the tree marks it so and it can be."""
         value = element.text or ""
         # lxml tells of CDATA only when it writes; anywhere else it escapes the "<".
         wanted = value and b"<![CDATA[" in etree.tostring(element, with_tail=False)
-        if wanted and "]]>" not in value and "\r" not in value and self._writing.encodable(value):
-            return "<![CDATA[" + value.replace("\n", self._writing.newline) + "]]>"
-        return escape_text(value, self._writing.habits)
+        if wanted and "]]>" not in value and "\r" not in value and self._style.encodable(value):
+            return "<![CDATA[" + value.replace("\n", self._style.newline) + "]]>"
+        return escape_text(value, self._style.habits)
 
     def attribute(self, name: str, value: str) -> str:
         """`name="value"`."""
-        quote = self._writing.quote
-        return f"{name}={quote}{escape_attribute(value, quote, self._writing.habits)}{quote}"
+        quote = self._style.quote
+        return f"{name}={quote}{escape_attribute(value, quote, self._style.habits)}{quote}"
 
 
 def qualified_name(
@@ -233,12 +233,12 @@ def qualified_name(
     return f"{prefix}:{local}" if prefix else local
 
 
-def attribute_changes(writing: SourceStyle, attribute: SourceAttribute, value: str) -> Iterator[Edit]:
+def attribute_changes(style: SourceStyle, attribute: SourceAttribute, value: str) -> Iterator[Edit]:
     """Edits of the source that give an attribute another value."""
-    text = writing.tree.text
+    text = style.tree.text
     start = attribute.value_start
     raw = RawText(text[start : attribute.value_end], attribute=True)
-    habits = Habits(raw.raw, newline=writing.newline)
+    habits = Habits(raw.raw, newline=style.newline)
     quote = text[attribute.value_end]
     for change in text_edits(raw.value, value):
         yield Edit(
@@ -259,12 +259,12 @@ def with_source_blanks(current: str, old: str, new: str) -> str:
     return current[: len(current) - len(current.lstrip())] + new.strip() + current[len(current.rstrip()) :]
 
 
-def text_changes(writing: SourceStyle, segments: list[TextSegment], current: str, new: str) -> Iterator[Edit]:
+def text_changes(style: SourceStyle, segments: list[TextSegment], current: str, new: str) -> Iterator[Edit]:
     """Edits of the source that turn the text `current`, which `segments` hold together, into `new`."""
     waiting = text_edits(current, new)
     begin = 0
     for index, segment in enumerate(segments):
-        raw = writing.tree.raw(segment)
+        raw = style.tree.raw(segment)
         end = begin + len(raw.value)
         last = index == len(segments) - 1
         mine: list[Edit] = []
@@ -281,12 +281,12 @@ def text_changes(writing: SourceStyle, segments: list[TextSegment], current: str
         waiting = rest
         begin = end
         if mine:
-            yield from _segment_changes(writing, segment, raw, mine)
+            yield from _segment_changes(style, segment, raw, mine)
 
 
-def _segment_changes(writing: SourceStyle, segment: TextSegment, raw: RawText, mine: list[Edit]) -> Iterator[Edit]:
+def _segment_changes(style: SourceStyle, segment: TextSegment, raw: RawText, mine: list[Edit]) -> Iterator[Edit]:
     value = apply_edits(raw.value, mine)
-    newline = writing.newline
+    newline = style.newline
     if "\n" in raw.value:
         newline = "\r\n" if "\r\n" in raw.raw else "\n"
     if segment.cdata:
@@ -294,7 +294,7 @@ def _segment_changes(writing: SourceStyle, segment: TextSegment, raw: RawText, m
         if not value:
             yield Edit(segment.outer_start, segment.outer_end, "")
             return
-        if "]]>" in value or "\r" in value or not writing.encodable(value):
+        if "]]>" in value or "\r" in value or not style.encodable(value):
             yield Edit(segment.outer_start, segment.outer_end, escape_text(value, habits))
             return
     else:

@@ -20,7 +20,7 @@ from plcopen_sfc.formats.format_interface import Codec, WriteOptions
 from plcopen_sfc.formats.xml.escaping import encode_text
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, OWN_DATA, canonical_form
 from plcopen_sfc.formats.xml.source_tree import COMMENT, SourceNode, SourceTree
-from plcopen_sfc.formats.xml.xml_parsing import decode, parse
+from plcopen_sfc.formats.xml.xml_parsing import decode_xml, parse_xml
 from plcopen_sfc.languages.edits import without
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
@@ -176,10 +176,10 @@ def _self_closing(text: str, style: str) -> str:
 
 def as_tool_sees(data: bytes, *, file: str | None = None) -> bytes:
     """Return the file `data` without the data and comments of this package, if it has any. Raises `FormatError`."""
-    text, encoding = decode(data, file=file)
+    text, encoding = decode_xml(data, file=file)
     if COMMENT_MARK not in text and OWN_DATA not in text:
         return data
-    parse(data, file=file)  # tells what is wrong with a file that is no XML
+    parse_xml(data, file=file)  # tells what is wrong with a file that is no XML
     tree = SourceTree(text)
     return encoding.encode(without(text, [(node.start, node.end) for node in _own(tree, tree.root)]))
 

@@ -117,7 +117,7 @@ def _check_mark(codec: str, named: str, declared: str, bom: bytes, file: str | N
     )
 
 
-def decode(data: bytes, *, file: str | None = None) -> tuple[str, Encoding]:
+def decode_xml(data: bytes, *, file: str | None = None) -> tuple[str, Encoding]:
     """Return the characters of an XML file (without byte order mark, line ends as they are) and its encoding.
 
     Raises `EncodingError`, with the byte offset, where the bytes are not in the encoding of the file.
@@ -146,7 +146,7 @@ def _wrong_bytes(data: bytes, encoding: Encoding, error: UnicodeDecodeError, fil
     )
 
 
-def parse(data: bytes, *, file: str | None = None) -> etree._Element:
+def parse_xml(data: bytes, *, file: str | None = None) -> etree._Element:
     """Return the root element of an XML file.
 
     Line numbers are in `sourceline`, which libxml2 keeps exactly up to line 65534; use `SourceLines` for longer files.
@@ -159,7 +159,7 @@ def parse(data: bytes, *, file: str | None = None) -> etree._Element:
     encoding = detect_encoding(data, file=file)
     plain = data
     if encoding.codec != "utf-8":
-        text, _ = decode(data, file=file)
+        text, _ = decode_xml(data, file=file)
         plain = text.encode("utf-8", "surrogatepass")
     _refuse_entities(plain, file)
     try:
@@ -184,7 +184,7 @@ def _second_try(data: bytes, plain: bytes, error: etree.XMLSyntaxError, file: st
     again = len(plain) > _TEXT_LIMIT
     if again:
         _check_depth(plain, file)
-    decode(data, file=file)  # wrong bytes are a clearer answer than the words of the parser for them
+    decode_xml(data, file=file)  # wrong bytes are a clearer answer than the words of the parser for them
     if again:
         try:
             return etree.fromstring(plain, _parser(huge=True))
@@ -300,7 +300,7 @@ class SourceLines:
         return self._table.get(element, line)
 
     def _fill(self, data: bytes) -> None:
-        text, encoding = decode(data)
+        text, encoding = decode_xml(data)
         plain = data[len(encoding.bom) :] if encoding.codec == "utf-8" else text.encode("utf-8")
         elements = self._root.iter(etree.Element)
         line, counted = 1, 0

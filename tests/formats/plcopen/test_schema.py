@@ -13,7 +13,7 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import FileAccessError, XmlSyntaxError
 from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, is_valid, schema_path
-from plcopen_sfc.formats.xml.xml_parsing import parse
+from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 from tests.corpus import ROOT
 from tests.mutants import systematic_mutants
 
@@ -318,13 +318,13 @@ def test_lines_beyond_65535() -> None:
 
 def test_every_fault_is_explained() -> None:
     """Of all ways to damage a document every 37th: what is invalid has findings, and none is libxml2's own words."""
-    root = parse((ROOT / "fixtures" / "plcopen" / "every_element_1.01.xml").read_bytes())
+    root = parse_xml((ROOT / "fixtures" / "plcopen" / "every_element_1.01.xml").read_bytes())
     invalid = 0
     for number, (what, mutant) in enumerate(systematic_mutants(root)):
         if number % 37:
             continue
         data = etree.tostring(mutant)
-        valid = is_valid(parse(data), "plcopen-1.01")
+        valid = is_valid(parse_xml(data), "plcopen-1.01")
         found = validate_tc6(data)
         assert valid == (not found), what
         assert "XSD019" not in {finding.code for finding in found}, what

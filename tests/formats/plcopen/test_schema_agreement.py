@@ -13,7 +13,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.plcopen.tc6_versions import VERSIONS, version_of
 from plcopen_sfc.formats.xml.schema_validation import is_valid
-from plcopen_sfc.formats.xml.xml_parsing import parse
+from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 from tests.corpus import ROOT, corpus_files, require_corpus, require_official_schema
 from tests.mutants import Mutator, systematic_mutants
 from tests.sweeps import WHOLE
@@ -92,7 +92,7 @@ def full_document(version: str) -> etree._Element:
     data = (FULL / f"every_element_{'1.01' if version == '1.01' else '2.01'}.xml").read_bytes()
     if version == "2.0":
         data = data.replace(b"http://www.plcopen.org/xml/tc6_0201", b"http://www.plcopen.org/xml/tc6_0200")
-    root = parse(data)
+    root = parse_xml(data)
     assert version_name(root) == version
     assert verdicts(root, version) == (True, True)
     return root
@@ -108,7 +108,7 @@ def test_same_verdict_on_every_file_of_the_corpus() -> None:
     files = tc6_files()
     judged = []
     for path in files:
-        root = parse(path.read_bytes())
+        root = parse_xml(path.read_bytes())
         version = version_name(root)
         assert version is not None, path
         for document in (root, hoist(copy.deepcopy(root))):
@@ -126,7 +126,7 @@ def test_same_verdict_on_mutants_of_every_file_of_the_corpus() -> None:
     differing: list[str] = []
     total = valid = 0
     for path in tc6_files():
-        root = cut_down(hoist(parse(path.read_bytes())), path.name)
+        root = cut_down(hoist(parse_xml(path.read_bytes())), path.name)
         found, fine = disagreements(root, "/".join(path.parts[-4:]), PER_FILE)
         differing += found
         valid += fine

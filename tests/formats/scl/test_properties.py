@@ -9,7 +9,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.scl.scl_codec import CODEC
-from plcopen_sfc.formats.text_patch import decode
+from plcopen_sfc.formats.text_patch import decode_text
 from plcopen_sfc.report import LOSSES, ConversionReport
 from tests import strategies as random_model
 from tests.languages.declarations import test_model as sayable
@@ -78,6 +78,6 @@ def test_no_edit_is_lost(one: m.Project, other: m.Project, newline: bytes) -> No
 
 @given(st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
 def test_any_bytes_have_a_text_that_says_them(data: bytes) -> None:
-    source = decode(data)
+    source = decode_text(data)
     assert source.encode(source.text) == (data, False)
     assert sfc.dumps(sfc.loads(data, format="scl")) == data

@@ -11,9 +11,9 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.errors import FormatError
-from plcopen_sfc.formats.xml.source_patch import patch
+from plcopen_sfc.formats.xml.source_patch import patch_xml
 from plcopen_sfc.formats.xml.source_tree import SourceTree, text_edits
-from plcopen_sfc.formats.xml.xml_parsing import decode, parse
+from plcopen_sfc.formats.xml.xml_parsing import decode_xml, parse_xml
 
 pytestmark = pytest.mark.corpus
 
@@ -41,7 +41,7 @@ def _roots(sources: list[tuple[Path, bytes]]) -> list[tuple[Path, bytes, etree._
     roots: list[tuple[Path, bytes, etree._Element]] = []
     for path, data in sources:
         try:
-            roots.append((path, data, parse(data)))
+            roots.append((path, data, parse_xml(data)))
         except FormatError:
             continue  # the corpus has damaged files too
     assert len(roots) > len(sources) / 2
@@ -56,7 +56,7 @@ def _is_cut_out(small: str, large: str) -> bool:
 
 def test_the_source_tree_sees_what_lxml_sees(sources: list[tuple[Path, bytes]]) -> None:
     for path, data, root in _roots(sources):
-        text, encoding = decode(data)
+        text, encoding = decode_xml(data)
         assert encoding.encode(text) == data, path
         tree = SourceTree(text)
         waiting = [tree.root]
@@ -76,11 +76,11 @@ def test_a_changed_value_changes_one_tag(sources: list[tuple[Path, bytes]]) -> N
         element = chance.choice([node for node in after.iter(etree.Element) if node.attrib] or [after])
         name = chance.choice(sorted(element.attrib) or ["new"])
         element.set(name, element.get(name, "") + "<x")
-        result = patch(data, before, after)
-        assert etree.tostring(parse(result)) == etree.tostring(after), path
+        result = patch_xml(data, before, after)
+        assert etree.tostring(parse_xml(result)) == etree.tostring(after), path
         added = len(result) - len(data)
-        text, encoding = decode(data)
-        changed, _ = decode(result)
+        text, encoding = decode_xml(data)
+        changed, _ = decode_xml(result)
         assert _is_cut_out(text, changed), path
         assert added <= len(encoding.encode(' new="&lt;x"')), path
 
@@ -96,7 +96,7 @@ def test_a_removed_element_is_cut_out(sources: list[tuple[Path, bytes]]) -> None
         if parent is None:
             continue
         parent.remove(element)
-        result = patch(data, before, after)
-        text, changed = decode(data)[0], decode(result)[0]
+        result = patch_xml(data, before, after)
+        text, changed = decode_xml(data)[0], decode_xml(result)[0]
         assert _is_cut_out(changed, text), path
-        assert len(list(parse(result).iter())) == len(list(after.iter())), path
+        assert len(list(parse_xml(result).iter())) == len(list(after.iter())), path

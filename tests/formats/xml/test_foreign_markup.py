@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
-from plcopen_sfc.formats.xml.extension_data import KEPT_MARKUP, Markup, exchange, markup_of
+from plcopen_sfc.formats.xml.extension_data import KEPT_MARKUP, Markup, exchange_markup, markup_of
 from plcopen_sfc.model.base import Carried, ForeignData
 from tests.samples import FIXTURES, accepting
 
@@ -106,14 +106,14 @@ CARRIED = st.builds(
 def test_what_is_put_away_is_taken_out_as_it_was(carried: Carried, families: tuple[Markup, Markup]) -> None:
     own, wanted = families
     step = m.Step(id=1, name="S", carried=carried.model_copy(deep=True))
-    exchange(step, own, own)
+    exchange_markup(step, own, own)
     assert step.carried == carried
-    exchange(step, own, wanted)
+    exchange_markup(step, own, wanted)
     assert step.carried is not None
     assert step.carried.attributes == {}
     assert step.carried.elements == []
     assert [data.name for data in step.carried.data] == [f"{KEPT_MARKUP}:{own}"]
-    exchange(step, wanted, own)
+    exchange_markup(step, wanted, own)
     assert step.carried == carried
 
 
@@ -121,16 +121,16 @@ def test_what_is_put_away_is_taken_out_as_it_was(carried: Carried, families: tup
 @settings(deadline=None)
 def test_markup_of_both_changes_places(mine: Carried, theirs: Carried) -> None:
     step = m.Step(id=1, name="S", carried=mine.model_copy(deep=True))
-    exchange(step, Markup.TC6, Markup.SIMATICML)
+    exchange_markup(step, Markup.TC6, Markup.SIMATICML)
     assert step.carried is not None
     step.carried.attributes |= theirs.attributes
     step.carried.elements += theirs.elements
     step.carried.data += theirs.data
     both = step.carried.model_copy(deep=True)
-    exchange(step, Markup.SIMATICML, Markup.TC6)
+    exchange_markup(step, Markup.SIMATICML, Markup.TC6)
     rest = [data for data in step.carried.data if not data.name.startswith(KEPT_MARKUP)]
     assert step.carried.model_copy(update={"data": rest}) == mine
-    exchange(step, Markup.TC6, Markup.SIMATICML)
+    exchange_markup(step, Markup.TC6, Markup.SIMATICML)
     key = lambda data: (data.name, data.content)  # noqa: E731
     assert sorted(step.carried.data, key=key) == sorted(both.data, key=key)
     assert step.carried.attributes == both.attributes
@@ -140,6 +140,6 @@ def test_markup_of_both_changes_places(mine: Carried, theirs: Carried) -> None:
 def test_damaged_data_stays(content: str) -> None:
     data = ForeignData(name=f"{KEPT_MARKUP}:tc6", content=content)
     step = m.Step(id=1, name="S", carried=Carried(data=[data]))
-    exchange(step, Markup.SIMATICML, Markup.TC6)
+    exchange_markup(step, Markup.SIMATICML, Markup.TC6)
     assert step.carried is not None
     assert data in step.carried.data

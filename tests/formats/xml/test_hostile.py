@@ -21,14 +21,14 @@ def _read_bounded(make: str, *, extra_mb: int, seconds: int = 20) -> str:
     code = f"""
     import resource, sys
     from plcopen_sfc.errors import SfcError
-    from plcopen_sfc.formats.xml.xml_parsing import parse
+    from plcopen_sfc.formats.xml.xml_parsing import parse_xml
     {make}
     used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
     limit = used + {extra_mb} * 2**20
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     resource.setrlimit(resource.RLIMIT_CPU, ({seconds}, {seconds}))
     try:
-        parse(data, file="hostile.xml")
+        parse_xml(data, file="hostile.xml")
         print("read")
     except SfcError as error:
         print(type(error).__name__, error)

@@ -9,14 +9,14 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.errors import EncodingError
-from plcopen_sfc.formats.xml.source_patch import patch
+from plcopen_sfc.formats.xml.source_patch import patch_xml
 from plcopen_sfc.formats.xml.source_tree import PatchError
-from plcopen_sfc.formats.xml.xml_parsing import parse
+from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 
 
 def edit(source: str, before: str, after: str) -> str:
     """The source after the edit, for XML given without caring for line ends."""
-    return patch(source.encode(), etree.fromstring(before), etree.fromstring(after)).decode()
+    return patch_xml(source.encode(), etree.fromstring(before), etree.fromstring(after)).decode()
 
 
 # Attributes
@@ -122,7 +122,7 @@ def test_new_text_is_cdata_if_the_writer_says_so() -> None:
     etree.SubElement(after, "c").text = etree.CDATA("&")
     source = b"<a>\r\n  <b/>\r\n</a>"
     expected = b"<a>\r\n  <b><![CDATA[x < 1\r\ny]]></b>\r\n  <c><![CDATA[&]]></c>\r\n</a>"
-    assert patch(source, before, after) == expected
+    assert patch_xml(source, before, after) == expected
 
 
 # Children
@@ -178,7 +178,7 @@ def lines_changed(after: str) -> tuple[list[str], list[str]]:
 def test_nothing_changes_without_an_edit() -> None:
     assert edit(_SOURCE, _BEFORE, _BEFORE) == _SOURCE
     tree = etree.fromstring(_BEFORE)
-    assert patch(b"not looked at", tree, tree) == b"not looked at"
+    assert patch_xml(b"not looked at", tree, tree) == b"not looked at"
 
 
 def test_a_rename_is_one_line() -> None:
@@ -240,7 +240,7 @@ def test_a_child_moved_into_another_parent_is_indented_anew() -> None:
         "\t</group>\n"
     )
     assert moved in result
-    back = patch(result.encode(), etree.fromstring(chart(_S1, group, _S3)), etree.fromstring(_BEFORE))
+    back = patch_xml(result.encode(), etree.fromstring(chart(_S1, group, _S3)), etree.fromstring(_BEFORE))
     assert back.decode() == _SOURCE
 
 
@@ -292,7 +292,7 @@ def test_many_moves_between_parents() -> None:
 def test_another_key_function() -> None:
     source, before = '<r><a k="1" u="x"/><a k="2" u="y"/></r>', '<r><a k="1"/><a k="2"/></r>'
     after = '<r><a k="2"/></r>'
-    result = patch(
+    result = patch_xml(
         source.encode(), etree.fromstring(before), etree.fromstring(after), keys=lambda _tag, found: [("k", found["k"])]
     )
     assert result == b'<r><a k="2" u="y"/></r>'
@@ -361,22 +361,22 @@ def test_the_encoding_and_its_mark_stay() -> None:
         ("utf-8", codecs.BOM_UTF8),
     ):
         source = bom + "<a\r\nx='ä'/>\r\n".encode(codec)
-        assert patch(source, before, after) == bom + "<a\r\nx='€'/>\r\n".encode(codec)
+        assert patch_xml(source, before, after) == bom + "<a\r\nx='€'/>\r\n".encode(codec)
 
 
 def test_characters_that_the_code_page_lacks_become_references() -> None:
     source = '<?xml version="1.0" encoding="iso-8859-1"?><a x="ä"><b>ä</b><c><![CDATA[<ä]]></c></a>'.encode("latin-1")
     before = etree.fromstring('<a x="ä"><b>ä</b><c>&lt;ä</c></a>')
     after = etree.fromstring('<a x="€"><b>ä€</b><c>&lt;€</c></a>')
-    result = patch(source, before, after)
+    result = patch_xml(source, before, after)
     assert result.endswith('<a x="&#8364;"><b>ä&#8364;</b><c>&lt;&#8364;</c></a>'.encode("latin-1"))
-    assert parse(result)[1].text == "<€"
+    assert parse_xml(result)[1].text == "<€"
 
 
 def test_a_name_that_the_code_page_lacks_is_refused() -> None:
     source = b'<?xml version="1.0" encoding="us-ascii"?><a/>'
     with pytest.raises(EncodingError, match="cannot be written in ascii"):
-        patch(source, etree.fromstring("<a/>"), etree.fromstring("<a><ä/></a>"))
+        patch_xml(source, etree.fromstring("<a/>"), etree.fromstring("<a><ä/></a>"))
 
 
 # What must not happen

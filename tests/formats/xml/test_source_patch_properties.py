@@ -13,9 +13,9 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-from plcopen_sfc.formats.xml.source_patch import patch
+from plcopen_sfc.formats.xml.source_patch import patch_xml
 from plcopen_sfc.formats.xml.source_tree import text_edits
-from plcopen_sfc.formats.xml.xml_parsing import decode, parse
+from plcopen_sfc.formats.xml.xml_parsing import decode_xml, parse_xml
 from plcopen_sfc.languages.edits import Edit
 
 if TYPE_CHECKING:
@@ -248,7 +248,7 @@ _SETTINGS = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow,
 def test_no_edit_gives_the_same_bytes(data: st.DataObject) -> None:
     tree = data.draw(elements())
     source = write(tree, data.draw(styles(unknown=True)))
-    assert patch(source, tree, etree.fromstring(etree.tostring(tree))) == source
+    assert patch_xml(source, tree, etree.fromstring(etree.tostring(tree))) == source
 
 
 @_SETTINGS
@@ -256,9 +256,9 @@ def test_no_edit_gives_the_same_bytes(data: st.DataObject) -> None:
 def test_the_result_says_what_the_edited_tree_says(data: st.DataObject) -> None:
     before = data.draw(elements())
     source = write(before, data.draw(styles(unknown=False)))
-    assert meaning(parse(source)) == meaning(before)
+    assert meaning(parse_xml(source)) == meaning(before)
     after = data.draw(edited(before))
-    assert meaning(parse(patch(source, before, after))) == meaning(after)
+    assert meaning(parse_xml(patch_xml(source, before, after))) == meaning(after)
 
 
 @_SETTINGS
@@ -267,7 +267,7 @@ def test_with_unknown_parts_the_known_ones_say_what_the_edited_tree_says(data: s
     before = data.draw(elements())
     source = write(before, data.draw(styles(unknown=True)))
     after = data.draw(edited(before))
-    result = parse(patch(source, before, after))
+    result = parse_xml(patch_xml(source, before, after))
     assert meaning(result, known_only=True) == meaning(after, known_only=True)
 
 
@@ -286,7 +286,7 @@ def test_an_attribute_edit_stays_inside_the_tag(data: st.DataObject) -> None:
     nodes = list(after.iter())
     node = nodes[data.draw(st.integers(0, len(nodes) - 1))]
     node.set("name", data.draw(values))
-    old, new = _middles(decode(source)[0], decode(patch(source, before, after))[0])
+    old, new = _middles(decode_xml(source)[0], decode_xml(patch_xml(source, before, after))[0])
     assert "<" not in old
     assert "<" not in new
 
@@ -301,8 +301,8 @@ def test_a_new_child_only_adds(data: st.DataObject) -> None:
     assume(parents)
     parent = parents[data.draw(st.integers(0, len(parents) - 1))]
     parent.insert(data.draw(st.integers(0, len(parent))), etree.Element("added"))
-    result = patch(source, before, after)
-    old, new = _middles(decode(source)[0], decode(result)[0])
+    result = patch_xml(source, before, after)
+    old, new = _middles(decode_xml(source)[0], decode_xml(result)[0])
     assert old == ""
     assert new.count("<") <= 2  # `<added/>` or `<added></added>`
 
@@ -318,7 +318,7 @@ def test_a_removed_child_is_only_cut_out(data: st.DataObject) -> None:
     assume(nodes)
     node = nodes[data.draw(st.integers(0, len(nodes) - 1))]
     node.getparent().remove(node)
-    _, new = _middles(decode(source)[0], decode(patch(source, before, after))[0])
+    _, new = _middles(decode_xml(source)[0], decode_xml(patch_xml(source, before, after))[0])
     assert new == ""
 
 
@@ -342,7 +342,7 @@ def test_what_only_the_source_knows_survives_every_edit_but_removal(data: st.Dat
             node.getparent().append(node)
         if node.text and data.draw(st.booleans()):
             node.text = data.draw(texts)
-    result = patch(source, before, after)
+    result = patch_xml(source, before, after)
 
     def unknown(root: etree._Element) -> list[str]:
         notes = [node.get(f"{{{VENDOR}}}note", "") for node in root.iter(etree.Element)]
@@ -353,7 +353,7 @@ def test_what_only_the_source_knows_survives_every_edit_but_removal(data: st.Dat
         ]
         return sorted(note for note in notes if note) + sorted(text[:20] for text in others)
 
-    assert unknown(parse(result)) == unknown(parse(source))
+    assert unknown(parse_xml(result)) == unknown(parse_xml(source))
 
 
 @_SETTINGS
@@ -363,5 +363,5 @@ def test_there_and_back(data: st.DataObject) -> None:
     before = data.draw(elements())
     source = write(before, data.draw(styles(unknown=False)))
     after = data.draw(edited(before))
-    back = patch(patch(source, before, after), after, before)
-    assert meaning(parse(back)) == meaning(before)
+    back = patch_xml(patch_xml(source, before, after), after, before)
+    assert meaning(parse_xml(back)) == meaning(before)

@@ -9,7 +9,7 @@ from lxml import etree
 
 from plcopen_sfc.errors import EncodingError
 from plcopen_sfc.formats.xml.xml_codec import XmlStyle, write_xml
-from plcopen_sfc.formats.xml.xml_parsing import parse
+from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 
 TREE = '<a x="1"><b/><c>text<!-- c --></c><d> <e y="&gt;"/></d></a>'
 
@@ -42,7 +42,7 @@ def test_every_choice() -> None:
         "<?xml version='1.0' encoding='UTF-16' standalone='yes'?>\r\n"
         '<a x="1">\r\n\t<b/>\r\n\t<c>text<!-- c --></c>\r\n\t<d>\r\n\t\t<e y="&gt;"/>\r\n\t</d>\r\n</a>\r\n'
     )
-    assert parse(data)[0].tag == "b"
+    assert parse_xml(data)[0].tag == "b"
 
 
 def test_without_declaration_and_indentation() -> None:
@@ -77,7 +77,7 @@ def test_text_is_never_reformatted(text: str) -> None:
 
 def test_a_space_before_the_end_of_empty_elements_only() -> None:
     text = '<a x="/&gt;"><!-- a/> --><?p b/>?><b><![CDATA[c/>]]></b>d/&gt;<e/></a>'
-    root = parse(text.encode())
+    root = parse_xml(text.encode())
     assert write_xml(root, XmlStyle(declaration="")).decode() == text.replace("<e/>", "<e />")
 
 
@@ -89,7 +89,7 @@ def test_line_ends_in_text_follow_the_style() -> None:
 
 
 def test_comments_around_the_root() -> None:
-    root = parse(b"<!-- 1 --><?p?><a/><!-- 2 -->")
+    root = parse_xml(b"<!-- 1 --><?p?><a/><!-- 2 -->")
     assert write_xml(root, XmlStyle(declaration="")) == b"<!-- 1 -->\n<?p?>\n<a />\n<!-- 2 -->"
 
 
@@ -101,7 +101,7 @@ def test_characters_beyond_the_code_page() -> None:
     )
     root.text = None
     root[0].text = etree.CDATA("<€>")
-    assert parse(write_xml(root, style))[0].text == "<€>"
+    assert parse_xml(write_xml(root, style))[0].text == "<€>"
 
 
 @pytest.mark.parametrize("text", ["<a><€/></a>", '<a €="1"/>', "<a><!-- € --></a>", "<a><?p €?></a>"])
@@ -116,5 +116,5 @@ def test_a_subtree_is_written_without_what_follows_it() -> None:
 
 
 def test_cdata_stays() -> None:
-    root = parse(b"<a><b><![CDATA[<]]></b></a>")
+    root = parse_xml(b"<a><b><![CDATA[<]]></b></a>")
     assert write_xml(root, XmlStyle(declaration="")) == b"<a>\n  <b><![CDATA[<]]></b>\n</a>"

@@ -9,7 +9,7 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.errors import EncodingError, FormatError, UnsafeXmlError, XmlSyntaxError
-from plcopen_sfc.formats.xml.xml_parsing import MAX_DEPTH, SourceLines, decode, detect_encoding, parse
+from plcopen_sfc.formats.xml.xml_parsing import MAX_DEPTH, SourceLines, decode_xml, detect_encoding, parse_xml
 
 TEXT = "<a>Förderer <b/></a>"
 
@@ -41,17 +41,17 @@ def test_encodings(codec: str, bom: bytes, label: str | None) -> None:
     if codec == "gbk":
         text = text.replace("ö", "中")
     data = bom + text.encode(codec)
-    decoded, encoding = decode(data)
+    decoded, encoding = decode_xml(data)
     assert decoded == text
     assert (encoding.codec, encoding.bom, encoding.declared) == (codec, bom, label)
     assert encoding.encode(decoded) == data
-    root = parse(data)
+    root = parse_xml(data)
     assert root.text == ("F中rderer " if codec == "gbk" else "Förderer ")
     assert root[0].tag == "b"
 
 
 def test_ascii_that_is_ascii() -> None:
-    assert parse(b'<?xml version="1.0" encoding="us-ascii"?><a>&#246;</a>').text == "ö"
+    assert parse_xml(b'<?xml version="1.0" encoding="us-ascii"?><a>&#246;</a>').text == "ö"
 
 
 def test_quotes_and_blanks_of_the_declaration() -> None:
@@ -78,11 +78,11 @@ def test_quotes_and_blanks_of_the_declaration() -> None:
 )
 def test_bytes_that_are_not_in_the_encoding(data: bytes, line: int, column: int, words: str) -> None:
     with pytest.raises(EncodingError, match=re.escape(words)) as caught:
-        parse(data, file="x.xml")
+        parse_xml(data, file="x.xml")
     location = caught.value.location
     assert (location.file, location.line, location.column) == ("x.xml", line, column)
     with pytest.raises(EncodingError):
-        decode(data)
+        decode_xml(data)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,7 @@ def test_bytes_that_are_not_in_the_encoding(data: bytes, line: int, column: int,
 )
 def test_encodings_that_lie(data: bytes, words: str) -> None:
     with pytest.raises(EncodingError, match=words):
-        parse(data)
+        parse_xml(data)
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def test_encodings_that_lie(data: bytes, words: str) -> None:
 )
 def test_codecs_that_are_no_encodings_of_files(codec: str) -> None:
     with pytest.raises(EncodingError, match="not known"):
-        parse(f'<?xml version="1.0" encoding="{codec}"?><a/>'.encode())
+        parse_xml(f'<?xml version="1.0" encoding="{codec}"?><a/>'.encode())
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_codecs_that_are_no_encodings_of_files(codec: str) -> None:
 )
 def test_what_is_not_xml_is_named(data: bytes, words: str) -> None:
     with pytest.raises(XmlSyntaxError, match=words) as caught:
-        parse(data, file="f")
+        parse_xml(data, file="f")
     assert caught.value.location.line == 1
     assert caught.value.hint
 
@@ -167,7 +167,7 @@ def test_what_is_not_xml_is_named(data: bytes, words: str) -> None:
 )
 def test_syntax_errors(data: bytes, place: tuple[int, int | None], words: str) -> None:
     with pytest.raises(XmlSyntaxError, match=words) as caught:
-        parse(data, file="f.xml")
+        parse_xml(data, file="f.xml")
     location = caught.value.location
     assert location.file == "f.xml"
     assert location.line == place[0]
@@ -178,7 +178,7 @@ def test_syntax_errors(data: bytes, place: tuple[int, int | None], words: str) -
 def test_a_truncated_utf16_file_is_explained_too() -> None:
     data = codecs.BOM_UTF16_LE + "<a>\r\n<bär>".encode("utf-16-le")
     with pytest.raises(XmlSyntaxError, match="in the middle of element <bär>, opened at line 2"):
-        parse(data)
+        parse_xml(data)
 
 
 @pytest.mark.parametrize(
@@ -199,7 +199,7 @@ def test_unsafe_declarations(doctype: str, words: str, codec: str) -> None:
     if codec == "cp1252":
         text = f'<?xml version="1.0" encoding="windows-1252"?>{text}'
     with pytest.raises(UnsafeXmlError, match=words):
-        parse(text.encode(codec))
+        parse_xml(text.encode(codec))
 
 
 @pytest.mark.parametrize(
@@ -213,39 +213,39 @@ def test_unsafe_declarations(doctype: str, words: str, codec: str) -> None:
     ],
 )
 def test_harmless_declarations(data: bytes) -> None:
-    assert parse(data).tag == "a"
+    assert parse_xml(data).tag == "a"
 
 
 def test_depth() -> None:
     deepest = b"<a>" * MAX_DEPTH + b"</a>" * MAX_DEPTH
-    assert sum(1 for _ in parse(deepest).iter()) == MAX_DEPTH
+    assert sum(1 for _ in parse_xml(deepest).iter()) == MAX_DEPTH
     with pytest.raises(UnsafeXmlError, match="nested deeper than 256"):
-        parse(b"<a>" + deepest + b"</a>")
+        parse_xml(b"<a>" + deepest + b"</a>")
 
 
 def test_a_large_text_is_read_and_depth_still_counts() -> None:
     text = b"x" * 10_000_100
-    assert len(parse(b"<a><b>" + text + b"</b></a>")[0].text or "") == len(text)
+    assert len(parse_xml(b"<a><b>" + text + b"</b></a>")[0].text or "") == len(text)
     with pytest.raises(UnsafeXmlError, match="nested deeper"):
-        parse(b"<a>" + text + b"<b>" * 300)
+        parse_xml(b"<a>" + text + b"<b>" * 300)
     with pytest.raises(XmlSyntaxError, match="in the middle of element <b>"):
-        parse(b"<a>" + text + b"<b>")
+        parse_xml(b"<a>" + text + b"<b>")
 
 
 def test_comments_cdata_and_instructions_are_kept() -> None:
     data = b"<a><!--c--><?p x?><b><![CDATA[<]]></b></a>"
-    assert etree.tostring(parse(data)) == data
+    assert etree.tostring(parse_xml(data)) == data
 
 
 def test_no_file_name_is_needed() -> None:
     with pytest.raises(FormatError, match=r"^line 1:1: the file is empty"):
-        parse(b"")
+        parse_xml(b"")
 
 
 def test_lines_beyond_the_16_bits_of_libxml2() -> None:
     rows = [f'<s n="{n}"' + ("\n  x='>'" if n % 3 == 0 else "") + ">\n\n</s>" for n in range(40_000)]
     data = ("<r>\r\n<!--\n<s>-->\n" + "\n".join(rows) + "\n<last/></r>").encode()
-    root = parse(data)
+    root = parse_xml(data)
     lines = SourceLines(root, data)
     expected = 4
     for element in root.iter("s"):
@@ -259,5 +259,5 @@ def test_lines_beyond_the_16_bits_of_libxml2() -> None:
 def test_lines_beyond_16_bits_in_other_encodings() -> None:
     text = "<r>" + "\n" * 70_000 + "<ä>\n</ä></r>"
     for data in (text.encode("utf-16"), codecs.BOM_UTF8 + text.encode()):
-        root = parse(data)
+        root = parse_xml(data)
         assert SourceLines(root, data).line(root[0]) == 70_001
