@@ -66,7 +66,9 @@ def test_what_tia_portal_adds_to_a_project_of_others_is_no_markup_of_theirs(form
     data = sfc.dumps(project, format="simaticml", partial=True)
     before, mark, block = data.partition(b"<SW.Blocks.F")  # before it stand copies of global variables
     edited = sfc.loads(before + mark + block.replace(b"</AttributeList>", AUTHOR + b"</AttributeList>", 1))
-    (away,) = (carried.model_dump_json() for carried in carried_in(edited) if "HeaderAuthor" in str(carried))
+    (away,) = (
+        carried.model_dump_json() for carried in carried_in(edited) if "HeaderAuthor" in carried.model_dump_json()
+    )
     assert f"{KEPT_MARKUP}:simaticml" in away
     other = sfc.dumps(edited, format=form, partial=True)
     if form.startswith(("codesys", "plcopen")):
