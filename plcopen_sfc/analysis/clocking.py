@@ -17,7 +17,7 @@ from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.semantics.charts.grafcet.terms import TermTexts
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.subjects import Subject
 
 __all__ = ["Clocking", "StepTimes", "clocking", "step_times"]

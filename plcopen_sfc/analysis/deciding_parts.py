@@ -18,8 +18,8 @@ from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.values import inverted
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.semantics.charts.chart import ChartProgram
-from plcopen_sfc.semantics.charts.graph.program import GraphProgram
+from plcopen_sfc.semantics.charts.chart_program import ChartProgram
+from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.decisions import deciding_booleans, deciding_parts, may_act
 from plcopen_sfc.semantics.programs.layouts import Frame

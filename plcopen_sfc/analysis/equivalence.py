@@ -36,7 +36,7 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.semantics.drawn import as_executed
+from plcopen_sfc.semantics.drawn_charts import as_executed
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.programs.library import ALL_FREE

@@ -25,8 +25,8 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.literals import literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Operator
-from plcopen_sfc.semantics.charts.chart import ChartProgram
-from plcopen_sfc.semantics.charts.graph.program import GraphProgram
+from plcopen_sfc.semantics.charts.chart_program import ChartProgram
+from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.decisions import COMPARING, bounds
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family

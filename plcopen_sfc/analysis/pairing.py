@@ -20,7 +20,7 @@ from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.profile import Evolution
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
-from plcopen_sfc.semantics.watching import Watched, signal_of
+from plcopen_sfc.semantics.watched_instances import Watched, signal_of
 
 __all__ = ["connect", "heed_called", "heed_instability", "output_pairs", "step_observations", "unpaired"]
 

@@ -14,11 +14,11 @@ from plcopen_sfc.analysis.product import Explored, compare, end_of, failure_of
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.verdict import Counterexample, Difference
 from plcopen_sfc.errors import ModelError, SfcError
-from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
+from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.trace import Column, Trace
-from plcopen_sfc.semantics.watching import MOST_ELEMENTS
+from plcopen_sfc.semantics.watched_instances import MOST_ELEMENTS
 
 __all__ = ["Comparison", "filled", "operating_names"]
 

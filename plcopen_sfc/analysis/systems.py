@@ -18,9 +18,9 @@ from plcopen_sfc.analysis.timers import WaitingTimer, waiting_timers
 from plcopen_sfc.errors import ModelError, SfcError, SimulationError
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.charts import compile_chart
-from plcopen_sfc.semantics.charts.chart import ChartProgram
-from plcopen_sfc.semantics.charts.graph.program import GraphProgram
-from plcopen_sfc.semantics.charts.reached import Reached
+from plcopen_sfc.semantics.charts.chart_coverage import Reached
+from plcopen_sfc.semantics.charts.chart_program import ChartProgram
+from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.controller import Controller
 from plcopen_sfc.semantics.programs.instances import Instance
@@ -30,7 +30,7 @@ from plcopen_sfc.semantics.programs.runtime import UNREAD
 from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import Subject
-from plcopen_sfc.semantics.watching import Watched, is_written, step_marking, watched, watched_members
+from plcopen_sfc.semantics.watched_instances import Watched, is_written, step_marking, watched, watched_members
 
 __all__ = ["Observation", "ProgramSystem"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from plcopen_sfc.conversion.executed_parts import PLAIN_VARIABLES, STORED, UNDECLARED, UNDECLARED_TYPE, Key, Part
 from plcopen_sfc.conversion.meaning import Meaning, is_stronger, same
-from plcopen_sfc.conversion.parts import PLAIN_VARIABLES, STORED, UNDECLARED, UNDECLARED_TYPE, Key, Part
 
 __all__ = ["Difference", "compare"]
 

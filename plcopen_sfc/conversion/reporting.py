@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from plcopen_sfc.conversion.comparison import Difference
-from plcopen_sfc.conversion.parts import PLAIN_VARIABLES, PROGRAM_CALL, STORED, UNDECLARED, UNDECLARED_TYPE
+from plcopen_sfc.conversion.executed_parts import PLAIN_VARIABLES, PROGRAM_CALL, STORED, UNDECLARED, UNDECLARED_TYPE
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
 __all__ = ["UNSAID", "in_the_source", "report_execution"]

@@ -117,7 +117,7 @@ def encode(
         )
         report_execution(report, found, flavour or kind.tool, called)
         if limit:
-            from plcopen_sfc.conversion.running import report_running  # noqa: PLC0415  # brings the interpreter
+            from plcopen_sfc.conversion.compared_runs import report_running  # noqa: PLC0415  # brings the interpreter
 
             report_running(report, project, seen, called, tool=flavour or kind.tool, target=target, limit=limit)
     if source is not None and format_named(source.format)[0].xml:

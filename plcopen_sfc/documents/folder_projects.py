@@ -408,7 +408,7 @@ def _convert(
         called = names_in_the_source(project, copy)
         report_execution(report, compare(behaviour, executed(seen, lists=behaviour.lists)), kind.tool, called)
         if limit:
-            from plcopen_sfc.conversion.running import report_running  # noqa: PLC0415  # brings the interpreter
+            from plcopen_sfc.conversion.compared_runs import report_running  # noqa: PLC0415  # brings the interpreter
 
             report_running(report, project, seen, called, tool=kind.tool, target=None, limit=limit)
     report.unchanged = False

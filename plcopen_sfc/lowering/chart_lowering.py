@@ -37,8 +37,8 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import Item
-from plcopen_sfc.semantics.charts.graph.parameters import OPERATING
-from plcopen_sfc.semantics.drawn import as_executed
+from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING
+from plcopen_sfc.semantics.drawn_charts import as_executed
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.subjects import Subject, resolve

@@ -19,7 +19,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, SfcSettings, Step
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, plain
 from plcopen_sfc.report import Item, Outcome
-from plcopen_sfc.semantics.charts.flags import flags_in_use
+from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.subjects import Subject

@@ -24,8 +24,8 @@ from plcopen_sfc.lowering.code.code_declarations import BOOL, names_of
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
-from plcopen_sfc.semantics.charts.flags import COMMANDS, flags_in_use
-from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
+from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS
+from plcopen_sfc.semantics.charts.sfc_flags import COMMANDS, flags_in_use
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import Subject

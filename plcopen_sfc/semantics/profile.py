@@ -190,7 +190,7 @@ class Profile:
 
     matiec: such a transition resets its source steps at once, one without ``PRIORITY`` does not. Competing transitions
     with and without a number are tested in the order of matiec's list, see
-    `plcopen_sfc.semantics.charts.moves.testing_order`.
+    `plcopen_sfc.semantics.charts.transition_firing.testing_order`.
     """
 
     order: ScanOrder = ScanOrder.TRANSITIONS_FIRST

@@ -13,7 +13,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.charts import compile_chart
-from plcopen_sfc.semantics.drawn import as_executed
+from plcopen_sfc.semantics.drawn_charts import as_executed
 from plcopen_sfc.semantics.inputs import BoundInputs, CsvInputs, InputFunction, InputSource, TraceInputs, Variables
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
@@ -23,7 +23,7 @@ from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.subjects import Subject, resolve
 from plcopen_sfc.semantics.system_inputs import system_inputs
 from plcopen_sfc.semantics.trace import Column, Trace
-from plcopen_sfc.semantics.watching import signal_of, step_marking, watched
+from plcopen_sfc.semantics.watched_instances import signal_of, step_marking, watched
 
 __all__ = ["Simulation", "nanoseconds", "simulate"]
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.charts.graph.parameters import ALL_INPUTS, PARAMETERS
+from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 
 __all__ = ["PARAMETER_NAMES", "system_inputs"]

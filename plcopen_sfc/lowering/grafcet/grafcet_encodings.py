@@ -27,7 +27,7 @@ from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlag
 from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency, exclude, leaving_and_entering
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
-from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
+from plcopen_sfc.semantics.charts.grafcet.partial_charts import RuledChart
 from plcopen_sfc.semantics.net import Competing, NetStep, indexes
 from plcopen_sfc.semantics.profile import Profile
 

@@ -28,11 +28,11 @@ from plcopen_sfc.model.conditions import Condition, Expression
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.semantics.charts.actions import Owner
-from plcopen_sfc.semantics.charts.grafcet.actions import CONTINUOUS, STORED
-from plcopen_sfc.semantics.charts.grafcet.extension import has_grafcet
-from plcopen_sfc.semantics.charts.grafcet.hierarchy import Hierarchy
-from plcopen_sfc.semantics.charts.grafcet.terms import EdgeTerm, TermTexts, TimeTerm, is_term, rising
+from plcopen_sfc.semantics.charts.chart_actions import Owner
+from plcopen_sfc.semantics.charts.grafcet.executed_actions import CONTINUOUS, STORED
+from plcopen_sfc.semantics.charts.grafcet.grafcet_program import has_grafcet
+from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import EdgeTerm, TermTexts, TimeTerm, is_term, rising
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
 

@@ -23,7 +23,7 @@ from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.graph.sequencer_source import GraphSource
 from plcopen_sfc.lowering.graph.sequencer_texts import GraphTexts
 from plcopen_sfc.lowering.graph.step_supervision import StepChecks
-from plcopen_sfc.semantics.charts.graph.parameters import MODES, Mode
+from plcopen_sfc.semantics.charts.graph.graph_parameters import MODES, Mode
 
 
 class BlockCommands:

@@ -28,7 +28,7 @@ from plcopen_sfc.lowering.graph.sequencer_actions import SequencerActions
 from plcopen_sfc.lowering.graph.sequencer_scan import Sequencer
 from plcopen_sfc.lowering.graph.sequencer_source import CyclePhase
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
-from plcopen_sfc.semantics.charts.graph.parameters import Mode
+from plcopen_sfc.semantics.charts.graph.graph_parameters import Mode
 from plcopen_sfc.semantics.net import Competing, NetStep, NetTransition
 
 

@@ -42,7 +42,7 @@ from plcopen_sfc.lowering.reading.chart_source import step_numbers
 from plcopen_sfc.lowering.schedule.scan_schedule import firing_together
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.types import SimpleValue
-from plcopen_sfc.semantics.charts.graph.parameters import Mode
+from plcopen_sfc.semantics.charts.graph.graph_parameters import Mode
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import Profile
 

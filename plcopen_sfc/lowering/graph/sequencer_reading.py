@@ -34,8 +34,8 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, StructType, Variable
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.charts.graph.conditions import programmed
-from plcopen_sfc.semantics.charts.graph.parameters import OPERATING, PARAMETERS
+from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING, PARAMETERS
+from plcopen_sfc.semantics.charts.graph.interlock_conditions import programmed
 from plcopen_sfc.semantics.net import Net, NetStep
 from plcopen_sfc.semantics.profile import Profile
 

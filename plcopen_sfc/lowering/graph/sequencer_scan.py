@@ -35,7 +35,7 @@ from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.schedule.added_inputs import declare_restart
 from plcopen_sfc.model.actions import ActionEvent
 from plcopen_sfc.model.text import plain
-from plcopen_sfc.semantics.charts.graph.parameters import Mode
+from plcopen_sfc.semantics.charts.graph.graph_parameters import Mode
 
 _STEP_EVENTS = frozenset({"S1", "S0", "R1"})
 _LIMITS = {"T_MAX": "max_time", "T_WARN": "warning_time"}

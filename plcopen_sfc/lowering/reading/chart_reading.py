@@ -27,7 +27,7 @@ from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
 from plcopen_sfc.model.types import Elementary, ElementaryType
-from plcopen_sfc.semantics.charts.flags import flags_in_use
+from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import ActionControl, Evolution, Profile, ScanOrder
 

@@ -16,7 +16,7 @@ from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.text import Text
-from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
+from plcopen_sfc.semantics.charts.grafcet.partial_charts import RuledChart
 from plcopen_sfc.semantics.net import Net
 
 

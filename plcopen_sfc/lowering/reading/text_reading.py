@@ -41,7 +41,7 @@ from plcopen_sfc.model.types import (
 
 
 class ActionTargets:
-    """Kinds of the targets of a POU's actions; see `plcopen_sfc.semantics.charts.targets`."""
+    """Kinds of the targets of a POU's actions; see `plcopen_sfc.semantics.charts.situation_plans`."""
 
     def __init__(self, pou: Pou, project: Project | None, dialect: Dialect) -> None:
         self._site = Site(pou, place=pou.place)

@@ -20,7 +20,7 @@ from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.reading.step_variables import StepTimers, resolve_steps
 from plcopen_sfc.lowering.schedule.added_inputs import ModeInputs, declare_restart
 from plcopen_sfc.lowering.schedule.sfc_flag_code import SfcFlagCode
-from plcopen_sfc.semantics.charts.moves import testing_order
+from plcopen_sfc.semantics.charts.transition_firing import testing_order
 from plcopen_sfc.semantics.net import Competing, Net, NetTransition
 from plcopen_sfc.semantics.profile import ActionControl as Control
 from plcopen_sfc.semantics.profile import Profile, ScanOrder

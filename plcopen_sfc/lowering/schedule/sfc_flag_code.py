@@ -1,6 +1,6 @@
 """The SFC flags of CODESYS in code: reset, pause and steps by hand, watched times, and reports.
 
-`plcopen_sfc.semantics.charts.flags` has their effects and order.
+`plcopen_sfc.semantics.charts.sfc_flags` has their effects and order.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.model import SfcNetwork
-from plcopen_sfc.semantics.charts.chart import ChartProgram
-from plcopen_sfc.semantics.charts.graph.program import GraphProgram
+from plcopen_sfc.semantics.charts.chart_program import ChartProgram
+from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.profile import Profile
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.lowering import lower
-from plcopen_sfc.semantics.drawn import as_executed
+from plcopen_sfc.semantics.drawn_charts import as_executed
 from plcopen_sfc.semantics.profile import PROFILES, DrawnBlocks
 from plcopen_sfc.semantics.simulation import simulate
 from plcopen_sfc.semantics.subjects import resolve

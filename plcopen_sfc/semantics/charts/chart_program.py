@@ -7,18 +7,21 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError, UnstableChartError
 from plcopen_sfc.model import ActionAssociation, SfcFlag, SfcNetwork
-from plcopen_sfc.semantics.charts.actions import Actions, Owner, check_associations
-from plcopen_sfc.semantics.charts.analyzation import analysis
-from plcopen_sfc.semantics.charts.control import Change
-from plcopen_sfc.semantics.charts.flags import Flags, Order, Tip
-from plcopen_sfc.semantics.charts.forgetting import forgetting
-from plcopen_sfc.semantics.charts.grafcet.extension import Grafcet, has_grafcet
-from plcopen_sfc.semantics.charts.graph.conditions import check_no_graph
-from plcopen_sfc.semantics.charts.moves import NOTHING, Cleared, Move, choice, testing_order, watched
-from plcopen_sfc.semantics.charts.plans import Plan, Plans, Run, Watch
-from plcopen_sfc.semantics.charts.reached import Reached
-from plcopen_sfc.semantics.charts.step_actions import StepActions, check_step_actions
-from plcopen_sfc.semantics.charts.steps import Steps, tick
+from plcopen_sfc.semantics.charts.chart_actions import (
+    Actions,
+    Owner,
+    StepActions,
+    check_associations,
+    check_step_actions,
+)
+from plcopen_sfc.semantics.charts.chart_coverage import Reached
+from plcopen_sfc.semantics.charts.grafcet.grafcet_program import Grafcet, has_grafcet
+from plcopen_sfc.semantics.charts.graph.interlock_conditions import check_no_graph
+from plcopen_sfc.semantics.charts.qualifier_control import Change
+from plcopen_sfc.semantics.charts.sfc_flags import Flags, Order, Tip, analysis
+from plcopen_sfc.semantics.charts.situation_plans import Plan, Plans, Run, Watch
+from plcopen_sfc.semantics.charts.step_state import Steps, forgetting, tick
+from plcopen_sfc.semantics.charts.transition_firing import NOTHING, Cleared, Move, choice, testing_order, watched
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
 from plcopen_sfc.semantics.programs.layouts import Frame

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import BodyCondition, Coil, FbdBody, InputPin, LdBody
-from plcopen_sfc.semantics.charts.graph import data
+from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -93,37 +93,44 @@ class StepConditions:
             bit = 1 << index
             values = frame.v[self._slots[index]].v
             interlock = self._interlocks.get(index)
-            values[data.LS] = satisfied = interlock is None or bool(interlock(frame))
-            values[data.L1] = not satisfied and not values[data.LA]
-            values[data.L0] = satisfied and values[data.LA]
-            values[data.LA] = not satisfied
+            values[step_data.LS] = satisfied = interlock is None or bool(interlock(frame))
+            values[step_data.L1] = not satisfied and not values[step_data.LA]
+            values[step_data.L0] = satisfied and values[step_data.LA]
+            values[step_data.LA] = not satisfied
             if not satisfied:
                 released &= ~bit
             if index in self._supervisions:
                 self._supervise(frame, index, values, acknowledge=acknowledge)
-                if values[data.VA]:
+                if values[step_data.VA]:
                     held |= bit
-            if values[data.LA] or values[data.VA]:
+            if values[step_data.LA] or values[step_data.VA]:
                 disturbed |= bit
         return Checked(released, held, disturbed)
 
     def _supervise(self, frame: Frame, index: int, values: list[object], *, acknowledge: bool) -> None:
         fault = bool(self._supervisions[index](frame))
-        values[data.V1] = fault and not values[data.VS]
-        values[data.V0] = not fault and values[data.VS]
-        values[data.VS] = fault
-        if values[data.V1]:
-            values[data.VA] = True
-            values[data.ACKNOWLEDGED] = False
-        values[data.A1] = acknowledge and values[data.VA] and not values[data.ACKNOWLEDGED]
-        if values[data.A1]:
-            values[data.ACKNOWLEDGED] = True
-        if not fault and (values[data.ACKNOWLEDGED] or not self._must_acknowledge):
-            values[data.VA] = False
+        values[step_data.V1] = fault and not values[step_data.VS]
+        values[step_data.V0] = not fault and values[step_data.VS]
+        values[step_data.VS] = fault
+        if values[step_data.V1]:
+            values[step_data.VA] = True
+            values[step_data.ACKNOWLEDGED] = False
+        values[step_data.A1] = acknowledge and values[step_data.VA] and not values[step_data.ACKNOWLEDGED]
+        if values[step_data.A1]:
+            values[step_data.ACKNOWLEDGED] = True
+        if not fault and (values[step_data.ACKNOWLEDGED] or not self._must_acknowledge):
+            values[step_data.VA] = False
 
     def forget(self, frame: Frame, left: int) -> None:
         """Steps that were left have no conditions."""
         for index in indexes(left):
             values = frame.v[self._slots[index]].v
-            for slot in (*data.EVENTS, data.LA, data.LS, data.VA, data.VS, data.ACKNOWLEDGED):
+            for slot in (
+                *step_data.EVENTS,
+                step_data.LA,
+                step_data.LS,
+                step_data.VA,
+                step_data.VS,
+                step_data.ACKNOWLEDGED,
+            ):
                 values[slot] = False

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
-from plcopen_sfc.semantics.charts.declaring import override
-from plcopen_sfc.semantics.charts.graph import data
+from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
 from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType, StructureType
+from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType, StructureType, Type
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs import Scope
+
+
+def override(scope: Scope, name: str, type_: Type) -> int:
+    """A variable of this type, also where the POU declares the name with a type of the tool that nobody knows."""
+    made = scope.layout.add(name, type_)
+    made.initial = scope.library.initials.default(type_)
+    return made.slot
+
 
 _STRUCTURE = "SFC_STEP"
 X, T, NEXT = 0, 1, 2
@@ -55,7 +62,7 @@ class Steps:
         simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in net.steps)
         members: Mapping[str, ElementaryType] = {"X": BOOL, "T": ELAPSED}
         if profile.step_variables is StepVariables.GRAPH:
-            members = data.STEP
+            members = step_data.STEP
         self._announces = profile.order is not ScanOrder.TRANSITIONS_FIRST and not simple
         if self._announces:
             members = {**members, "_X": BOOL}
@@ -168,3 +175,29 @@ def tick(frame: Frame, timed: tuple[tuple[int, int], ...], now: int) -> None:
     v = frame.v
     for slot, since in timed:
         v[slot].v[T] = now - v[since]
+
+
+def forgetting(
+    steps: Steps, anywhere: Container[str], read: Container[str], used: Container[int]
+) -> Callable[[Frame, int], None]:
+    """See `ChartProgram.forgetting`; what is given back gets a frame and the present time.
+
+    `used` are the slots of starts that the chart itself depends on.
+    """
+    seen = [name for name in steps.names if not name.flag]
+    timed = {name.slot for name in seen if name.name.casefold() in read or name.since in used}
+    timeless = tuple((name.slot, name.since) for name in seen if name.slot not in timed)
+    own = tuple(n.slot for n in seen if n.slot in timed and n.name.casefold() not in anywhere)
+
+    def forget(frame: Frame, now: int) -> None:
+        v = frame.v
+        for slot, since in timeless:
+            v[slot].v[T] = 0
+            if v[since] is not None:
+                v[since] = now
+        for slot in own:
+            values = v[slot].v
+            if not values[X]:
+                values[T] = 0
+
+    return forget

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Protocol
 
+from plcopen_sfc.conversion.executed_parts import PLAIN_VARIABLES, STORED, Part, duration_meaning, plain_name
 from plcopen_sfc.conversion.meaning import (
     Meaning,
     condition_meaning,
     plain,
 )
-from plcopen_sfc.conversion.parts import PLAIN_VARIABLES, STORED, Part, duration_meaning, plain_name
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, condition_reader
 from plcopen_sfc.languages.st import nodes as n
@@ -24,7 +24,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step, Transition
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.charts.flags import flags_in_use
+from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
 from plcopen_sfc.semantics.profile import ActionControl, Profile
 from plcopen_sfc.semantics.system_inputs import PARAMETER_NAMES, system_inputs
 

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.model import ActionAssociation, Condition
-from plcopen_sfc.semantics.charts.actions import Owner
-from plcopen_sfc.semantics.charts.grafcet.actions import GrafcetActions
-from plcopen_sfc.semantics.charts.grafcet.hierarchy import Hierarchy
-from plcopen_sfc.semantics.charts.grafcet.terms import Terms
-from plcopen_sfc.semantics.charts.moves import Cleared, Move
-from plcopen_sfc.semantics.charts.reached import Reached
+from plcopen_sfc.semantics.charts.chart_actions import Owner
+from plcopen_sfc.semantics.charts.chart_coverage import Reached
+from plcopen_sfc.semantics.charts.grafcet.executed_actions import GrafcetActions
+from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import Terms
+from plcopen_sfc.semantics.charts.transition_firing import Cleared, Move
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.errors import ForcingConflictError, Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ForcedSituation, PartialChart, SfcNetwork
-from plcopen_sfc.semantics.charts.actions import Owner
+from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.net import Net
 
 

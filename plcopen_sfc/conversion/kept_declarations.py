@@ -9,8 +9,8 @@ import re
 from collections.abc import Iterator
 from itertools import chain
 
+from plcopen_sfc.conversion.executed_parts import UNDECLARED_TYPE, Part
 from plcopen_sfc.conversion.meaning import Meaning
-from plcopen_sfc.conversion.parts import UNDECLARED_TYPE, Part
 from plcopen_sfc.formats.codesys import codesys_names as codesys
 from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite, text_sites

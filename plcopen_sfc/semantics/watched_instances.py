@@ -11,8 +11,8 @@ from typing import Any
 
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import EnumType
-from plcopen_sfc.semantics.charts.chart import ChartProgram
-from plcopen_sfc.semantics.charts.graph.program import GraphProgram
+from plcopen_sfc.semantics.charts.chart_program import ChartProgram
+from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.programs.layouts import MOST_ELEMENTS, Direction, Frame, Layout
 from plcopen_sfc.semantics.programs.types import ArrayType, ElementaryType, Family, Type

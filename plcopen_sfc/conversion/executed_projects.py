@@ -9,16 +9,16 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
-from plcopen_sfc.conversion.charts import ChartReader
-from plcopen_sfc.conversion.kept import add_kept, tell_inheritance, tell_type
+from plcopen_sfc.conversion.compared_start_values import StartValues
+from plcopen_sfc.conversion.executed_charts import ChartReader
+from plcopen_sfc.conversion.executed_parts import PROGRAM_CALL, UNDECLARED, Part, duration_meaning, plain_name
+from plcopen_sfc.conversion.kept_declarations import add_kept, tell_inheritance, tell_type
 from plcopen_sfc.conversion.meaning import (
     Meaning,
     address_meaning,
     code_meaning,
     type_meaning,
 )
-from plcopen_sfc.conversion.parts import PROGRAM_CALL, UNDECLARED, Part, duration_meaning, plain_name
-from plcopen_sfc.conversion.start_values import StartValues
 from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.formats.task_schedules import schedule_of
 from plcopen_sfc.languages.binding import Names

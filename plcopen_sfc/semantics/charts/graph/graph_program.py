@@ -11,17 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionEvent, SfcNetwork
-from plcopen_sfc.semantics.charts.actions import Owner, check_associations
-from plcopen_sfc.semantics.charts.declaring import override
-from plcopen_sfc.semantics.charts.graph import data
-from plcopen_sfc.semantics.charts.graph.actions import SWITCHES, GraphActions, Happening
-from plcopen_sfc.semantics.charts.graph.conditions import Checked, StepConditions, programmed
-from plcopen_sfc.semantics.charts.graph.parameters import Commands, Mode, Parameters
-from plcopen_sfc.semantics.charts.moves import NOTHING, Move, choice, watched
-from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run
-from plcopen_sfc.semantics.charts.reached import Reached
-from plcopen_sfc.semantics.charts.step_actions import check_step_actions
-from plcopen_sfc.semantics.charts.steps import Steps, T, X, tick
+from plcopen_sfc.semantics.charts.chart_actions import Owner, check_associations, check_step_actions
+from plcopen_sfc.semantics.charts.chart_coverage import Reached
+from plcopen_sfc.semantics.charts.graph import step_data
+from plcopen_sfc.semantics.charts.graph.graph_actions import SWITCHES, GraphActions, Happening
+from plcopen_sfc.semantics.charts.graph.graph_parameters import Commands, Mode, Parameters
+from plcopen_sfc.semantics.charts.graph.interlock_conditions import Checked, StepConditions, programmed
+from plcopen_sfc.semantics.charts.situation_plans import MOST_PLANS, Run
+from plcopen_sfc.semantics.charts.step_state import Steps, T, X, override, tick
+from plcopen_sfc.semantics.charts.transition_firing import NOTHING, Move, choice, watched
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -32,14 +30,14 @@ if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs import Scope
 
 _EVENT_SLOTS = {
-    ActionEvent.S1: data.S1,
-    ActionEvent.S0: data.S0,
-    ActionEvent.L1: data.L1,
-    ActionEvent.L0: data.L0,
-    ActionEvent.V1: data.V1,
-    ActionEvent.V0: data.V0,
-    ActionEvent.A1: data.A1,
-    ActionEvent.R1: data.R1,
+    ActionEvent.S1: step_data.S1,
+    ActionEvent.S0: step_data.S0,
+    ActionEvent.L1: step_data.L1,
+    ActionEvent.L0: step_data.L0,
+    ActionEvent.V1: step_data.V1,
+    ActionEvent.V0: step_data.V0,
+    ActionEvent.A1: step_data.A1,
+    ActionEvent.R1: step_data.R1,
 }
 
 
@@ -63,7 +61,7 @@ class GraphProgram:
         self._started = scope.declare(f"{path}: started", BOOL, hidden=True)
         self._steps = Steps(self.net, scope, path, profile)
         self._slots = self._steps.slots
-        structure = scope.structure("SFC_TRANSITION", data.TRANSITION)
+        structure = scope.structure("SFC_TRANSITION", step_data.TRANSITION)
         self._transitions = [
             override(scope, t.transition.name, structure) if t.transition.name else None for t in self.net.transitions
         ]
@@ -121,13 +119,13 @@ class GraphProgram:
         def forget(frame: Frame, now: int) -> None:
             v = frame.v
             for slot, since in timeless:
-                v[slot].v[T] = v[slot].v[data.U] = 0
+                v[slot].v[T] = v[slot].v[step_data.U] = 0
                 if v[since] is not None:
                     v[since] = now
             for slot in own:
                 values = v[slot].v
                 if not values[X]:
-                    values[T] = values[data.U] = 0
+                    values[T] = values[step_data.U] = 0
 
         return forget
 
@@ -153,7 +151,7 @@ class GraphProgram:
                 self._scope.expression(text, f"{self.path} / step {s.path}", ELEMENTARY["TIME"]),
             )
             for s in self.net.steps
-            for slot, text in ((data.T_MAX, s.step.max_time), (data.T_WARN, s.step.warning_time))
+            for slot, text in ((step_data.T_MAX, s.step.max_time), (step_data.T_WARN, s.step.warning_time))
             if text
         )
 
@@ -196,10 +194,10 @@ class GraphProgram:
         v[self._situation] = v[self._shown] = v[self._valid] = v[self._eventful] = 0
         v[self._started] = False
         for step in self.net.steps:
-            v[self._slots[step.index]].v[data.SNO] = step.step.number or 0
+            v[self._slots[step.index]].v[step_data.SNO] = step.step.number or 0
         for transition, slot in zip(self.net.transitions, self._transitions, strict=True):
             if slot is not None:
-                v[slot].v[data.TNO] = transition.transition.number or 0
+                v[slot].v[step_data.TNO] = transition.transition.number or 0
 
     def execute(self, frame: Frame) -> None:
         """One cycle."""
@@ -232,9 +230,9 @@ class GraphProgram:
             self._steps.change(frame, before, situation, entered, now)
             for index in indexes(entered):
                 values = v[self._slots[index]].v
-                values[data.S1], values[data.U] = True, 0
+                values[step_data.S1], values[step_data.U] = True, 0
             for index in indexes(left):
-                v[self._slots[index]].v[data.S0] = True
+                v[self._slots[index]].v[step_data.S0] = True
             if entered:
                 fresh = self._conditions.check(frame, entered, acknowledge=False)
                 checked = Checked(
@@ -246,7 +244,7 @@ class GraphProgram:
                 checked = Checked(checked.released & ~left, checked.held & ~left, checked.disturbed & ~left)
         if commands.register:
             for index in indexes(situation):
-                v[self._slots[index]].v[data.R1] = True
+                v[self._slots[index]].v[step_data.R1] = True
         v[self._shown] = situation
         self.reached.steps |= situation
         v[self._eventful] = situation | left
@@ -329,22 +327,22 @@ class GraphProgram:
             slot = self._transitions[index]
             if slot is not None:
                 values = v[slot].v
-                values[data.TV] = values[data.TT] = values[data.TS] = False
+                values[step_data.TV] = values[step_data.TT] = values[step_data.TS] = False
         valid = 0
         for move in enabled:
             valid |= move.bit
             slot = self._transitions[move.bit.bit_length() - 1]
             if slot is not None:
                 values = v[slot].v
-                values[data.TV], values[data.TT] = True, satisfied[move.bit]
-                values[data.TS] = bool(switched & move.bit)
+                values[step_data.TV], values[step_data.TT] = True, satisfied[move.bit]
+                values[step_data.TS] = bool(switched & move.bit)
         v[self._valid] = valid
 
     def _clear_events(self, frame: Frame) -> None:
         v = frame.v
         for index in indexes(v[self._eventful]):
             values = v[self._slots[index]].v
-            for slot in data.EVENTS:
+            for slot in step_data.EVENTS:
                 values[slot] = False
 
     def _events(self, frame: Frame, steps: int) -> dict[ActionEvent, int]:
@@ -361,7 +359,7 @@ class GraphProgram:
         passed = now - v[self._before] if v[self._before] is not None else 0
         v[self._before] = now
         for index in indexes(active & ~disturbed):
-            v[self._slots[index]].v[data.U] += passed
+            v[self._slots[index]].v[step_data.U] += passed
 
     def _report(self, frame: Frame, commands: Commands, situation: int, checked: Checked) -> None:
         """The outputs: the step displayed is the one selected, else the first active one."""
