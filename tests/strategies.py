@@ -8,10 +8,13 @@ from typing import Any
 from hypothesis import strategies as st
 
 from plcopen_sfc import model as m
+from plcopen_sfc.languages.words import IEC_KEYWORDS
 
 QUALIFIERS = [m.Qualifier(q) for q in ("N", "R", "S", "L", "D", "P", "P0", "P1", "SD", "DS", "SL", "DL")]
 
-names = st.from_regex(r"[A-Za-zÄÖÜäöüß_][A-Za-z0-9_äöü]{0,5}", fullmatch=True)
+names = st.from_regex(r"[A-Za-zÄÖÜäöüß_][A-Za-z0-9_äöü]{0,5}", fullmatch=True).filter(
+    lambda name: name.upper() not in IEC_KEYWORDS
+)
 characters = st.characters(blacklist_categories=("Cs", "Cc", "Cn"), blacklist_characters="\ufffe\uffff")
 words = st.text(characters, min_size=1, max_size=6)
 MARKS = r"""< > & " ' ]]> &amp; <!--x--> (*Ä*) --> -- IF„ß“ 😀 € { } \n %s plcopen_sfc{""".split()

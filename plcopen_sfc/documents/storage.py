@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Protocol, TypedDict, runtime_checkable
 
 from plcopen_sfc.documents.file_documents import encode, normalized, read_document, refuse_losses
+from plcopen_sfc.documents.save_checks import refuse_mistakes
 from plcopen_sfc.documents.sources import FolderSource
 from plcopen_sfc.errors import Location, UnknownFormatError, check_argument
 from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
@@ -84,6 +85,7 @@ def save_project(
     if path is not None:
         refuse_empty(path)
     name = format_to_write(project, format, tia, path)
+    refuse_mistakes(project, format_named(name)[0])
     if path is not None and is_folder(path, project, name):
         from plcopen_sfc.documents.folder_projects import save_folder  # noqa: PLC0415  # most projects are files
 

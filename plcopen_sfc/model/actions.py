@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
@@ -147,6 +147,8 @@ class ActionAssociation(Element):
     forcing: ForcingOrder | None = None
     exclude: bool = False
     symbol: SymbolAccess = SymbolAccess.UNSPECIFIED
+
+    TIMES: ClassVar[tuple[str, ...]] = ("duration",)
 
 
 class Monitoring(StrEnum):

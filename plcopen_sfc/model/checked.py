@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from plcopen_sfc.errors import ArgumentError, ModelError, nearest
+from plcopen_sfc.model import times
 from plcopen_sfc.model.copying import deep_copy
 
 if TYPE_CHECKING:
@@ -37,9 +38,15 @@ class Checked(BaseModel, metaclass=_Constructor):
 
     model_config = ConfigDict(validate_assignment=True, extra="forbid", defer_build=True)
 
+    TIMES: ClassVar[tuple[str, ...]] = ()
+    """Fields that hold durations or expressions. Files may hold other text there; nothing else can be assigned."""
+
     if not TYPE_CHECKING:
 
         def __setattr__(self, name: str, value: Any) -> None:
+            why = times.objection(value) if name in self.TIMES and isinstance(value, str) else ""
+            if why:
+                raise ModelError(f"{name} of {_called(self)} cannot be {value!r}: {why}")
             try:
                 super().__setattr__(name, value)
             except ValidationError as error:

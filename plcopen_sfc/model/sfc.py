@@ -84,6 +84,7 @@ class Step(Owned, Element):
     duplicate: bool = False
 
     OWNS: ClassVar[tuple[str, ...]] = ("macro",)
+    TIMES: ClassVar[tuple[str, ...]] = ("min_time", "max_time", "warning_time")
 
     @property
     def chart(self) -> SfcNetwork | None:

@@ -1,0 +1,43 @@
+"""Times in the model: duration literals or expressions, as program text."""
+
+from __future__ import annotations
+
+import re
+
+_TOKEN = re.compile(
+    r"""\s*(?:
+        (?P<operand>
+            (?:LTIME|TIME|LT|T|S5TIME|S5T)\#[-+]?(?:\d[\d_]*(?:\.\d+)?(?:ms|us|ns|d|h|m|s)_?)+(?!\w)
+          | (?!(?:LTIME|TIME|LT|T|S5TIME|S5T)\#)\#?[^\W\d]\w*(?:\#[-+]?[\w.]+)?
+          | \#?"[^"]*" | %\w[\w.]* | \d[\d_]*(?:\.\d+)?(?!\w)
+        )
+      | (?P<sign>\(\*.*?\*\)|//.*|[-+*/()<>=,.&^\[\]:;|])
+    )\s*""",
+    re.VERBOSE | re.IGNORECASE | re.DOTALL,
+)
+_OPERATORS = frozenset("AND OR XOR NOT MOD".split())
+_NUMBER = re.compile(r"[\d_.]+")
+
+
+def objection(text: str) -> str:
+    """Return why `text` is neither a duration literal nor an expression; empty if it is one.
+
+    Sees what no expression can be, such as ``5 s``; whether an expression is right is seen where it is parsed.
+    """
+    position, before = 0, ""
+    while position < len(text):
+        token = _TOKEN.match(text, position)
+        if token is None:
+            return _WRONG
+        operand = token["operand"] or ""
+        if operand.upper() in _OPERATORS:
+            operand = ""
+        if operand and before:
+            return _WRONG
+        if token["sign"] is None or not token["sign"].startswith(("(*", "//")):
+            before = operand
+        position = token.end()
+    return _WRONG if not text.strip() or _NUMBER.fullmatch(text.strip()) else ""
+
+
+_WRONG = "it is no duration, such as T#5s, and no expression"

@@ -1,0 +1,98 @@
+"""What cannot be saved is refused when it is assigned, or at the latest when it is saved, and named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+
+FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
+CONVEYOR = FIXTURES / "codesys" / "sorting_conveyor.xml"
+
+
+def project(change: Callable[[sfc.SfcNetwork], object] = lambda chart: None) -> sfc.Project:
+    chart = sfc.SfcNetwork()
+    chart.add_step("Wait", initial=True)
+    chart.add_step("Fill")
+    chart.add_transition("Wait", "Fill", "x")
+    chart.add_transition("Fill", "Wait", "NOT x")
+    change(chart)
+    return sfc.Project(pous=[sfc.Pou(name="Main", kind="program", bodies=[sfc.SfcBody(chart=chart)])])
+
+
+@pytest.mark.parametrize("time", ["5 s", "5s", "5", "", "T#5", "soon enough", "T#5s later"])
+def test_a_time_that_is_none_is_refused_where_it_is_assigned(time):
+    step = project().pou("Main").chart.step("Fill")
+    step.max_time = "T#1s"
+    for name in ("min_time", "max_time", "warning_time"):
+        with pytest.raises(sfc.ModelError, match=f"{name} of Step 'Fill' cannot be '{time}'"):
+            setattr(step, name, time)
+    assert step.max_time == "T#1s"
+    action = sfc.ActionAssociation(id=7, qualifier="L", target="Valve")
+    with pytest.raises(sfc.ModelError, match="duration"):
+        action.duration = time
+
+
+@pytest.mark.parametrize(
+    "time",
+    ["T#5s", "t#1h2m3s4ms", "TIME#2.5s", "LTIME#1us", "S5T#10s", "T#-1s", "tMax", "#tMax", '"DB".tMax', "a.b[3].t",
+     "tMax * 2", "MAX(a, T#1s)", "DINT_TO_TIME(n)", "T#1s (* set *)", "%MD10", None],
+)  # fmt: skip
+def test_durations_and_expressions_are_times(time):
+    step = project().pou("Main").chart.step("Fill")
+    step.max_time = time
+    assert step.max_time == time
+
+
+@pytest.mark.parametrize("format", ["plcopen", "codesys", "simaticml", "iec-text", "json"])
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda c: c.steps.append(sfc.Step(id=0, name="Drain")), "the id 0 belongs to another object"),
+        (lambda c: c.transitions.append(sfc.Transition(id=1)), "the id 1 belongs to another object"),
+        (lambda c: c.steps.append(sfc.Step(id=9, name="Drain", max_time="5 s")), "step Drain: the max time '5 s'"),
+        (
+            lambda c: c.steps[0].actions.append(sfc.ActionAssociation(id=9, target="x", duration="a b")),
+            "step Wait: the duration 'a b' cannot be saved",
+        ),
+    ],
+)  # fmt: skip
+def test_what_a_script_built_wrong_is_refused_when_it_is_saved(tmp_path, format, change, message):
+    with pytest.raises(sfc.ModelError, match=message):
+        sfc.save(project(change), tmp_path / "out.xml", format=format, partial=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("format", ["plcopen", "codesys"])
+@pytest.mark.parametrize("name", ["Fill 2", "2Fill", "IF", "Fill-2", ""])
+def test_a_name_that_the_target_cannot_have_is_refused(format, name):
+    with pytest.raises(sfc.ModelError, match=r"is no name|is a keyword") as caught:
+        sfc.dumps(project(lambda chart: setattr(chart.steps[1], "name", name)), format=format)
+    assert caught.value.location.path == f"POU Main / step {name}"
+    other = project()
+    other.pous[0].name = name
+    with pytest.raises(sfc.ModelError, match=r"is no name|is a keyword"):
+        sfc.dumps(other, format=format)
+
+
+def test_names_in_quotes_are_names_of_tia_portal_and_get_others_elsewhere():
+    data = sfc.dumps(project(lambda chart: setattr(chart.steps[1], "name", "Fill 2")), format="simaticml", partial=True)
+    there = sfc.loads(data)
+    assert there.pous[0].chart.step("Fill 2")
+    assert sfc.loads(sfc.dumps(there, format="codesys")).pous[0].chart.step("Fill_2")
+
+
+def test_what_the_file_had_already_does_not_keep_an_edit_from_being_saved():
+    data = CONVEYOR.read_bytes().replace(b">T#3s<", b">3 s<")
+    loaded = sfc.loads(data)
+    chart = loaded.pou("PLC_PRG").chart
+    assert chart.step("Measure").max_time == "3 s"
+    chart.step("Idle").max_time = "T#7s"
+    again = sfc.loads(sfc.dumps(loaded)).pou("PLC_PRG").chart
+    assert (again.step("Measure").max_time, again.step("Idle").max_time) == ("3 s", "T#7s")
+    chart.steps.append(sfc.Step(id=chart.new_id(), name="New", max_time="4 s"))
+    with pytest.raises(sfc.ModelError, match="step New: the max time '4 s'"):
+        sfc.dumps(loaded)
