@@ -23,7 +23,7 @@ from plcopen_sfc.model.types import (
     Variable,
 )
 
-__all__ = ["Path", "PathError", "Types", "apart", "assembled", "filled"]
+__all__ = ["Path", "Types", "ValuePathError", "apart", "assembled", "filled"]
 
 Path = tuple[str | tuple[int, ...], ...]
 """The way to an element: names of members, and indices of elements of arrays."""
@@ -34,7 +34,7 @@ _MOST = 100_000
 """More elements than that are not listed one by one."""
 
 
-class PathError(ValueError):
+class ValuePathError(ValueError):
     """A way leads to nothing that a type has, or to an element twice."""
 
 
@@ -67,7 +67,7 @@ def _ranges(type_: DataType | None, types: Types) -> list[range] | None:
 def assembled(entries: Iterable[tuple[Path, str]], type_: DataType | None, types: Types) -> Value | None:
     """The value of a variable of which single elements have start values; None where there are none.
 
-    Elements of an array without one of their own are values without text. Raises `PathError`.
+    Elements of an array without one of their own are values without text. Raises `ValuePathError`.
     """
     whole: SimpleValue | None = None
     members: dict[str, tuple[str, list[tuple[Path, str]]]] = {}
@@ -75,14 +75,14 @@ def assembled(entries: Iterable[tuple[Path, str]], type_: DataType | None, types
     for path, text in entries:
         if not path:
             if whole is not None:
-                raise PathError("a start value is given twice")
+                raise ValuePathError("a start value is given twice")
             whole = SimpleValue(text=text)
         elif isinstance(path[0], str):
             members.setdefault(path[0].casefold(), (path[0], []))[1].append((path[1:], text))
         else:
             elements.setdefault(path[0], []).append((path[1:], text))
     if sum(map(bool, (whole, members, elements))) > 1:
-        raise PathError("a start value is given to a whole and to a part of it")
+        raise ValuePathError("a start value is given to a whole and to a part of it")
     if members:
         found = [(name, assembled(inner, _member_type(type_, name, types), types)) for name, inner in members.values()]
         return StructValue(
@@ -94,7 +94,7 @@ def assembled(entries: Iterable[tuple[Path, str]], type_: DataType | None, types
 def _array(elements: dict[tuple[int, ...], list[tuple[Path, str]]], type_: DataType | None, types: Types) -> ArrayValue:
     ranges, array = _ranges(type_, types), _plain_type(type_, types)
     if ranges is None or not isinstance(array, ArrayType):
-        raise PathError("the bounds of an array are not known")
+        raise ValuePathError("the bounds of an array are not known")
     items: list[RepeatedValue] = []
     following = 0
     places = {indices: _place(indices, ranges) for indices in elements}
@@ -117,17 +117,17 @@ def _append(items: list[RepeatedValue], value: Value, count: int) -> None:
 def _place(indices: tuple[int, ...], ranges: list[range]) -> int:
     """The place of an element among all: the last index counts first."""
     if len(indices) != len(ranges):
-        raise PathError("an array has another number of dimensions")
+        raise ValuePathError("an array has another number of dimensions")
     place = 0
     for index, indexes in zip(indices, ranges, strict=True):
         if index not in indexes:
-            raise PathError(f"an array has no element {index}")
+            raise ValuePathError(f"an array has no element {index}")
         place = place * len(indexes) + index - indexes.start
     return place
 
 
 def apart(value: Value, type_: DataType | None, types: Types) -> Iterator[tuple[Path, str]]:
-    """The single elements that a value gives start values to. Raises `PathError` where there is no way to them."""
+    """The single elements that a value gives start values to. Raises `ValuePathError` where there is no way to them."""
     if isinstance(value, SimpleValue):
         if (value.text or "").strip():
             yield (), value.text or ""
@@ -139,14 +139,14 @@ def apart(value: Value, type_: DataType | None, types: Types) -> Iterator[tuple[
         ranges, array = _ranges(type_, types), _plain_type(type_, types)
         counts = [number_of(item.repetitions) if item.repetitions is not None else 1 for item in value.items]
         if ranges is None or not isinstance(array, ArrayType) or None in counts or sum(c or 0 for c in counts) > _MOST:
-            raise PathError("the elements of an array are not known")
+            raise ValuePathError("the elements of an array are not known")
         ways = product(*ranges)
         for item, count in zip(value.items, counts, strict=True):
             inner = list(apart(item.value, array.base, types))
             for _ in range(count or 0):
                 indices = next(ways, None)
                 if indices is None:
-                    raise PathError("an array has fewer elements")
+                    raise ValuePathError("an array has fewer elements")
                 yield from (((indices, *path), text) for path, text in inner)
 
 

@@ -10,7 +10,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.s7_types import number_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_statements
-from plcopen_sfc.languages.start_values import Path, PathError, Types, apart, assembled
+from plcopen_sfc.languages.start_values import Path, Types, ValuePathError, apart, assembled
 from plcopen_sfc.model.types import SimpleValue, Value, Variable
 
 DECLARED = "declared"
@@ -53,7 +53,7 @@ def start_values(text: str, variables: list[Variable], types: Types) -> dict[str
             value = assembled(all_.values(), variable.type, types)
             if value is not None:
                 found[name] = value
-    except PathError:
+    except ValuePathError:
         return None
     return found
 
@@ -90,7 +90,7 @@ def can_be_assigned(variable: Variable, types: Types) -> bool:
     try:
         entries = list(apart(variable.initial, variable.type, types))
         value = assembled(entries, variable.type, types)
-    except PathError:
+    except ValuePathError:
         return False
     written = all(write_value(SimpleValue(text=text), Dialect.SCL) for _, text in entries)
     return bool(entries) and written and value == variable.initial

@@ -18,7 +18,7 @@ from plcopen_sfc.formats.simaticml.declaration_spelling import read_type, write_
 from plcopen_sfc.formats.simaticml.element_reader import Fields, N, XmlNode, children, local
 from plcopen_sfc.formats.simaticml.element_writer import sub
 from plcopen_sfc.formats.xml.extension_data import legal_text
-from plcopen_sfc.languages.start_values import Path, PathError, apart, assembled
+from plcopen_sfc.languages.start_values import Path, ValuePathError, apart, assembled
 from plcopen_sfc.model.types import (
     ArrayType,
     ArrayValue,
@@ -152,7 +152,7 @@ def read_nested(element: XmlNode) -> Value | None:
     """Return the value of a member with its parts; None where it has none, or they do not fit."""
     try:
         return assembled(_entries(element, ()), _type_of(element), {})
-    except PathError:
+    except ValuePathError:
         return None
 
 
@@ -190,12 +190,12 @@ def _entries(element: XmlNode, around: tuple[str | int, ...]) -> Iterator[tuple[
     for child in children(element):
         if local(child) == "StartValue" and child.text and child.get("Informative") != "true":
             if any(isinstance(part, int) for part in way):
-                raise PathError("one start value is given to all elements")
+                raise ValuePathError("one start value is given to all elements")
             yield tuple(part for part in way if isinstance(part, str)), child.text
         elif local(child) == "Subelement":
             texts = [value.text for value in children(child) if local(value) == "StartValue" and value.text]
             if len(texts) != 1:
-                raise PathError("an element has no start value, or several")
+                raise ValuePathError("an element has no start value, or several")
             yield _placed(way, child.get("Path", "")), texts[0] or ""
     for member in _inner(element):
         yield from _entries(member, (*way, member.get("Name", "")))
@@ -204,7 +204,7 @@ def _entries(element: XmlNode, around: tuple[str | int, ...]) -> Iterator[tuple[
 def _placed(way: tuple[str | int, ...], text: str) -> Path:
     """Return a way with the indices of a ``Subelement``."""
     if not _INDICES.fullmatch(text):
-        raise PathError("the path of an element is no list of indices")
+        raise ValuePathError("the path of an element is no list of indices")
     indices = [int(index) for index in text.split(",")]
     found: list[str | tuple[int, ...]] = []
     for part in way:
@@ -214,7 +214,7 @@ def _placed(way: tuple[str | int, ...], text: str) -> Path:
             found.append(tuple(indices[:part]))
             indices = indices[part:]
     if indices:
-        raise PathError("the path of an element has too many indices")
+        raise ValuePathError("the path of an element has too many indices")
     return tuple(found)
 
 
@@ -232,7 +232,7 @@ def write_nested(element: etree._Element, type_: DataType, value: Value | None, 
         if value != assembled(entries, type_, types):
             return False
         places = [_find(element, path, types) for path, _ in entries]
-    except PathError:
+    except ValuePathError:
         return False
     for old in list(element.iter("{*}StartValue", "{*}Subelement")):
         parent = old.getparent()
@@ -256,7 +256,7 @@ def _find(element: etree._Element, path: Path, types: Mapping[str, DataType]) ->
             _add_members(element, types)
             found = next((m for m in _inner(element) if m.get("Name", "").casefold() == part.casefold()), None)
         if found is None:
-            raise PathError(f"there is no member {part}")
+            raise ValuePathError(f"there is no member {part}")
         element = found
     return element, ",".join(indices)
 
@@ -268,7 +268,7 @@ def _add_members(element: etree._Element, types: Mapping[str, DataType]) -> None
         type_ = type_.base
     struct = types.get(type_.name.casefold()) if isinstance(type_, DerivedType) else None
     if any(True for _ in _inner(element)) or not isinstance(struct, StructType):
-        raise PathError("its type is not known")
+        raise ValuePathError("its type is not known")
     _list_members(sub(sub(element, "Sections"), "Section", {"Name": "None"}), struct)
 
 

@@ -40,7 +40,7 @@ def _in(
             yield from _types(node.extends, dialect)
         yield from _in(node.type, dialect, (node.name.identifier,))
         if node.initial is not None:
-            own = node.name if isinstance(node.type, d.EnumType) else _innermost(node.type)
+            own = node.name if isinstance(node.type, d.EnumTypeNode) else _innermost(node.type)
             yield from _in(node.initial, dialect, within, own)
     elif isinstance(node, d.NamedType):
         yield from _types(node.name, dialect)
@@ -55,17 +55,17 @@ def _in(
         yield from _in(node.type, dialect, inside)
         if node.initial is not None:
             yield from _in(node.initial, dialect, within, _innermost(node.type))
-    elif isinstance(node, d.EnumValue):
+    elif isinstance(node, d.EnumValueNode):
         yield named(node.name, declares=True, within=within)
         if node.value is not None:
             yield from in_tree(node.value, dialect)
-    elif isinstance(node, d.MemberValue):
+    elif isinstance(node, d.MemberValueNode):
         yield named(node.member, base=type_, unread="" if type_ is not None else "what it is a member of has no name")
         of = None if type_ is None else n.Member(type_, node.member, span=type_.span)
         yield from _in(node.value, dialect, within, of)
     elif isinstance(node, n.Name):
         yield named(node, expected=type_)
-    elif isinstance(node, d.StringType):
+    elif isinstance(node, d.StringTypeNode):
         if node.length is not None:
             yield from in_tree(node.length, dialect)
     elif isinstance(node, d.AccessPath):
@@ -85,7 +85,7 @@ def _types(name: n.Expression, dialect: Dialect) -> Iterator[Reference]:
 
 def _innermost(type_: d.TypeNode) -> n.Expression | None:
     """The name of a type, or of that which it is an array of."""
-    while isinstance(type_, d.ArrayType | d.PointerType):
+    while isinstance(type_, d.ArrayTypeNode | d.PointerTypeNode):
         type_ = type_.base
     return type_.name if isinstance(type_, d.NamedType) else None
 

@@ -16,7 +16,7 @@ from plcopen_sfc.languages.binding.name_scopes import (
     variables_in,
 )
 from plcopen_sfc.languages.binding.name_sites import Reference, named
-from plcopen_sfc.languages.binding.symbols import NOTHING, Declaration, Kind, Level, Meaning, Named
+from plcopen_sfc.languages.binding.symbols import NOTHING, Declaration, Kind, Level, Meaning, NamedObject
 from plcopen_sfc.languages.binding.text_sites import Role, Site, TextSite, ValueOf
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
@@ -197,7 +197,7 @@ class Resolver:
                 return self.member(type_, declaration.name).declaration or declaration
         return declaration
 
-    def repeated(self, declaration: Declaration) -> Iterator[Named]:
+    def repeated(self, declaration: Declaration) -> Iterator[NamedObject]:
         """The variables that repeat a declaration: in VAR_EXTERNAL, in instance data blocks, of steps."""
         if declaration.pou is not None:
             alike = self.scopes.pou(declaration.pou).named(declaration.name)
@@ -211,7 +211,7 @@ class Resolver:
                 if any(declaration in level for level in self._members(type_)):
                     yield from (own.holder for own in self.scopes.data_block(block).named(declaration.name))
 
-    def _externals(self, declaration: Declaration, site: Site) -> Iterator[Named]:
+    def _externals(self, declaration: Declaration, site: Site) -> Iterator[NamedObject]:
         """The variables in VAR_EXTERNAL of a POU or method that are this global variable."""
         for level in self.scopes.local(site)[:1]:
             for own in level.named(declaration.name):

@@ -30,7 +30,7 @@ class Kind(StrEnum):
     NAMESPACE = "application"
 
 
-class Named(Protocol):
+class NamedObject(Protocol):
     """An object of the model that has a name."""
 
     name: str
@@ -47,11 +47,11 @@ class Declaration:
 
     kind: Kind
     path: str
-    holders: tuple[Named, ...]
+    holders: tuple[NamedObject, ...]
     pou: Pou | None = None
 
     @property
-    def holder(self) -> Named:
+    def holder(self) -> NamedObject:
         """The object of the model that has the name."""
         return self.holders[0]
 

@@ -121,9 +121,9 @@ class _Reader:
                     yield self._section(node)
                 case d.StructBody(type=struct):
                     yield self._struct_body(node, struct)
-                case d.AccessSection():
+                case d.AccessSectionNode():
                     yield self._access(node)
-                case d.ConfigSection():
+                case d.ConfigSectionNode():
                     yield self._config(node)
                 case d.TypeSection():
                     parts = tuple(self._members(node.types, self._type_declaration))
@@ -201,7 +201,7 @@ class _Reader:
         )
         return Found(section, node, _with_comments((start, end), before), parts)
 
-    def _struct_body(self, node: d.StructBody, struct: d.StructType) -> Found:
+    def _struct_body(self, node: d.StructBody, struct: d.StructTypeNode) -> Found:
         start, end = _span(node)
         before = self._comments.take(0, start)
         parts = tuple(self._members(struct.members, self._variable))
@@ -234,7 +234,7 @@ class _Reader:
             )
             yield Found(variable, node, span)
 
-    def _access(self, node: d.AccessSection) -> Found:
+    def _access(self, node: d.AccessSectionNode) -> Found:
         start, end = _span(node)
         before = self._comments.take(0, start)
         parts = tuple(self._members(node.paths, self._access_path))
@@ -253,7 +253,7 @@ class _Reader:
         )
         yield Found(variable, node, _span(node))
 
-    def _config(self, node: d.ConfigSection) -> Found:
+    def _config(self, node: d.ConfigSectionNode) -> Found:
         start, end = _span(node)
         before = self._comments.take(0, start)
         parts = tuple(self._members(node.entries, self._config_entry))
@@ -293,24 +293,24 @@ class _Reader:
 
     def _type(self, node: d.TypeNode) -> t.DataType:
         match node:
-            case d.StringType(name, length):
+            case d.StringTypeNode(name, length):
                 wide = name.identifier.upper() == "WSTRING"
                 return t.StringType(wide=wide, length=self._slice(length) if length is not None else None)
-            case d.SubrangeType(base, bounds):
+            case d.SubrangeTypeNode(base, bounds):
                 inner = self._type(base)
                 unsigned = isinstance(inner, t.ElementaryType) and inner.name in UNSIGNED
                 return t.SubrangeType(bounds=self._dimension(bounds), base=inner, unsigned=unsigned)
-            case d.ArrayType(dimensions, base):
+            case d.ArrayTypeNode(dimensions, base):
                 return t.ArrayType(dimensions=list(map(self._dimension, dimensions)), base=self._type(base))
-            case d.PointerType(keyword, base):
+            case d.PointerTypeNode(keyword, base):
                 return t.PointerType(base=self._type(base), reference=keyword != "POINTER")
-            case d.EnumType(values, base):
+            case d.EnumTypeNode(values, base):
                 listed = [
                     t.EnumValue(name=v.name.identifier, value=self._slice(v.value) if v.value is not None else None)
                     for v in values
                 ]
                 return t.EnumType(values=listed, base=self._type(base) if base is not None else None)
-            case d.StructType():
+            case d.StructTypeNode():
                 return self._struct(node)
             case d.NamedType():
                 return self._named_type(node)
@@ -320,7 +320,7 @@ class _Reader:
             return t.Dimension(lower="*", upper="*")
         return t.Dimension(lower=self._slice(node.lower), upper=self._slice(node.upper))
 
-    def _struct(self, node: d.StructType) -> t.StructType:
+    def _struct(self, node: d.StructTypeNode) -> t.StructType:
         parts = tuple(self._members(node.members, self._variable))
         members = [part.thing for part in parts if part.thing is not None]
         rest = self._comments.take(0, _span(node)[1])
@@ -344,10 +344,10 @@ class _Reader:
 
     def _value(self, node: d.InitialValue) -> t.Value:
         match node:
-            case d.ArrayValue(items):
+            case d.ArrayValueNode(items):
                 return t.ArrayValue(items=list(map(self._repeated, items)))
-            case d.StructValue(members) if all(isinstance(member, d.MemberValue) for member in members):
-                named = [member for member in members if isinstance(member, d.MemberValue)]
+            case d.StructValueNode(members) if all(isinstance(member, d.MemberValueNode) for member in members):
+                named = [member for member in members if isinstance(member, d.MemberValueNode)]
                 return t.StructValue(
                     members=[t.MemberValue(member=m.member.identifier, value=self._value(m.value)) for m in named]
                 )

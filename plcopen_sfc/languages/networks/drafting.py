@@ -17,9 +17,9 @@ from plcopen_sfc.languages.networks.pictures import (
     ROW,
     Area,
     BlockDraft,
-    End,
-    Item,
+    DrawnItem,
     Slot,
+    WireStart,
     connect,
     placed,
     text_width,
@@ -53,7 +53,7 @@ _MAX_WAITING = 8
 class Rung(NamedTuple):
     """A rung that waits for its place, and its elements."""
 
-    item: Item
+    item: DrawnItem
     nodes: Sequence[Node]
 
 
@@ -132,7 +132,7 @@ class Drafter:
         block = standard_block(type_name) if type_name is not None else None
         return block is not None and block.stateful and by_name(call)
 
-    def statement(self, statement: Statement) -> Item:
+    def statement(self, statement: Statement) -> DrawnItem:
         """The rung of a statement."""
         if isinstance(statement, n.Assignment):
             item = self._assignment(statement)
@@ -151,13 +151,13 @@ class Drafter:
             item = None
         return item if item is not None else self._text_box(statement, None, (statement,))
 
-    def _assignment(self, statement: n.Assignment) -> Item | None:
+    def _assignment(self, statement: n.Assignment) -> DrawnItem | None:
         storage = _STORAGES.get(statement.kind)
         if storage is None or isinstance(statement.value, n.AssignmentExpression):
             return None
         return self.sink(statement.target, statement.value, storage)
 
-    def _conditional(self, statement: n.If) -> Item | None:
+    def _conditional(self, statement: n.If) -> DrawnItem | None:
         """IF with one branch of one statement: a stored variable, a jump, or a block with EN."""
         if len(statement.branches) != 1 or statement.otherwise is not None:
             return None
@@ -178,7 +178,7 @@ class Drafter:
             item = self._call(inner, branch.condition)
         return item if item is not None else self._text_box(statement, branch.condition, branch.statements)
 
-    def _enabled_assignment(self, assignment: n.Assignment, condition: Expression) -> Item | None:
+    def _enabled_assignment(self, assignment: n.Assignment, condition: Expression) -> DrawnItem | None:
         value = n.bare(assignment.value)
         if not is_harmless(value):
             return None
@@ -197,13 +197,13 @@ class Drafter:
     def _is_bit(self, target: Expression) -> bool:
         return self.rules.booleans.get(self._text(target).lower(), False)
 
-    def _kept_bit(self, bit: Expression, value: Expression, condition: Expression) -> Item:
+    def _kept_bit(self, bit: Expression, value: Expression, condition: Expression) -> DrawnItem:
         """``bit := condition AND value OR NOT condition AND bit``: boxes of S7 that have EN write no bits."""
         passed = n.Operation(Operator.AND, (condition, value))
         held = n.Operation(Operator.AND, (n.Unary(Operator.NOT, condition), bit))
         return self.sink(bit, n.Operation(Operator.OR, (passed, held)), Storage.NONE)
 
-    def _leave(self, statement: n.Goto | n.Return, condition: Expression) -> Item | None:
+    def _leave(self, statement: n.Goto | n.Return, condition: Expression) -> DrawnItem | None:
         if isinstance(statement, n.Return) and statement.value is not None:
             return None
         item = self._not_negated(self.power(condition))
@@ -216,7 +216,7 @@ class Drafter:
         self.nodes.append(node)
         return placed(node, (text_width(text), ROW), [Slot(pin, ROW / 2, item)], [], ROW / 2)
 
-    def _text_box(self, statement: Statement, enable: Expression | None, code: Sequence[Statement]) -> Item:
+    def _text_box(self, statement: Statement, enable: Expression | None, code: Sequence[Statement]) -> DrawnItem:
         """A statement that has no graphical form, as the text of an EXECUTE box."""
         tree = n.Statements(tuple(code))
         if self.rules.dialect not in (Dialect.CODESYS, Dialect.TWINCAT):
@@ -232,11 +232,11 @@ class Drafter:
 
     # -- sinks
 
-    def sink(self, target: Expression, value: Expression, storage: Storage) -> Item:
+    def sink(self, target: Expression, value: Expression, storage: Storage) -> DrawnItem:
         """A value that is written to a variable."""
         return self._output(target, self.value(value), storage)
 
-    def _output(self, target: Expression, item: Item, storage: Storage) -> Item:
+    def _output(self, target: Expression, item: DrawnItem, storage: Storage) -> DrawnItem:
         text = self._text(target)
         pin = InputPin(position=(0, ROW / 2))
         node = OutputVariable(
@@ -252,11 +252,11 @@ class Drafter:
 
     # -- values
 
-    def power(self, expression: Expression) -> Item:
+    def power(self, expression: Expression) -> DrawnItem:
         """A Boolean value that enables something: in a ladder it comes from the left power rail."""
         return self.value(expression)
 
-    def value(self, expression: Expression) -> Item:
+    def value(self, expression: Expression) -> DrawnItem:
         """The elements of an expression."""
         expression = n.bare(expression)
         if isinstance(expression, n.Unary) and expression.operator is Operator.NOT:
@@ -281,7 +281,7 @@ class Drafter:
         if any(path[: len(p)] == p for path in paths for p in self._waiting.keys() - self._begun):
             self._blocked = True
 
-    def _input(self, expression: Expression) -> Item:
+    def _input(self, expression: Expression) -> DrawnItem:
         self._note_reading(expression)
         if isinstance(expression, n.Unreadable):
             self.problems.append(NetworkProblem(f"{expression.text!r} cannot be read; it stands at an input as it is"))
@@ -291,9 +291,9 @@ class Drafter:
         self.nodes.append(node)
         width = text_width(text)
         node.output = OutputPin(position=(width, ROW / 2))
-        return placed(node, (width, ROW), [], [End(node.id, None, (width, ROW / 2))], ROW / 2)
+        return placed(node, (width, ROW), [], [WireStart(node.id, None, (width, ROW / 2))], ROW / 2)
 
-    def _not_negated(self, item: Item) -> Item:
+    def _not_negated(self, item: DrawnItem) -> DrawnItem:
         """An item whose value need not be inverted by the one who takes it: with a NOT block if it must be."""
         if not item.negated:
             return item
@@ -362,7 +362,7 @@ class Drafter:
 
     # -- calls
 
-    def _call(self, statement: n.CallStatement, enable: Expression | None) -> Item | None:
+    def _call(self, statement: n.CallStatement, enable: Expression | None) -> DrawnItem | None:
         call = statement.call
         if isinstance(call, n.Call) and path_of(call.callee) in self._types and by_name(call, outputs=True):
             safe = enable is None or all(a.value is not None and is_harmless(a.value) for a in call.arguments)
@@ -371,14 +371,14 @@ class Drafter:
             return self._action(call, enable)
         return None
 
-    def _action(self, call: n.Call, enable: Expression | None) -> Item:
+    def _action(self, call: n.Call, enable: Expression | None) -> DrawnItem:
         """A call of an action: a box without pins, which says what it is."""
         draft = BlockDraft(self._text(call.callee), call=BlockCall.ACTION)
         draft.inputs.append(("EN", self.power(enable) if enable is not None else None))
         draft.outputs.append("ENO")
         return self._block(draft, None, acting=True)
 
-    def _with_sinks(self, call: n.Call, item: Item) -> Item:
+    def _with_sinks(self, call: n.Call, item: DrawnItem) -> DrawnItem:
         """The call of an instance with the variables that get its outputs (``Q => x``), each beside its pin."""
         block = self.nodes[-1]
         outputs = [a for a in call.arguments if a.output and a.name is not None and a.value is not None]
@@ -403,13 +403,15 @@ class Drafter:
                 line = block.position[1] + row
                 sink.position = (edge + 2 * GRID, line - ROW / 2)
                 sink.width, sink.height = text_width(sink.expression), ROW
-                connect(sink.input or InputPin(), (edge + 2 * GRID, line), [End(block.id, name, (edge, line))], edge)
+                connect(
+                    sink.input or InputPin(), (edge + 2 * GRID, line), [WireStart(block.id, name, (edge, line))], edge
+                )
                 right, bottom = max(right, sink.position[0] + sink.width), max(bottom, line + ROW / 2)
             return Area((), max(area.right, right), max(area.bottom, bottom))
 
-        return Item(item.line, place)
+        return DrawnItem(item.line, place)
 
-    def _function_block(self, call: n.Call, output: str | None, enable: Expression | None) -> Item:
+    def _function_block(self, call: n.Call, output: str | None, enable: Expression | None) -> DrawnItem:
         """A call of an instance; `output`: which of its values is used."""
         path = path_of(call.callee)
         type_name = self._types[path]
@@ -445,7 +447,7 @@ class Drafter:
 
     # -- small things
 
-    def _block(self, draft: BlockDraft, value: str | None, *, acting: bool) -> Item:
+    def _block(self, draft: BlockDraft, value: str | None, *, acting: bool) -> DrawnItem:
         node, item = draft.draw(self.new_id(), self.new_order() if acting else None, value)
         self.nodes.append(node)
         return item

@@ -13,9 +13,9 @@ from plcopen_sfc.languages.networks.pictures import (
     ROW,
     Area,
     BlockDraft,
-    End,
-    Item,
+    DrawnItem,
     Slot,
+    WireStart,
     connect,
     placed,
     text_width,
@@ -41,12 +41,12 @@ from plcopen_sfc.model.network import (
 _GAP = 2 * GRID
 RAIL_WIDTH = 10
 
-Inflow = Sequence[End] | None
+Inflow = Sequence[WireStart] | None
 """Where power comes from: ends of wires, or None for the left power rail."""
 
 
 class _Part(NamedTuple):
-    """A part of a rung: `place` puts it somewhere, given where its power comes from; `line` as in `Item`."""
+    """A part of a rung: `place` puts it somewhere, given where its power comes from; `line` as in `DrawnItem`."""
 
     line: float
     place: Callable[[float, float, Inflow], Area]
@@ -60,7 +60,7 @@ class LadderDrafter(Drafter):
         self._inside = False
         self._rail = LeftPowerRail(id=0)
 
-    def sink(self, target: Expression, value: Expression, storage: Storage) -> Item:
+    def sink(self, target: Expression, value: Expression, storage: Storage) -> DrawnItem:
         """A coil where the value is Boolean, else a variable as in FBD."""
         if storage is Storage.NONE and not (self._is_boolean(value) or self._is_boolean(target)):
             return super().sink(target, value, storage)
@@ -81,14 +81,14 @@ class LadderDrafter(Drafter):
         self.nodes.append(coil)
         return placed(coil, (width, ROW), [Slot(coil.input or InputPin(), ROW / 2, item)], [], ROW / 2)
 
-    def power(self, expression: Expression) -> Item:
+    def power(self, expression: Expression) -> DrawnItem:
         """A Boolean value as contacts that start at the left power rail."""
         if self._inside:
             return super().value(expression)
         part = self._part(expression, at_rail=True)
-        return Item(part.line, lambda x, y: part.place(x, y, None))
+        return DrawnItem(part.line, lambda x, y: part.place(x, y, None))
 
-    def value(self, expression: Expression) -> Item:
+    def value(self, expression: Expression) -> DrawnItem:
         """As in FBD, but that AND and OR of contacts come from the left power rail."""
         inner = n.bare(expression)
         joins = isinstance(inner, n.Operation) and inner.operator in (Operator.AND, Operator.OR)
@@ -144,7 +144,7 @@ class LadderDrafter(Drafter):
             contact.position, contact.width, contact.height = (x, y), width, ROW
             row = y + ROW / 2
             connect(pin, (x, row), self._through(x, y, inflow).ends, x)
-            return Area((End(contact.id, None, (x + width, row)),), x + width, y + ROW)
+            return Area((WireStart(contact.id, None, (x + width, row)),), x + width, y + ROW)
 
         return _Part(ROW / 2, place)
 
@@ -160,7 +160,7 @@ class LadderDrafter(Drafter):
         block = operator_block(Operator.AND)
         assert block is not None  # noqa: S101
         inflow: list[Inflow] = []
-        before = Item(ROW / 2, lambda x, y: self._through(x, y, inflow[-1]))
+        before = DrawnItem(ROW / 2, lambda x, y: self._through(x, y, inflow[-1]))
         draft = BlockDraft("AND", call=self._call_kind(BlockCall.OPERATOR))
         names = [self._pin(block, pin.name) for pin in block.inputs]
         draft.inputs = [(names[0], before), (names[1], item)]
@@ -178,7 +178,7 @@ class LadderDrafter(Drafter):
         row = y + ROW / 2
         if inflow is None:
             self._rail.outputs.append(OutputPin(name="", position=(RAIL_WIDTH, row - self._rail.position[1])))
-            ends = [End(self._rail.id, None, (self._rail.position[0] + RAIL_WIDTH, row))]
+            ends = [WireStart(self._rail.id, None, (self._rail.position[0] + RAIL_WIDTH, row))]
         else:
             ends = [end if end.at[1] == row else _led(end, x, row) for end in inflow]
         return Area(tuple(ends), x, y + ROW)
@@ -242,7 +242,7 @@ def _branches(expression: Expression) -> bool:
     return isinstance(inner, n.Operation) and inner.operator is Operator.OR
 
 
-def _led(end: End, x: float, row: float) -> End:
+def _led(end: WireStart, x: float, row: float) -> WireStart:
     """The end of a wire led on to another row."""
     corner = x - GRID
     return end._replace(at=(x, row), route=((corner, row), (corner, end.at[1]), end.at, *end.route))
@@ -264,7 +264,7 @@ def _series(parts: Sequence[_Part]) -> _Part:
 
 def _parallel(parts: Sequence[_Part]) -> _Part:
     def place(x: float, y: float, inflow: Inflow) -> Area:
-        ends: list[End] = []
+        ends: list[WireStart] = []
         right, below = x, y
         for part in parts:
             area = part.place(x, below, inflow)

@@ -37,7 +37,7 @@ def text_width(text: str, least: int = 40) -> int:
     return -(-max(longest * _LETTER + GRID, least) // ROW) * ROW
 
 
-class End(NamedTuple):
+class WireStart(NamedTuple):
     """Where a wire starts: an output and its place.
 
     `route`: the wire runs from `at` back to its output over these points, the last of which is the place of that.
@@ -52,12 +52,12 @@ class End(NamedTuple):
 class Area(NamedTuple):
     """What was placed: where wires go on from it, and how far it reaches to the right and down."""
 
-    ends: tuple[End, ...]
+    ends: tuple[WireStart, ...]
     right: float
     bottom: float
 
 
-class Item(NamedTuple):
+class DrawnItem(NamedTuple):
     """Something to be placed: `place` puts its top left corner somewhere.
 
     `line` is how far below its top its output is. `negated`: whoever takes its value must invert it.
@@ -73,10 +73,10 @@ class Slot(NamedTuple):
 
     pin: InputPin
     row: float
-    item: Item
+    item: DrawnItem
 
 
-def connect(pin: InputPin, at: Point, ends: Sequence[End], channel: float) -> None:
+def connect(pin: InputPin, at: Point, ends: Sequence[WireStart], channel: float) -> None:
     """Draw wires from `ends` to the input `pin` at `at`; where they must go up or down they do it at x = `channel`."""
     for end in ends:
         bend = [(channel, at[1]), (channel, end.at[1])] if end.at[1] != at[1] else []
@@ -84,7 +84,9 @@ def connect(pin: InputPin, at: Point, ends: Sequence[End], channel: float) -> No
         pin.connections.append(Connection(source=end.source, pin=end.pin, points=points))
 
 
-def placed(node: Node, size: tuple[int, int], slots: Sequence[Slot], outputs: Sequence[End], line: float) -> Item:
+def placed(
+    node: Node, size: tuple[int, int], slots: Sequence[Slot], outputs: Sequence[WireStart], line: float
+) -> DrawnItem:
     """The item of an element and of all that feeds it. The places of `outputs` are relative to the element.
 
     The element stands as low as its first input needs to be on the line of what feeds it.
@@ -106,7 +108,7 @@ def placed(node: Node, size: tuple[int, int], slots: Sequence[Slot], outputs: Se
         ends = tuple(end._replace(at=(left + end.at[0], top + end.at[1])) for end in outputs)
         return Area(ends, left + size[0], max(top + size[1], below - GRID if slots else 0))
 
-    return Item(line + drop, place)
+    return DrawnItem(line + drop, place)
 
 
 @dataclass(slots=True)
@@ -120,11 +122,11 @@ class BlockDraft:
     instance: str | None = None
     call: BlockCall | None = None
     code: str | None = None
-    inputs: list[tuple[str, Item | None]] = field(default_factory=list)
+    inputs: list[tuple[str, DrawnItem | None]] = field(default_factory=list)
     outputs: list[str] = field(default_factory=list)
     operand: tuple[str, str] | None = None
 
-    def draw(self, number: int, order: int | None, value: str | None) -> tuple[Block, Item]:
+    def draw(self, number: int, order: int | None, value: str | None) -> tuple[Block, DrawnItem]:
         """The block, and it as an item whose value is the output `value`."""
         inputs: list[BlockVariable] = []
         slots: list[Slot] = []
@@ -154,6 +156,6 @@ class BlockDraft:
             execution_order=order,
             parameters=BlockParameters(inputs=inputs, outputs=outputs),
         )
-        ends = [End(number, value, (width, rows[value]))] if value is not None else []
+        ends = [WireStart(number, value, (width, rows[value]))] if value is not None else []
         line = rows[value] if value is not None else FIRST_PIN
         return node, placed(node, (width, height), slots, ends, line)

@@ -71,10 +71,10 @@ class DeclarationBuilder(Builder):
         return d.ProgramInstance(items[2], name_of(items[4]), items[6], span=over(items))
 
     def task(self, items: Items) -> Any:
-        return d.Task(name_of(items[1]), tuple(items[3]), span=over(items))
+        return d.TaskNode(name_of(items[1]), tuple(items[3]), span=over(items))
 
     def end(self, items: Items) -> Any:
-        return d.End(items[0].value.upper(), span=over(items))
+        return d.EndNode(items[0].value.upper(), span=over(items))
 
     def struct_body(self, items: Items) -> Any:
         return d.StructBody(items[0], span=over(items))
@@ -86,10 +86,10 @@ class DeclarationBuilder(Builder):
         return d.Section(items[0].value.upper(), qualifiers, tuple(items[2]), span=over(items))
 
     def access_section(self, items: Items) -> Any:
-        return d.AccessSection(tuple(items[1]), span=over(items))
+        return d.AccessSectionNode(tuple(items[1]), span=over(items))
 
     def config_section(self, items: Items) -> Any:
-        return d.ConfigSection(tuple(items[1]), span=over(items))
+        return d.ConfigSectionNode(tuple(items[1]), span=over(items))
 
     def type_section(self, items: Items) -> Any:
         return d.TypeSection(tuple(items[1]), span=over(items))
@@ -151,33 +151,33 @@ class DeclarationBuilder(Builder):
     def named_type(self, items: Items) -> Any:
         name: Expression = items[0]
         if isinstance(name, n.Name) and name.identifier.upper() in _STRINGS:
-            return d.StringType(name, span=name.span)
+            return d.StringTypeNode(name, span=name.span)
         return d.NamedType(name, span=name.span)
 
     def type_with_arguments(self, items: Items) -> Any:
         name, arguments = items[0], tuple(items[2]) if len(items) > 3 else ()
         word = name.identifier.upper() if isinstance(name, n.Name) else ""
         if word in _STRINGS and len(arguments) == 1 and arguments[0].name is None:
-            return d.StringType(name, arguments[0].value, span=over(items))
+            return d.StringTypeNode(name, arguments[0].value, span=over(items))
         if word in _INTEGERS:
             values = tuple(_enum_value(argument) for argument in arguments)
             if values and None not in values:
-                return d.EnumType(values, d.NamedType(name, span=name.span), span=over(items))  # type: ignore[arg-type]  # no None among them
+                return d.EnumTypeNode(values, d.NamedType(name, span=name.span), span=over(items))  # type: ignore[arg-type]  # no None among them
         return d.NamedType(name, arguments, span=over(items))
 
     def subrange(self, items: Items) -> Any:
         bounds = n.Range(items[2], items[4], span=over(items[2:5]))
-        return d.SubrangeType(d.NamedType(items[0], span=items[0].span), bounds, span=over(items))
+        return d.SubrangeTypeNode(d.NamedType(items[0], span=items[0].span), bounds, span=over(items))
 
     def sized_type(self, items: Items) -> Any:
         name: Expression = items[0]
         if not isinstance(name, n.Name) or name.identifier.upper() not in _STRINGS:
             self.problems.append(Problem("only STRING and WSTRING have a length", over(items)))
             name = name if isinstance(name, n.Name) else n.Name("STRING", span=name.span)
-        return d.StringType(name, items[2], span=over(items))
+        return d.StringTypeNode(name, items[2], span=over(items))
 
     def array_type(self, items: Items) -> Any:
-        return d.ArrayType(tuple(items[2]), items[5], span=over(items))
+        return d.ArrayTypeNode(tuple(items[2]), items[5], span=over(items))
 
     def open_dimension(self, items: Items) -> Any:
         if items[0].value != "*":
@@ -185,22 +185,22 @@ class DeclarationBuilder(Builder):
         return d.OpenDimension(span=items[0].span)
 
     def pointer(self, items: Items) -> Any:
-        return d.PointerType(items[0].value.upper(), items[2], span=over(items))
+        return d.PointerTypeNode(items[0].value.upper(), items[2], span=over(items))
 
     def reference(self, items: Items) -> Any:
-        return d.PointerType("REF_TO", items[1], span=over(items))
+        return d.PointerTypeNode("REF_TO", items[1], span=over(items))
 
     def enum(self, items: Items) -> Any:
-        return d.EnumType(tuple(items[1]), span=over(items))
+        return d.EnumTypeNode(tuple(items[1]), span=over(items))
 
     def enum_with_base(self, items: Items) -> Any:
-        return d.EnumType(tuple(items[1]), d.NamedType(items[3], span=items[3].span), span=over(items))
+        return d.EnumTypeNode(tuple(items[1]), d.NamedType(items[3], span=items[3].span), span=over(items))
 
     def enum_value(self, items: Items) -> Any:
-        return d.EnumValue(name_of(items[0]), items[2] if len(items) > 1 else None, span=over(items))
+        return d.EnumValueNode(name_of(items[0]), items[2] if len(items) > 1 else None, span=over(items))
 
     def struct(self, items: Items) -> Any:
-        return d.StructType(tuple(items[1]), items[0].type == "UNION", span=over(items))
+        return d.StructTypeNode(tuple(items[1]), items[0].type == "UNION", span=over(items))
 
     # -- initial values
 
@@ -211,25 +211,25 @@ class DeclarationBuilder(Builder):
         return d.Repetition(self.literal(items), None, span=over(items))
 
     def empty_array(self, items: Items) -> Any:
-        return d.ArrayValue((), span=over(items))
+        return d.ArrayValueNode((), span=over(items))
 
     def array_value(self, items: Items) -> Any:
-        return d.ArrayValue(tuple(_item(item) for item in items[1]), span=over(items))
+        return d.ArrayValueNode(tuple(_item(item) for item in items[1]), span=over(items))
 
     def empty_struct(self, items: Items) -> Any:
-        return d.StructValue((), span=over(items))
+        return d.StructValueNode((), span=over(items))
 
     def struct_value(self, items: Items) -> Any:
-        return d.StructValue(tuple(items[1]), span=over(items))
+        return d.StructValueNode(tuple(items[1]), span=over(items))
 
     def struct_by_position(self, items: Items) -> Any:
-        return d.StructValue((items[1], *items[3]), span=over(items))
+        return d.StructValueNode((items[1], *items[3]), span=over(items))
 
     def struct_of_one(self, items: Items) -> Any:
-        return d.StructValue((items[1],), span=over(items))
+        return d.StructValueNode((items[1],), span=over(items))
 
     def member_value(self, items: Items) -> Any:
-        return d.MemberValue(name_of(items[0]), items[2], span=over(items))
+        return d.MemberValueNode(name_of(items[0]), items[2], span=over(items))
 
     # -- the whole
 
@@ -259,12 +259,12 @@ def _value(items: Items) -> Any:
     """The initial value; several items without brackets are an array (CoDeSys V2.3)."""
     if len(items) == 1 and not isinstance(items[0], d.Repetition):
         return items[0]
-    return d.ArrayValue(tuple(_item(item) for item in items), span=over(items))
+    return d.ArrayValueNode(tuple(_item(item) for item in items), span=over(items))
 
 
-def _enum_value(argument: n.Argument) -> d.EnumValue | None:
+def _enum_value(argument: n.Argument) -> d.EnumValueNode | None:
     if argument.name is not None and not argument.output and not argument.negated:
-        return d.EnumValue(argument.name, argument.value, span=argument.span)
+        return d.EnumValueNode(argument.name, argument.value, span=argument.span)
     if argument.name is None and isinstance(argument.value, n.Name):
-        return d.EnumValue(argument.value, span=argument.span)
+        return d.EnumValueNode(argument.value, span=argument.span)
     return None

@@ -26,7 +26,7 @@ class NamedType(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class StringType(Node):
+class StringTypeNode(Node):
     """``STRING``, ``STRING[80]``, ``WSTRING(80)``."""
 
     name: Name
@@ -34,7 +34,7 @@ class StringType(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class SubrangeType(Node):
+class SubrangeTypeNode(Node):
     """``INT(0..10)``."""
 
     base: NamedType
@@ -47,7 +47,7 @@ class OpenDimension(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class ArrayType(Node):
+class ArrayTypeNode(Node):
     """``ARRAY [1..3, 0..9] OF base``, ``ARRAY [*] OF base``."""
 
     dimensions: tuple[Range | OpenDimension, ...]
@@ -55,7 +55,7 @@ class ArrayType(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class PointerType(Node):
+class PointerTypeNode(Node):
     """``POINTER TO base``, ``REFERENCE TO base``, ``REF_TO base``: `keyword` is the first word, in capitals."""
 
     keyword: str
@@ -63,7 +63,7 @@ class PointerType(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class StructType(Node):
+class StructTypeNode(Node):
     """``STRUCT .. END_STRUCT`` or, with `union`, ``UNION .. END_UNION``."""
 
     members: tuple[VariableDeclaration | Unreadable, ...]
@@ -71,7 +71,7 @@ class StructType(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class EnumValue(Node):
+class EnumValueNode(Node):
     """One name of an enumeration."""
 
     name: Name
@@ -79,14 +79,16 @@ class EnumValue(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class EnumType(Node):
+class EnumTypeNode(Node):
     """``(Red, Green := 5) BYTE`` or, with the base before it, ``BYTE (Red, Green := 5)``."""
 
-    values: tuple[EnumValue, ...]
+    values: tuple[EnumValueNode, ...]
     base: TypeNode | None = None
 
 
-TypeNode: TypeAlias = "NamedType | StringType | SubrangeType | ArrayType | PointerType | StructType | EnumType"
+TypeNode: TypeAlias = (
+    "NamedType | StringTypeNode | SubrangeTypeNode | ArrayTypeNode | PointerTypeNode | StructTypeNode | EnumTypeNode"
+)
 """Any type."""
 
 # -- initial values
@@ -101,14 +103,14 @@ class Repetition(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class ArrayValue(Node):
+class ArrayValueNode(Node):
     """``[1, 2, 3(0)]``, or without brackets as CoDeSys V2.3 has it."""
 
     items: tuple[InitialValue | Repetition, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class MemberValue(Node):
+class MemberValueNode(Node):
     """``member := value``."""
 
     member: Name
@@ -116,13 +118,13 @@ class MemberValue(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class StructValue(Node):
+class StructValueNode(Node):
     """``(a := 1, b := [2, 3])`` of a structure or an instance; in SCL also by position, ``(1, (2, 3))``."""
 
-    members: tuple[MemberValue | InitialValue, ...]
+    members: tuple[MemberValueNode | InitialValue, ...]
 
 
-InitialValue: TypeAlias = "Expression | ArrayValue | StructValue"
+InitialValue: TypeAlias = "Expression | ArrayValueNode | StructValueNode"
 """Any initial value."""
 
 # -- variables and sections
@@ -163,7 +165,7 @@ class AccessPath(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class AccessSection(Node):
+class AccessSectionNode(Node):
     """``VAR_ACCESS .. END_VAR``."""
 
     paths: tuple[AccessPath | Unreadable, ...]
@@ -180,7 +182,7 @@ class ConfigEntry(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class ConfigSection(Node):
+class ConfigSectionNode(Node):
     """``VAR_CONFIG .. END_VAR``."""
 
     entries: tuple[ConfigEntry | Unreadable, ...]
@@ -236,7 +238,7 @@ class PouHead(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Task(Node):
+class TaskNode(Node):
     """``TASK name(INTERVAL := T#20ms, PRIORITY := 1);``"""
 
     name: Name
@@ -256,19 +258,19 @@ class ProgramInstance(Node):
 class StructBody(Node):
     """The ``STRUCT .. END_STRUCT`` that declares a data block (SCL)."""
 
-    type: StructType
+    type: StructTypeNode
 
 
 @dataclass(frozen=True, slots=True)
-class End(Node):
+class EndNode(Node):
     """``END_FUNCTION_BLOCK`` and the like. `keyword` is in capitals."""
 
     keyword: str
 
 
 Declaration: TypeAlias = (
-    "PouHead | Section | AccessSection | ConfigSection | TypeSection | Task | ProgramInstance | StructBody | End"
-    " | Unreadable"
+    "PouHead | Section | AccessSectionNode | ConfigSectionNode | TypeSection | TaskNode | ProgramInstance"
+    " | StructBody | EndNode | Unreadable"
 )
 """Whatever stands at the outermost level of a declaration."""
 

@@ -13,7 +13,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.languages.st.parsing import Parsed
 from plcopen_sfc.languages.st.walking import walk
-from plcopen_sfc.languages.translation.translation_context import TITLES, Outcome
+from plcopen_sfc.languages.translation.translation_context import TITLES, PartText
 
 _CARRIED = re.compile(r"\(\*pragma (\{[^}]*\})\*\)")
 _REGION = re.compile(r"""\{\s*region\s*(?:\(?\s*(?:'([^\r\n]*)'|"([^\r\n]*)")\s*\)?\s*)?\}""", re.IGNORECASE)
@@ -23,41 +23,41 @@ _END_OF_REGION = re.compile(r"END_REGION", re.IGNORECASE)
 _END_REGION = re.compile(r"\{\s*endregion\s*\}", re.IGNORECASE)
 
 
-def translated_comment(kind: CommentKind, text: str, source: Dialect, target: Dialect, *, regions: bool) -> Outcome:
+def translated_comment(kind: CommentKind, text: str, source: Dialect, target: Dialect, *, regions: bool) -> PartText:
     """A comment or a pragma of `source` in `target`, both families.
 
     ``//`` and ``(* *)`` are known to all, ``/* */`` to IEC 61131-3, ``(/* */)`` to SCL, pragmas to all but SCL: there
     they stand in a comment that becomes a pragma again on the way back. `regions`: pragmas of regions become REGION.
     """
     if source is target or kind is CommentKind.LINE:
-        return Outcome(text)
+        return PartText(text)
     if kind is CommentKind.PRAGMA:
         return _pragma(text, target, regions=regions)
     carried = _CARRIED.fullmatch(text)
     if carried is not None and source is Dialect.SCL:
-        return Outcome(carried[1])
+        return PartText(carried[1])
     if text.startswith("(/*") and target is not Dialect.SCL:
-        return Outcome(f"(*{_harmless(text[3:-3])}*)")
+        return PartText(f"(*{_harmless(text[3:-3])}*)")
     if text.startswith("/*") and target is not Dialect.IEC:
-        return Outcome(f"(*{_harmless(text[2:-2])}*)")
-    return Outcome(text)
+        return PartText(f"(*{_harmless(text[2:-2])}*)")
+    return PartText(text)
 
 
-def _pragma(text: str, target: Dialect, *, regions: bool) -> Outcome:
+def _pragma(text: str, target: Dialect, *, regions: bool) -> PartText:
     if _CONDITIONAL.match(text):
         why = f"{TITLES[target]} has no pragmas that leave statements out: they are always executed there"
-        return Outcome(text if target is not Dialect.SCL else f"(*pragma {_harmless(text)}*)", Severity.ERROR, why)
+        return PartText(text if target is not Dialect.SCL else f"(*pragma {_harmless(text)}*)", Severity.ERROR, why)
     region, end = _REGION.fullmatch(text), _END_REGION.fullmatch(text)
     if target is not Dialect.SCL:
         if region is not None or end is not None:
-            return Outcome(text)
-        return Outcome(text, Severity.INFO, f"what a pragma means depends on the tool: {TITLES[target]} may ignore it")
+            return PartText(text)
+        return PartText(text, Severity.INFO, f"what a pragma means depends on the tool: {TITLES[target]} may ignore it")
     if regions and region is not None:
-        return Outcome(f"REGION {_unescaped(region[1] or region[2] or '')}".rstrip())
+        return PartText(f"REGION {_unescaped(region[1] or region[2] or '')}".rstrip())
     if regions and end is not None:
-        return Outcome("END_REGION")
+        return PartText("END_REGION")
     reason = "SCL has no pragmas in statements: it became a comment"
-    return Outcome(f"(*pragma {_harmless(text)}*)", Severity.WARNING, reason)
+    return PartText(f"(*pragma {_harmless(text)}*)", Severity.WARNING, reason)
 
 
 def _harmless(text: str) -> str:

@@ -15,7 +15,7 @@ from plcopen_sfc.languages.st.literals import (
     literal_value,
     time_literal,
 )
-from plcopen_sfc.languages.translation.translation_context import TITLES, Outcome
+from plcopen_sfc.languages.translation.translation_context import TITLES, PartText
 
 _SHORT = {"BYTE": "B", "WORD": "W", "DWORD": "DW"}
 _LACKING = {
@@ -30,7 +30,7 @@ _LACKING = {
 }
 
 
-def translated_literal(text: str, source: Dialect, target: Dialect) -> Outcome:
+def translated_literal(text: str, source: Dialect, target: Dialect) -> PartText:
     """A literal of `source` in `target`, both families (see `families`). How it is written stays where it can.
 
     Enumerated values (``Color#red``) are not for here: in CODESYS they are no literals.
@@ -38,27 +38,27 @@ def translated_literal(text: str, source: Dialect, target: Dialect) -> Outcome:
     try:
         literal = literal_value(text, source)
     except LiteralError as error:
-        return Outcome(text, Severity.ERROR, f"{error.message}; left as it stands")
+        return PartText(text, Severity.ERROR, f"{error.message}; left as it stands")
     prefix, mark, body = text.partition("#")
     why = _LACKING[target].get(literal.type)
     if why is not None and source is not target:
-        return Outcome(text, Severity.ERROR, f"{TITLES[target]} has no literals of the type {literal.type}: {why}")
+        return PartText(text, Severity.ERROR, f"{TITLES[target]} has no literals of the type {literal.type}: {why}")
     match literal.kind:
         case LiteralKind.INTEGER if mark:
             short = source is Dialect.SCL and prefix.upper() in SHORT_TYPES
-            return Outcome(_integer(text, body, literal.type, target, short=short))
+            return PartText(_integer(text, body, literal.type, target, short=short))
         case LiteralKind.STRING:
-            return Outcome(_string(text, literal, target))
+            return PartText(_string(text, literal, target))
         case LiteralKind.DURATION if isinstance(literal.value, int):
             return _duration(text, literal.value, literal.type, target)
         case LiteralKind.DATE if prefix.upper() == "LD" and target is Dialect.CODESYS:
-            return Outcome(f"LDATE#{body}")
+            return PartText(f"LDATE#{body}")
         case LiteralKind.POINTER:
-            return Outcome(text, Severity.ERROR, f"{text} is a pointer of S7, {TITLES[target]} has none")
+            return PartText(text, Severity.ERROR, f"{text} is a pointer of S7, {TITLES[target]} has none")
         case LiteralKind.NULL if target is Dialect.CODESYS:
-            return Outcome(text, Severity.ERROR, "CODESYS has no NULL: its pointers and references compare with 0")
+            return PartText(text, Severity.ERROR, "CODESYS has no NULL: its pointers and references compare with 0")
         case _:
-            return Outcome(text)
+            return PartText(text)
 
 
 def _integer(text: str, body: str, type: str, target: Dialect, *, short: bool) -> str:
@@ -91,22 +91,22 @@ def _requoted_part(found: re.Match[str], old: str, quote: str) -> str:
     return old if found[1] == old else found[0]
 
 
-def _duration(text: str, nanoseconds: int, type: str, target: Dialect) -> Outcome:
+def _duration(text: str, nanoseconds: int, type: str, target: Dialect) -> PartText:
     body = text.partition("#")[2]
     if type == "S5TIME" and target is not Dialect.SCL:
-        return Outcome(f"T#{body}", Severity.WARNING, f"{text} is a S5TIME, it became a TIME, which counts finer")
+        return PartText(f"T#{body}", Severity.WARNING, f"{text} is a S5TIME, it became a TIME, which counts finer")
     if target is Dialect.IEC:
-        return Outcome(text)
+        return PartText(text)
     fine = "." in body or (type != "LTIME" and re.search("us|ns", body, re.IGNORECASE))
     least, greatest = TIME_RANGES.get((target, type), (nanoseconds, nanoseconds))
     if fine or _overflows(body) or not least <= nanoseconds <= greatest:
         try:
-            return Outcome(time_literal(nanoseconds, target, type))
+            return PartText(time_literal(nanoseconds, target, type))
         except LiteralError as error:
-            return Outcome(text, Severity.ERROR, f"{text}: {error.message}; left as it stands")
+            return PartText(text, Severity.ERROR, f"{text}: {error.message}; left as it stands")
     if target is Dialect.CODESYS and text[:3].upper() == "LT#":
-        return Outcome(f"LTIME#{body}")
-    return Outcome(text)
+        return PartText(f"LTIME#{body}")
+    return PartText(text)
 
 
 def _overflows(body: str) -> bool:

@@ -109,7 +109,7 @@ class Note:
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class PartText:
     """The text of something in the target dialect. `severity` None: it means the same, and there is nothing to say."""
 
     text: str
@@ -132,7 +132,7 @@ class Notes:
         line, column = self._lines.place(start)
         self._found[Note(severity, reason, (start, end), line, column)] = None
 
-    def take(self, outcome: Outcome, place: Node | Span) -> str:
+    def take(self, outcome: PartText, place: Node | Span) -> str:
         """The text of an outcome, after noting what it has to say."""
         if outcome.severity is not None:
             self.add(outcome.severity, outcome.reason, place)

@@ -61,7 +61,7 @@ def test_configurations() -> None:
     parsed = parse_declarations(text)
     assert parsed.problems == ()
     kinds = [type(item) for item in parsed.tree.items]
-    assert kinds == [d.PouHead, d.PouHead, d.Task, d.ProgramInstance, d.End, d.End]
+    assert kinds == [d.PouHead, d.PouHead, d.TaskNode, d.ProgramInstance, d.EndNode, d.EndNode]
 
 
 @pytest.mark.parametrize("name", "Type Action Step At Union Struct Constant Interface Public With On Method".split())
