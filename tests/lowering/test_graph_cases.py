@@ -268,7 +268,7 @@ def test_switching_on_by_hand_that_nobody_operates() -> None:
     project = block(ring(act("N")), "INIT_SQ SW_MAN SW_TAP S_SEL:INT S_ON T_PUSH", "Q S_NO:INT")
     operated = sfc.lower(project, profile="s7graph", verify=False)
     assert operated.construction is Construction.BITS
-    assert operated.why.endswith("with S_ON at rest one could")
+    assert operated.why.endswith("with S_ON inactive one could")
     with pytest.raises(LoweringError, match="S_ON can switch on") as caught:
         sfc.lower(project, "case", profile="s7graph")
     assert "at_rest=['S_ON']" in str(caught.value)

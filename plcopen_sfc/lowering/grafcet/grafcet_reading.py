@@ -221,7 +221,7 @@ def plain_chart(source: ChartSource) -> ChartSource:
     for what, there in (
         ("edges", grafcet.edges),
         ("times of conditions", grafcet.delays),
-        ("charts that others rule", grafcet.ruled),
+        ("charts that others force or enclose", grafcet.ruled),
     ):
         if there:
             refuse_classic(source, what)

@@ -177,7 +177,7 @@ class Stability:
         self._over = {pulse for pulse, e in edges if not self._changes(e.operand) and not self._steps_in(e.operand)}
         self._objection = ""
         self.most = self._most()
-        """The most evolutions of a scan in which a transition is cleared; None: there may be any number of them."""
+        """The most evolutions of a scan in which a transition fires; None: there may be any number of them."""
 
     @property
     def once(self) -> bool:
@@ -201,7 +201,7 @@ class Stability:
         """Return the length of the longest run of transitions that can follow each other; None if there is no end."""
         # an order changes a chart without a transition: the order of transitions alone bounds nothing
         if self._grafcet.ruled:
-            self._objection = "charts that are ruled by others are held and set free again"
+            self._objection = "charts that others force or enclose are held and set free again"
             return None
         transitions = self._source.net.transitions
         later = [self._later(condition) for condition in self._source.conditions]
@@ -212,7 +212,7 @@ class Stability:
             # a source transition is always enabled, and a condition that changes by itself needs no step to become
             # active
             if not transition.pre or self._is_volatile(transition, later[transition.index]):
-                self._objection = f"transition {transition.path} may be cleared in each of several evolutions"
+                self._objection = f"transition {transition.path} may fire in each of several evolutions"
                 return None
             for step in indexes(self._reads(later[transition.index])):
                 readers.setdefault(step, []).append(transition.index)
