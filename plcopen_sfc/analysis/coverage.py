@@ -249,6 +249,8 @@ def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
 def _branches(system: ProgramSystem) -> Iterator[tuple[Branch, bool]]:
     marks = system.marks
     for branch, is_reached in zip(marks.branches, marks.reached, strict=True):
+        if branch.owner in system.uncalled_actions:
+            continue
         if _is_own(system, branch.owner) or re.split(r"[. ]", branch.owner)[0] in system.also_counted:
             yield branch, is_reached
 

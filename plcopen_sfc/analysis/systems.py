@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from operator import itemgetter
 from typing import Any
 
@@ -16,6 +16,7 @@ from plcopen_sfc.analysis.free_calls import FreeCalls
 from plcopen_sfc.analysis.product import Branching, LeftOutError, end_of, hidden_reason
 from plcopen_sfc.analysis.timers import WaitingTimer, waiting_timers
 from plcopen_sfc.errors import ModelError, SfcError, SimulationError
+from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.charts import compile_chart
 from plcopen_sfc.semantics.charts.chart_coverage import Reached
@@ -373,6 +374,22 @@ class ProgramSystem:
         if self.not_followed and any(values := self._not_followed()):
             name, kind = next(each for each, value in zip(self.not_followed.items(), values, strict=True) if value)
             raise kind(f"{name} = TRUE")
+
+    @cached_property
+    def uncalled_actions(self) -> tuple[str, ...]:
+        """The actions of a POU without charts that no text of the project names, so that nothing can execute them."""
+        pou, dialect = self.subject.pou, self.subject.project.dialect
+        if self.instance.charts():
+            return ()
+        inside = {id(action): names_in(action, dialect) for action in pou.actions}
+        others = [each for each in self.subject.project.pous if each.name != pou.name]
+        owners = (*pou.bodies, *pou.methods, *pou.transitions, *others)
+        named = {name for each in owners for name in names_in(each, dialect)}
+        waiting = list(pou.actions)
+        while called := [action for action in waiting if action.name.casefold() in named]:
+            waiting = [action for action in waiting if action not in called]
+            named |= {name for action in called for name in inside[id(action)]}
+        return tuple(f"{pou.name}.{action.name}" for action in waiting)
 
     def called_pous(self) -> dict[str, Pou]:
         """Return the POUs of the project whose texts it executes besides its own, by their names."""

@@ -16,10 +16,10 @@ from plcopen_sfc.cli.screen import Screen, silence_stdout
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.files import refuse_unwritable
 
-__all__ = ["UNREADABLE", "describe_exhaustion", "guarded"]
+__all__ = ["INTERRUPTED", "UNREADABLE", "describe_exhaustion", "guarded"]
 
 UNREADABLE = 2
-_INTERRUPTED = 130  # 128 + SIGINT, as shells say it
+INTERRUPTED = 130  # 128 + SIGINT, as shells say it
 _PIPE_CLOSED = 141  # 128 + SIGPIPE
 
 
@@ -41,7 +41,7 @@ def guarded(*, as_json: bool, quiet: bool, verbose: int, report: Path | None = N
         screen.error(error)
         _trace(wanted=debug)
     except KeyboardInterrupt:
-        screen.exit_code = _INTERRUPTED
+        screen.exit_code = INTERRUPTED
         screen.complain("interrupted")
     except (MemoryError, RecursionError) as error:
         screen.exit_code = UNREADABLE

@@ -147,7 +147,7 @@ def prove(
         def compared(**narrowed: Any) -> Verdict:
             if limit is not None:
                 # the limit is for all searches together
-                searching["limit"] = max(start + limit - monotonic(), _LEAST_LIMIT)
+                searching["limit"] = max(start + limit - monotonic(), min(limit, _LEAST_LIMIT))
             return equivalent(
                 chart,
                 code,
@@ -175,8 +175,9 @@ def refuse_untested(name: str, found: Verdict, *, accepted: bool = False) -> Non
     """Raise `UntestedError` where not all was reached, unless that is accepted; an interruption never is."""
     if found.kind is not VerdictKind.UNTESTED or (accepted and not found.interrupted):
         return
+    ended = "the comparison was interrupted, so" if found.interrupted else "but"
     raise UntestedError(
-        f"the code is equal to the chart where both were run, but not all was reached: {found}",
+        f"the code is equal to the chart where both were run, {ended} not all was reached: {found}",
         verdict=found,
         location=Location(path=name),
         hint=""

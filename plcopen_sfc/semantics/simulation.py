@@ -13,17 +13,19 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.charts import compile_chart
+from plcopen_sfc.semantics.charts.sfc_flags import COMMANDS
 from plcopen_sfc.semantics.drawn_charts import as_executed
 from plcopen_sfc.semantics.inputs import BoundInputs, CsvInputs, InputFunction, InputSource, TraceInputs, Variables
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.programs.controller import Controller
 from plcopen_sfc.semantics.programs.instances import Instance
+from plcopen_sfc.semantics.programs.layouts import Direction
 from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.subjects import Subject, resolve
 from plcopen_sfc.semantics.system_inputs import system_inputs
 from plcopen_sfc.semantics.trace import Column, Trace
-from plcopen_sfc.semantics.watched_instances import signal_of, step_marking, watched
+from plcopen_sfc.semantics.watched_instances import Watched, is_written, signal_of, step_marking, watched
 
 __all__ = ["Simulation", "nanoseconds", "simulate"]
 
@@ -31,6 +33,7 @@ Inputs = InputSource | InputFunction | Trace | str | os.PathLike[str] | None
 """Where the inputs of a simulation come from; a path is that of a CSV file."""
 
 _DEFAULT_SCANS = 100
+_OPERATING_FLAGS = frozenset(flag.variable.casefold() for flag in COMMANDS)
 
 
 def simulate(
@@ -105,7 +108,9 @@ class Simulation:
         self.instance: Instance = self.controller.instance(subject.pou)
         self._watched = watched(self.instance)
         self._paths = {path.casefold(): path for path in self._watched}
-        inputs = {path: each.signal for path, each in self._watched.items() if each.is_input}
+        inputs = {
+            path: each.signal for path, each in self._watched.items() if each.is_input or self._operates(path, each)
+        }
         self.variables = Variables(
             inputs,
             [path for path in self._watched if path not in inputs],
@@ -121,6 +126,11 @@ class Simulation:
         )
         self._read = self.instance.reader([column.name for column in self.trace.columns])
         self._read_all = self.instance.reader(list(self._watched))
+
+    def _operates(self, path: str, variable: Watched) -> bool:
+        """Return True for a local SFC flag that operates the chart: visualisations write it, or calls from outside."""
+        is_flag = variable.direction == Direction.LOCAL and path.casefold() in _OPERATING_FLAGS
+        return is_flag and bool(self.instance.charts()) and not is_written(self.instance, path)
 
     @property
     def undeclared(self) -> dict[str, str]:

@@ -135,3 +135,10 @@ def test_an_index_that_is_an_input_goes_through_all_elements() -> None:
 def test_a_proof_needs_no_outcomes() -> None:
     body = "IF NOT a THEN q := b; END_IF;"
     assert compare(body, body).proven
+
+
+def test_actions_of_a_program_that_nothing_calls_do_not_count() -> None:
+    body = "r := r + n / 3; Used();\n{} ACTION Used: q := a; END_ACTION ACTION Unused: q := b; END_ACTION"
+    assert compare(body.format(""), body.format("")).coverage[0].counts["assignment"] == (2, 2)
+    called = body.format("").replace("Used();", "Used(); IF n > 5 AND n < 3 THEN Unused(); END_IF;")
+    assert compare(called, called).coverage[0].counts["assignment"] == (2, 3)

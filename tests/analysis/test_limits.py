@@ -8,7 +8,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
-from plcopen_sfc.errors import InputError
+from plcopen_sfc.analysis.search_limits import seconds
+from plcopen_sfc.errors import InputError, UntestedError
 from plcopen_sfc.model import Project
 
 _LATE = 4.0
@@ -52,7 +53,7 @@ def test_long_scans_end_in_time(delay: int | str) -> None:
     assert "time limit" in verdict.reason
 
 
-@pytest.mark.parametrize("limit", ["abc", "5", "T#1", "0s"])
+@pytest.mark.parametrize("limit", ["abc", "5 x", "T#1", "0s", "1,5"])
 def test_a_limit_that_is_none_is_called_so(limit: str) -> None:
     with pytest.raises(InputError, match=f"'{limit}' is no time limit"):
         equivalent(project("c"), project("c"), "iec", limit=limit)
@@ -63,3 +64,15 @@ def test_what_several_delays_have_used_up_is_told_by_the_whole_limit() -> None:
     verdict = limited(project("c", looping), project("c", looping), delay=[0, 1, 2])
     assert "the time limit of 0.5 s was reached" in verdict.reason
     assert "-" not in verdict.reason
+
+
+@pytest.mark.parametrize(
+    ("limit", "expected"), [("5", 5), ("2.5", 2.5), (3, 3), ("60s", 60), ("2m", 120), ("1ms", 0.001)]
+)
+def test_a_limit_is_a_number_of_seconds_or_has_a_unit(limit: float | str, expected: float) -> None:
+    assert seconds(limit) == expected
+
+
+def test_lowering_tells_the_limit_that_it_was_given() -> None:
+    with pytest.raises(UntestedError, match=r"the time limit of 0\.001 s"):
+        sfc.lower(project("Long.T > T#24h"), limit="1ms")

@@ -345,3 +345,10 @@ def test_a_file_that_was_read_with_errors_is_not_lowered_into_another_format(
     assert accepted.code == 1
     assert "approximated: error POU FB_Press" in accepted.out
     assert (tmp_path / "x.st").exists()
+
+
+def test_a_wrong_limit_is_told_before_anything_is_compared(cli: Cli, plant: Path) -> None:
+    done = cli("lower", "plant.xml", "--to", "scl", "--limit", "ten")
+    assert done.code == 2
+    assert "'ten' is no time limit" in done.err
+    assert "--no-verify" not in done.err

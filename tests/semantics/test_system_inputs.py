@@ -56,3 +56,13 @@ def test_names_count_where_they_operate_something(profile: str, expected: set[st
     pou = block(m.SfcNetwork(), "INIT_SQ S_SEL:INT Go").pous[0]
     names = ["INIT_SQ", "S_SEL", "Go", "DB.OFF_SQ"] + (["GVL.SFCReset"] if profile == "codesys" else [])
     assert system_inputs(pou, PROFILES[profile], names) == expected
+
+
+def test_local_flags_of_codesys_are_inputs() -> None:
+    project = sfc.loads(FLAGS.replace("VAR_INPUT", "VAR", 1).encode(), format="iec-text")
+    assert "SFCPause" in {v.name for v in project.pous[0].variables() if v.name.startswith("SFC")}
+    paused = sfc.simulate(project, profile="codesys", inputs=lambda scan, _: {"SFCPause": scan > 2}, scans=5)
+    assert list(paused["SFCPause"]) == [False, False, False, True, True]
+    trace = sfc.simulate(project, profile="codesys", inputs=RandomInputs(2, system_inputs=True), scans=100)
+    assert "SFCPause" in changing(trace)
+    assert "SFCPause" not in changing(sfc.simulate(project, profile="codesys", inputs=RandomInputs(2), scans=100))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 
 from plcopen_sfc.analysis.exclusivity import Truth, truth
+from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
@@ -135,6 +136,11 @@ class CheckedProject:
         return dialect_of(self.project)
 
     @cached_property
+    def knowledge(self) -> ProjectKnowledge:
+        """What is declared of the names in conditions."""
+        return ProjectKnowledge(self.project)
+
+    @cached_property
     def globals(self) -> dict[str, DataType]:
         """The types of global variables and tags by their names in lower case."""
         found: dict[str, DataType] = {}
@@ -229,6 +235,11 @@ class CheckedChart:
         return self.around.globals | own
 
     @cached_property
+    def knowledge(self) -> Knowledge:
+        """What the project tells of the names in conditions: types with their bounds, constants."""
+        return self.around.knowledge.at(self.pou, self.chart)
+
+    @cached_property
     def steps_of_pou(self) -> frozenset[str]:
         """The names of all steps in the POU, in lower case."""
         charts = self.around.charts_of(self.pou) if self.pou is not None else ()
@@ -250,7 +261,7 @@ class CheckedChart:
             condition = self.condition(sheet, transition)
             # deciding costs time, and most conditions vary: no constant in them, and no variable twice
             simple = condition.tree is not None and not condition.before and is_plain(condition.tree)
-            found = Truth.VARIES if simple else truth(condition, dialect=self.dialect)
+            found = Truth.VARIES if simple else truth(condition, dialect=self.dialect, knowledge=self.knowledge)
             self._truths[id(transition)] = found
         return found
 

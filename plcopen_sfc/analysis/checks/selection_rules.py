@@ -33,7 +33,7 @@ def _competing(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, Transition, T
                 continue
             seen.add((id(first), id(second)))
             conditions = [chart.condition(sheet, t) for t in (first, second)]
-            found = exclusive(*conditions, dialect=chart.dialect)
+            found = exclusive(*conditions, dialect=chart.dialect, knowledge=chart.knowledge)
             yield sheet, step, first, second, found.answer, _witness(found.witness) or found.reason
 
 
@@ -71,7 +71,7 @@ def _shadowed(chart: CheckedChart) -> Iterator[Finding]:
             if not before or chart.truth(sheet, later) is Truth.NEVER:
                 continue
             conditions = [chart.condition(sheet, t) for t in (later, *before)]
-            if covered(conditions[0], conditions[1:], dialect=chart.dialect) is Answer.YES:
+            if covered(conditions[0], conditions[1:], dialect=chart.dialect, knowledge=chart.knowledge) is Answer.YES:
                 names = ", ".join(sheet.label(t) for t in before)
                 message = f"whenever its condition is true, one tried before it is: {names} (from {step.name})"
                 yield Finding(sheet.at(later), message)

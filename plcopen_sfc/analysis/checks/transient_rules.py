@@ -67,7 +67,7 @@ def _implies(condition: NetworkExpression, others: list[NetworkExpression], char
         return False
     read = reads(condition.tree)
     near = [other for other in others if other.tree is not None and reads(other.tree) & read]
-    return bool(near) and covered(condition, others, dialect=chart.dialect) is Answer.YES
+    return bool(near) and covered(condition, others, dialect=chart.dialect, knowledge=chart.knowledge) is Answer.YES
 
 
 EVO01 = Rule(

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from plcopen_sfc.cli.guard import UNREADABLE
+from plcopen_sfc.analysis.search_limits import seconds
+from plcopen_sfc.cli.guard import INTERRUPTED, UNREADABLE
 from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
@@ -42,6 +43,7 @@ def run(screen: Screen, source: str, target: str | None, how: How) -> int:
 
     ``-`` is standard input and standard output.
     """
+    seconds(how.limit)  # a wrong one is a mistake of the command line, not of a chart
     if target is None:
         target = STANDARD_STREAM if source == STANDARD_STREAM else _beside(Path(source), how.to)
     project = load_input(screen, source)
@@ -82,6 +84,8 @@ def run(screen: Screen, source: str, target: str | None, how: How) -> int:
         screen.complain(f"nothing is written: {len(made.refused)} of {charts} charts are refused")
         if made.pous and not how.skip_refused:
             screen.advise("--skip-refused leaves them as they are and lowers the others.")
+        if any(isinstance(each, UntestedError) and each.verdict.interrupted for each in made.refused.values()):
+            return INTERRUPTED
         return _FINDINGS if untested else UNREADABLE
     if made.refused:
         screen.note(f"{len(made.refused)} of {charts} charts are refused, and left as they are")

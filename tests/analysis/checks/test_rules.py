@@ -352,10 +352,21 @@ case("SEL04", prioritised(2, 2), prioritised(2, 1), "it has the priority 2, as S
 
 case("CND08", steps(condition="S7.T > T#5s"), steps(condition="S2.T > T#5s"), "a step 'S7'")
 case("CND08", steps(condition="S7.x"), steps(condition="m.x", declared="VAR m : Motor; END_VAR"), "S7.x asks")
+
+
+def typed(condition: str) -> Callable[[], Subject]:
+    """A ring with a condition on variables with types."""
+    return steps(condition=condition, declared="VAR_INPUT n : INT; u : USINT; x : REAL; END_VAR")
+
+
 case("CND01", made(lambda chart: setattr(chart.transitions[0], "condition", None)), made(lambda chart: None), "no cond")
 case("CND02", steps(condition="TRUE"), steps(condition="a"), "the condition TRUE is always true")
 case("CND02", steps(condition="a OR NOT a"), steps(condition="a OR NOT c"), "always true")
 case("CND03", steps(condition="n > 5 AND n < 5"), steps(condition="n > 5 AND n < 7"), "never true")
+case("CND02", typed("u >= 0"), typed("n >= 0"), "u >= 0 is always true")
+case("CND02", typed("n <= 10 OR n >= 11"), typed("x <= 10 OR x >= 11"), "always true")
+case("CND03", typed("u > 255"), typed("u > 254"), "u > 255 is never true")
+case("CND03", typed("n > 10 AND n < 11"), typed("x > 10 AND x < 11"), "never true")
 case("CND04", steps(condition="(q := a)"), steps(condition="(q = a)"), "the condition writes q", "codesys")
 
 
@@ -687,3 +698,15 @@ def test_a_breach_is_found_and_what_is_beside_it_is_not(each: Case) -> None:
 
 def test_every_rule_has_a_case() -> None:
     assert {rule.code for rule in RULES} - {each.code for each in CASES} == set()
+
+
+def test_whether_legs_exclude_each_other_is_decided_with_their_types() -> None:
+    project = project_of("""VAR_INPUT n : INT; a : BOOL; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+STEP S3: END_STEP
+TRANSITION FROM S1 TO S2 := n > 5 AND n < 7; END_TRANSITION
+TRANSITION FROM S1 TO S3 := n > 6; END_TRANSITION
+TRANSITION FROM S2 TO S1 := a; END_TRANSITION
+TRANSITION FROM S3 TO S1 := a; END_TRANSITION""")
+    assert not {"SEL01", "SEL02"} & {finding.code for finding in sfc.check(project, profile="matiec")}
