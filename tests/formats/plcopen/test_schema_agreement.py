@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import random
+from collections import Counter
 from functools import cache
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -98,6 +99,29 @@ def full_document(version: str) -> etree._Element:
     return root
 
 
+def thinned(root: etree._Element) -> etree._Element:
+    """Remove what has a like: a third is left, with every kind of element and attribute where each kind may be.
+
+    Mutants are as many then, but for a few other places of an element among more siblings.
+    """
+    counts = Counter(kind for each in root.iter(etree.Element) for kind in kinds(each))
+    for each in [] if WHOLE else reversed(list(root.iterdescendants(etree.Element))):
+        parent = each.getparent()
+        within = Counter(kind for below in each.iter(etree.Element) for kind in kinds(below))
+        has_like = any(other is not each and other.tag == each.tag for other in parent)
+        if has_like and all(counts[kind] > count for kind, count in within.items()):
+            counts -= within
+            parent.remove(each)
+    return root
+
+
+def kinds(element: etree._Element) -> list[tuple[str, ...]]:
+    """What an element has of what its place may have: itself below its parent, and its attributes."""
+    parent = element.getparent()
+    where = (str(parent.tag) if parent is not None else "", str(element.tag))
+    return [where, *((*where, str(name)) for name in element.attrib)]
+
+
 def tc6_files() -> list[Path]:
     return [path for kind in ("plcopen", "codesys") for path in corpus_files(kind) if path.suffix == ".xml"]
 
@@ -140,7 +164,7 @@ def test_same_verdict_on_mutants_of_every_file_of_the_corpus() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("version", [version.name for version in VERSIONS])
 def test_same_verdict_on_mutants_of_a_document_with_every_element(version: str) -> None:
-    root = full_document(version)
+    root = thinned(full_document(version))
     differing, valid = disagreements(root, f"every element {version}", PER_FULL_DOCUMENT)
     print(f"TC6 {version}: {PER_FULL_DOCUMENT} mutants, {len(differing)} disagreements; {valid} are valid")  # noqa: T201
     assert differing == []
@@ -155,7 +179,8 @@ def test_same_verdict_on_every_single_change_of_a_document_with_every_element(ve
     One in five of these, unless everything is to be run: versions that are nearly the same do not share theirs. Whoever
     changes a schema runs all.
     """
-    root = full_document(version)
+    root = thinned(full_document(version))
+    assert verdicts(root, version) == (True, True)
     differing, valid, total = [], 0, 0
     first = [each.name for each in VERSIONS].index(version) % SYSTEMATIC
     for what, mutant in islice(systematic_mutants(root), first, None, SYSTEMATIC):
