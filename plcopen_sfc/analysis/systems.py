@@ -109,6 +109,8 @@ class ProgramSystem:
         structures = [each for f in frames for each in f.v if isinstance(each, Frame)]
         self._elapsed = [(f.v, x.slot) for f in structures for x in f.layout.fields if x.type is ELAPSED]
         self._begins = self._kept = self._waiting = 0
+        self.is_delayed = False
+        """True if it is compared with other scans of the other side."""
         self._queue: tuple[tuple[Any, ...] | SfcError | None, ...] = ()
         self._seen: tuple[Any, ...] | None = None
         self._initial = self._state()
@@ -295,11 +297,7 @@ class ProgramSystem:
     def delay(self, *, begins: int, kept: int) -> None:
         """Begin some scans later, or be compared with what the other side does some scans later."""
         self._begins, self._kept = begins, kept
-
-    @property
-    def is_delayed(self) -> bool:
-        """Whether it is compared with other scans of the other side."""
-        return self._begins > 0 or self._kept > 0
+        self.is_delayed = begins > 0 or kept > 0
 
     @property
     def is_retimable(self) -> bool:

@@ -99,11 +99,12 @@ def encode(
     if not same:
         refuse_reading_errors(project, report)
     options = WriteOptions(version, flavour, same=same, source=source.content if source is not None and same else b"")
-    copy, meant, options, behaviour = prepared(project, kind, options, report)
-    data = kind.codec().write(copy, options, report)
-    if not (options.flavour and kind.text):  # what a flavour leaves out is for people, and not read back
-        verify(meant, kind, kind.codec().read(data).project, report)
-    called = names_in_the_source(project, copy)
+    with collector_paused():
+        copy, meant, options, behaviour = prepared(project, kind, options, report)
+        data = kind.codec().write(copy, options, report)
+        if not (options.flavour and kind.text):  # what a flavour leaves out is for people, and not read back
+            verify(meant, kind, kind.codec().read(data).project, report)
+        called = names_in_the_source(project, copy)
     if behaviour is not None:
         seen = read_document(data, format=kind.name, path=None, as_tool=True)
         target = PROFILES[flavour] if flavour else None

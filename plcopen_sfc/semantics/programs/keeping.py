@@ -30,7 +30,10 @@ class _Plan:
     @property
     def is_current(self) -> bool:
         """Whether no layout has grown since."""
-        return all(len(layout.fields) == count for layout, count in self.counts.items())
+        for layout, count in self.counts.items():  # noqa: SIM110  # all() takes twice as long, for every state
+            if len(layout.fields) != count:
+                return False
+        return True
 
 
 class Keeper:
