@@ -249,6 +249,12 @@ def test_an_instance_names_its_program_in_tc6(target: str) -> None:
     assert {i.type_name for task in tasks_of(seen) for i in task.instances} == {"PLC_PRG", "Eingabe_Anzahl"}
 
 
+@pytest.mark.parametrize(("target", "attribute"), [("plcopen-2.01", "typeName"), ("plcopen-1.01", "type")])
+def test_an_instance_is_called_after_its_program(target: str, attribute: str) -> None:
+    data = sfc.dumps(sfc.loads(EXPORT), format=target, partial=True)
+    assert f'<pouInstance name="PLC_PRG_instance" {attribute}="PLC_PRG">'.encode() in data
+
+
 def test_var_config_outside_of_a_configuration_is_edited_and_renamed() -> None:
     source = IN_CODESYS + (
         b"\nPROGRAM Main\n    VAR\n        v AT %I* : INT;\n    END_VAR\n\n    v := 1;\nEND_PROGRAM\n\n"

@@ -212,7 +212,7 @@ def _write_instance(ctx: Tc6WriteContext, parent: etree._Element, instance: PouI
         name, type_name = type_name or name, ""
     elif not type_name and not (instance.carried is not None and "type" in instance.carried.attributes):
         # but a file of TC6 2.x may have the attribute of 1.01 (iec-checker), which stays
-        name, type_name = f"{name}_write_instance", name
+        name, type_name = f"{name}_instance", name
     source = {"name": instance.name, "type_name": instance.type_name}
     also = source_mark(INSTANCE_FIELD, source, {"name": name, "type_name": type_name})
     element = add_child(ctx, parent, "pouInstance", {"name": name, type_attribute: type_name})
