@@ -67,6 +67,7 @@ def command(arguments: list[str], folder: Path) -> subprocess.CompletedProcess[s
 RUN_PAGES = [page for page in PAGES if any(block.language in ("python", "console") for block in blocks(page))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", RUN_PAGES, ids=name_of)
 def test_examples_of_a_page_run(page: Path, workplace: Path) -> None:
     names: dict[str, object] = {"__name__": "example"}
@@ -101,6 +102,7 @@ def marked_command(mark: str) -> str:
     return match[1]
 
 
+@pytest.mark.slow
 def test_the_first_command_shows_what_the_readme_shows(workplace: Path) -> None:
     last = shlex.split(marked_command("first command").split("&&")[-1])
     assert last[0] == ".venv/bin/plcopen-sfc"
@@ -110,6 +112,7 @@ def test_the_first_command_shows_what_the_readme_shows(workplace: Path) -> None:
     assert agrees(shown, result.stdout), result.stdout
 
 
+@pytest.mark.slow
 def test_commands_of_the_readme_are_single_lines_and_exist(workplace: Path) -> None:
     for block in blocks(README):
         if block.language != "sh":
@@ -221,6 +224,7 @@ def example(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return command([str(ROOT / "examples" / arguments[0]), *arguments[1:]], folder)
 
 
+@pytest.mark.slow
 def test_list_charts(workplace: Path) -> None:
     result = example(workplace, "list_charts.py", "fixtures/codesys")
     assert result.returncode == 0, result.stderr
@@ -231,6 +235,7 @@ def test_list_charts(workplace: Path) -> None:
     assert "truncated.xml" in broken.stderr
 
 
+@pytest.mark.slow
 def test_rename_steps_shows_a_diff_and_then_does_it(workplace: Path) -> None:
     path = workplace / "fixtures" / "codesys" / "sorting_conveyor.xml"
     before = path.read_bytes()
@@ -251,6 +256,7 @@ def test_rename_steps_shows_a_diff_and_then_does_it(workplace: Path) -> None:
     assert plcopen_sfc.load(path).pou("PLC_PRG").sfc.step("Ready").name == "Ready"
 
 
+@pytest.mark.slow
 def test_convert_folder(workplace: Path) -> None:
     result = example(workplace, "convert_folder.py", "fixtures/codesys", "out", "--to", "plcopen-2.01", "--partial")
     assert result.returncode == 0, result.stderr

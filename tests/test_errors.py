@@ -219,6 +219,7 @@ def test_other_references_are_left_alone(run, tmp_path, name):
         assert CANARY not in out + err
 
 
+@pytest.mark.slow
 @POSIX
 @pytest.mark.parametrize("name", [*HOSTILE, *HARMLESS])
 def test_nothing_is_opened(tmp_path, name):
@@ -258,6 +259,7 @@ sys.exit(main(sys.argv[2:]))
 """
 
 
+@pytest.mark.slow
 @POSIX
 def test_an_entity_bomb_costs_nothing():
     done = python(LIMITED, 400, "info", FIXTURES / "broken" / "entity_bomb.xml")
@@ -355,6 +357,7 @@ def test_full_disk(run, old, monkeypatch):
     assert untouched(old)
 
 
+@pytest.mark.slow
 @POSIX
 def test_the_system_lets_files_grow_no_further(old):
     """A real limit: the write stops in the middle of the file."""
@@ -393,6 +396,7 @@ def test_a_device_that_is_full(run, full_device):
     assert err.startswith(f"error: {full_device}: the disk is full")
 
 
+@pytest.mark.slow
 @POSIX
 def test_a_pipe_is_written_to_and_not_replaced(tmp_path):
     pipe = tmp_path / "pipe"
@@ -431,6 +435,7 @@ plcopen_sfc.save(project, target, format="json")
 """
 
 
+@pytest.mark.slow
 @POSIX
 @pytest.mark.parametrize("moment", ["writing", "syncing", "renaming"])
 def test_killed_while_saving(old, moment):

@@ -235,6 +235,7 @@ def test_a_comparison_that_is_assigned_must_have_both_outcomes() -> None:
     assert verdict.coverage[0].counts["outcome of comparison"] == (1, 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("value", "constant"),
     [
@@ -366,6 +367,7 @@ def test_an_action_that_was_never_executed_is_not_called_equal() -> None:
     assert f"not reached: {untested[0]}" in str(verdict).splitlines()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("action", ["q(D, T#1h)", "q(SD, T#1h)", "q(L, T#10s)", "q(P1)", "q(P0)"])
 def test_the_search_has_actions_executed(action: str) -> None:
     verdict = acting(action)
@@ -380,6 +382,7 @@ def test_the_search_makes_conditions_of_actions_true() -> None:
     assert verdict.coverage[0].counts["action"] == (2, 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("action", "leaving", "why"),
     [

@@ -49,6 +49,7 @@ CONSTANT = {
 """What a chart does that is later by a constant number of scans, however it is executed."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("first", "second"), TOOLS)
 @pytest.mark.parametrize("feature", CONSTANT)
 def test_tools_do_the_same_with_a_constant_delay(feature: str, first: str, second: str) -> None:
@@ -87,6 +88,7 @@ def test_a_final_scan_is_a_difference_whatever_the_delay_is() -> None:
     assert "1 scan before" in str(verdict)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("source", "result"),
     [

@@ -56,6 +56,7 @@ REACHED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", REACHED)
 def test_what_is_waited_for_is_reached(kind: str) -> None:
     transitions, actions = REACHED[kind]
@@ -66,6 +67,7 @@ def test_what_is_waited_for_is_reached(kind: str) -> None:
     assert verdict.coverage[0].counts["step"] == (3, 3)
 
 
+@pytest.mark.slow
 def test_the_same_arguments_give_the_same_search() -> None:
     transitions, actions = REACHED["a counter of edges"]
     chart = project(f"{transitions} {BACK}", actions)
@@ -74,6 +76,7 @@ def test_the_same_arguments_give_the_same_search() -> None:
     assert verdicts[0] == verdicts[1]
 
 
+@pytest.mark.slow
 def test_a_chart_that_cannot_go_on_is_proven_to_be_stuck() -> None:
     """The timer of the homing is only called by steps behind it."""
     conveyor = sfc.load("fixtures/codesys/sorting_conveyor.xml")
@@ -110,6 +113,7 @@ def compared(chart: Project, name: str, lowered: LoweredPou) -> Verdict:
     return equivalent(resolve(chart, name), lowered, cap=1, runs=25)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "name"),
     [("training-chain/codesys.xml", "Ablauf"), ("codesys/sorting_conveyor.xml", "FB_Pusher"), ("", "Main")],
@@ -136,6 +140,7 @@ STUCK = project(
 )
 
 
+@pytest.mark.slow
 def test_what_was_not_reached_is_not_called_equal() -> None:
     with pytest.raises(UntestedError, match="not all was reached") as raised:
         sfc.lower(STUCK, "bits")

@@ -79,6 +79,7 @@ def test_a_case_on_one_variable_is_proven(chart: str) -> None:
     assert by_value.states == flow.steps
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=25)
 @given(flow=flows())
 def test_exact_schemes_are_proven_for_random_charts(flow: Flow) -> None:
@@ -92,6 +93,7 @@ def test_exact_schemes_are_proven_for_random_charts(flow: Flow) -> None:
 # -- what is wrong
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=20)
 @given(flow=flows())
 def test_textbook_chains_are_found_different_for_random_charts(flow: Flow) -> None:
@@ -370,6 +372,7 @@ def test_timers_whose_time_is_no_constant_are_followed_to_their_end() -> None:
     assert verdict.counterexample.shortest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("qualifier", ["N", "S", "P", "P1", "P0", "L", "D", "SD", "DS", "SL"])
 @pytest.mark.parametrize("profile", ["iec", "codesys", "matiec"])
 def test_charts_with_every_qualifier_have_few_states(qualifier: str, profile: str) -> None:

@@ -67,6 +67,7 @@ def any_of(name: str, last: int) -> str:
     return f"q := FALSE; FOR k := 0 TO {last} DO q := q OR {name}[k]; END_FOR; k := 0;"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("section", ["VAR_INPUT", "VAR_IN_OUT", "VAR_EXTERNAL"])
 @pytest.mark.parametrize(
     ("one", "other"),
@@ -213,6 +214,7 @@ def test_what_cannot_be_driven_is_no_proof() -> None:
     assert "inputs that keep their values: s" in str(verdict)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("one", "other"),
     [
@@ -328,6 +330,7 @@ def has_witness(pous: tuple[Project, Project], chance: Random) -> bool:
     return False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(60))
 def test_a_program_that_reads_another_input_is_not_proven_equal(seed: int) -> None:
     chance = Random(seed)  # noqa: S311  # no secret

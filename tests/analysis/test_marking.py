@@ -70,6 +70,7 @@ def test_search_agrees_with_simulation(net: tuple[int, tuple[int, ...], Arcs], t
         assert as_set(graph.concurrency[a]) == beside
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=80)
 @given(any_nets(), st.booleans())
 def test_traces_can_be_walked(net: tuple[int, tuple[int, ...], Arcs], together: bool) -> None:

@@ -52,18 +52,21 @@ def verdict_of(result: Result, kind: str, place: str) -> VerdictKind:
     return result.compare(found[0].made()).kind
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("file", "chart", "form", "kind", "place"), LOWERED)
 def test_a_mistake_in_lowered_code_is_found(file: str, chart: str, form: str, kind: str, place: str) -> None:
     result = _lowered(FIXTURES / file, chart, form, EFFORT)
     assert verdict_of(result, kind, place) is VerdictKind.DIFFERENT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("file", "chart", "target", "kind", "place"), CONVERTED)
 def test_a_mistake_in_a_converted_chart_is_found(file: str, chart: str, target: str, kind: str, place: str) -> None:
     result = _converted(FIXTURES / file, chart, target, EFFORT)
     assert verdict_of(result, kind, place) is VerdictKind.DIFFERENT
 
 
+@pytest.mark.slow
 def test_without_a_mistake_no_difference_is_found() -> None:
     results = [_lowered(FIXTURES / each[0], *each[1:3], EFFORT) for each in LOWERED if each[0] != GRAPH[0]]
     results += [_converted(FIXTURES / each[0], *each[1:3], EFFORT) for each in CONVERTED]
@@ -71,6 +74,7 @@ def test_without_a_mistake_no_difference_is_found() -> None:
         assert result.compare(result.project).counterexample is None, result.name
 
 
+@pytest.mark.slow
 def test_mutants_are_copies_with_one_mistake_each() -> None:
     result = _lowered(FIXTURES / PUSHER[0], PUSHER[1], "bits ST", EFFORT)
     before = result.project.model_dump_json()

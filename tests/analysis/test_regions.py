@@ -162,6 +162,7 @@ def test_a_jump_across_a_border_is_named() -> None:
     assert [found.net.transitions[i].path for i in found.transitions] == ["2 -> 4", "4 -> 1"]
 
 
+@pytest.mark.slow
 def test_large_charts_have_regions_too() -> None:
     net = Net.of(block_chart(3, 8000))
     found = find_regions(net)

@@ -137,6 +137,7 @@ def test_a_term_has_no_value() -> None:
             use(term)
 
 
+@pytest.mark.slow
 def test_proofs_with_terms_agree_with_searches_of_all_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     """Small counters can be searched as they are: what terms prove holds there."""
     random = Random(3)  # noqa: S311

@@ -98,6 +98,7 @@ def test_code_page_1252_is_no_reason_to_crash(command, fixtures):
     assert "Füllen" in done.stdout.decode("cp1252")
 
 
+@pytest.mark.slow
 def test_a_code_page_without_umlauts(command, fixtures):
     done = command("info", UMLAUTS, env={"PYTHONIOENCODING": "cp866"})
     assert done.returncode == 0
@@ -106,6 +107,7 @@ def test_a_code_page_without_umlauts(command, fixtures):
     assert json.loads(done.stdout)["files"][0]["charts"][0]["name"] == "Rührkessel"
 
 
+@pytest.mark.slow
 def test_a_name_that_is_no_unicode(command, tmp_path, fixtures):
     if os.name == "nt" or sys.platform == "darwin":
         pytest.skip("the file system has Unicode names only")
@@ -173,6 +175,7 @@ def _terminal(arguments: list[str], **env: str) -> str:
     return shown.decode()
 
 
+@pytest.mark.slow
 @POSIX
 def test_colours_and_lines_on_a_terminal(fixtures, monkeypatch):
     monkeypatch.delenv("NO_COLOR", raising=False)
@@ -182,6 +185,7 @@ def test_colours_and_lines_on_a_terminal(fixtures, monkeypatch):
     assert "\x1b[1;32m[[Init]]" in shown
 
 
+@pytest.mark.slow
 @POSIX
 def test_no_color_is_respected(fixtures):
     shown = _terminal(["info", "codesys/sorting_conveyor.xml"], NO_COLOR="1")
@@ -189,6 +193,7 @@ def test_no_color_is_respected(fixtures):
     assert not re.search(r"\x1b\[[0-9;]*\b[349][0-7]\b", shown)
 
 
+@pytest.mark.slow
 @POSIX
 def test_progress_on_a_terminal_leaves_the_results_whole(fixtures):
     files = ["codesys/sorting_conveyor.xml", "codesys/device_export.xml", "plcopen/filling_station_2.01.xml", UMLAUTS]

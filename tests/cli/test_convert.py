@@ -38,6 +38,7 @@ def test_fresh_writes_from_the_model(cli, fixtures, tmp_path):
     assert len(list(sfc.load(tmp_path / "fresh.xml").charts())) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["1.01", "2.0", "2.01"])
 def test_to_plcopen(cli, fixtures, tmp_path, version):
     target = tmp_path / "belt.xml"
@@ -241,6 +242,7 @@ def test_as_its_tool_reads_a_file(cli, fixtures, tmp_path):
     assert b"{plcopen_sfc " not in (tmp_path / "plain.scl").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_chart_of_which_not_all_was_reached_is_a_finding(cli: Any, tmp_path: Path) -> None:
     source, target = tmp_path / "main.st", tmp_path / "out.xml"
     source.write_text(UNREACHED)

@@ -71,6 +71,7 @@ def test_as_json(cli: Cli, plant: Path) -> None:
     assert pou["faults"] == []
 
 
+@pytest.mark.slow
 def test_all_charts_of_a_project_are_lowered(cli: Cli, tmp_path: Path, fixtures: Path) -> None:
     conveyor = fixtures / "codesys" / "sorting_conveyor.xml"
     done = cli("lower", conveyor, tmp_path / "out.xml", "--to", "codesys", "--no-verify", "--json")
@@ -153,6 +154,7 @@ def test_networks_for_a_version_of_tia_portal_are_its_own_and_lose_nothing(cli: 
         assert '<Part Name="Sr"' in (plant / f"out{number}.xml").read_text(encoding="utf-8-sig")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["codesys", "plcopen-2.01", "iec-text", "scl"])
 @pytest.mark.parametrize(
     ("flags", "places"),

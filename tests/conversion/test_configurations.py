@@ -186,6 +186,7 @@ CASES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("name", CASES)
 def test_a_target_does_the_same_or_the_report_says_so(name: str, target: str) -> None:
@@ -200,6 +201,7 @@ def test_a_target_does_the_same_or_the_report_says_so(name: str, target: str) ->
     assert case.holds(seen) is not bool(told), [(item.path, item.why) for item in report.losses]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["codesys", "plcopen-1.01", "plcopen-2.01", "iec-text"])
 @pytest.mark.parametrize("name", CASES)
 def test_the_source_comes_back(name: str, target: str) -> None:

@@ -65,6 +65,7 @@ class TestPartly:
         data, _ = sfc.convert(sfc.load(self.SOURCE), "codesys", partial=True)
         assert sfc.dumps(sfc.load(self.SOURCE), format="codesys", partial=True) == data
 
+    @pytest.mark.slow
     def test_a_folder_stays_as_it_is(self, tmp_path: Path) -> None:
         project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
         with pytest.raises(LossError):

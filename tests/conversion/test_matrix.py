@@ -21,6 +21,7 @@ def documented() -> dict[tuple[str, str, str], str]:
     return {(row[0], row[1], target): cell for row in body for target, cell in zip(TARGETS, row[2:], strict=True)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "feature"), [*enumerate(FEATURES)], ids=lambda value: getattr(value, "name", ""))
 def test_the_report_agrees_with_what_runs(number: int, feature: Feature) -> None:
     """One pair of formats for each feature, all with PLCOPEN_SFC_FULL: what is converted where goes round."""

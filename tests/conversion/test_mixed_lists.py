@@ -35,6 +35,7 @@ def test_a_list_has_the_sections_that_its_tool_compiles() -> None:
     assert sfc.dumps(project) == EXPORT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS[1:])
 def test_a_target_retains_and_protects_the_same_variables_or_the_report_says_so(target: str) -> None:
     format_, _, flavour = target.partition(" ")
@@ -51,6 +52,7 @@ def test_a_target_retains_and_protects_the_same_variables_or_the_report_says_so(
         assert constant is is_constant or ("constant", name) in lost
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["plcopen-1.01", "plcopen-2.01", "iec-text", "simaticml", "scl"])
 def test_the_list_comes_back(target: str) -> None:
     data, _ = sfc.convert(sfc.loads(EXPORT), target, partial=True)

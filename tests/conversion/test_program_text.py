@@ -22,6 +22,7 @@ END_FUNCTION_BLOCK
 """
 
 
+@pytest.mark.slow
 def test_a_power_is_a_function_in_codesys() -> None:
     project = sfc.loads(POWERS.encode(), format="iec-text")
     data, report = sfc.convert(project, "codesys")

@@ -131,6 +131,7 @@ def test_generic_types_are_no_types_of_tia_portal() -> None:
     assert [(item.outcome, item.what) for item in generic] == [(Outcome.NOT_EXECUTED, "data type")]
 
 
+@pytest.mark.slow
 def test_items_are_grammatical() -> None:
     for path in sorted((FIXTURES / "plcopen").glob("*.xml")):
         assert not [item for item in losses(sfc.load(path)) if " a action" in item.why or "action `#" in item.why]

@@ -50,6 +50,7 @@ def graph(rows: list[Row]) -> m.Project:
     return sfc.loads(sfc.dumps(project, format="simaticml"), format="simaticml")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["codesys", "plcopen"])
 @pytest.mark.parametrize("name", CASES)
 def test_the_operand_is_written_as_in_the_source(name: str, target: str) -> None:

@@ -36,6 +36,7 @@ def saved(project: sfc.Project, target: str, **options: bool) -> ConversionRepor
     return sfc.save(project, io.BytesIO(), format=target, limit=20, **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("project", "target"),
     [
@@ -93,6 +94,7 @@ END_FUNCTION_BLOCK
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("steps", "outcome"),
     [

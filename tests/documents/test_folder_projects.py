@@ -380,6 +380,7 @@ def test_a_file_changed_meanwhile_is_not_overwritten(tmp_path: Path) -> None:
     assert contents(folder) == theirs
 
 
+@pytest.mark.slow
 def test_a_folder_becomes_one_file_and_a_folder_again(tmp_path: Path) -> None:
     project = sfc.load(export(tmp_path))
     for name in ("json", "simaticml", "plcopen", "codesys", "iec-text", "scl"):

@@ -41,6 +41,7 @@ def shape(chart: SfcNetwork) -> list[object]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", [*FIXTURES, *PLAIN_FIXTURES], ids=lambda path: path.name)
 def test_fixtures_fit_and_can_be_drawn_anew(path: Path) -> None:
     for chart in charts_of([path]):

@@ -15,6 +15,7 @@ CHARTS = st.one_of(any_net(), nested_net())
 SLOW = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("style", STYLES)
 @SLOW
 @given(chart=CHARTS)
@@ -22,6 +23,7 @@ def test_a_drawing_means_its_chart(style: DrawingStyle, chart: SfcNetwork) -> No
     assert links_of_drawing(draw(chart, style)) == links_of_chart(chart)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("style", STYLES)
 @SLOW
 @given(chart=CHARTS)
@@ -32,6 +34,7 @@ def test_drawing_is_deterministic_and_leaves_the_chart_alone(style: DrawingStyle
     assert draw(before, style) == one
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("style", STYLES)
 @SLOW
 @given(chart=CHARTS)

@@ -32,6 +32,7 @@ def assert_apart(chart: SfcNetwork) -> None:
             assert b[1] >= a[3] or a[1] >= b[3], (one, a, other, b)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("style", STYLES)
 @SLOW
 @given(chart=st.one_of(any_net(), nested_net()), actions=st.integers(0, 3))
@@ -60,6 +61,7 @@ def leads_to(symbols: list[Symbol], start: int, end: int) -> bool:
     return start in seen
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("style", STYLES)
 @SLOW
 @given(chart=nested_net())
@@ -120,6 +122,7 @@ def test_logic_stands_left_of_its_transition() -> None:
     assert place[21][2] < place[2][0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("style", STYLES)
 def test_long_and_deep_charts(style: DrawingStyle) -> None:
     long = make(1000, [([i], [(i + 1) % 1000]) for i in range(1000)])

@@ -48,6 +48,7 @@ def edit(data: st.DataObject, chart: SfcNetwork) -> None:
             )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("placed", [False, True])
 @pytest.mark.parametrize("style", STYLES)
 @pytest.mark.parametrize("other", STYLES)

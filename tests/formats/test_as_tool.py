@@ -34,6 +34,7 @@ def has_ours(content: bytes) -> bool:
     return any(mark in text for mark in ("<!--plcopen_sfc ", "{plcopen_sfc ", 'name="urn:plcopen-sfc:'))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("name", FILES)
 def test_nothing_of_ours_is_left(name: str, target: str) -> None:
@@ -49,6 +50,7 @@ def test_nothing_of_ours_is_left(name: str, target: str) -> None:
     assert project.source.content == left
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(project=projects(), target=st.sampled_from(TARGETS))
 def test_whatever_is_carried_is_not_seen(project: m.Project, target: str) -> None:

@@ -131,6 +131,7 @@ def test_every_item_of_a_report_says_where() -> None:
         assert f'name="{item.path.rpartition(" / ")[2]}"' in lines[item.line - 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("source", "target"),
     [
@@ -169,6 +170,7 @@ def bars_in(chart: SfcNetwork) -> Iterator[tuple[SymbolKind, SymbolKind | None]]
                 yield symbol.kind, kinds.get(connection.source)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", [p for p in OWN if p.parent.name != "plcopen"], ids=lambda p: p.name)
 def test_beremiz_flavour(path: Path) -> None:
     project = accepting(sfc.load(path))

@@ -115,6 +115,7 @@ def written(request: pytest.FixtureRequest) -> Written:
     return Written(request.param)
 
 
+@pytest.mark.slow
 def test_a_fresh_file_means_the_same(written: Written) -> None:
     again = sfc.loads(written.fresh)
     if written.path.name == "example.xml":  # its actions lack the ids that they are written with

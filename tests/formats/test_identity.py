@@ -46,6 +46,7 @@ def handwritings(path: Path) -> Sequence[tuple[str, bytes]]:
     return made if len(data) <= SMALL else in_turn(made, FILES.index(path), 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ALL_PARAMS)
 def test_every_handwriting_of_a_file_is_read_alike_and_comes_back(path: Path) -> None:
     data = path.read_bytes()
@@ -57,6 +58,7 @@ def test_every_handwriting_of_a_file_is_read_alike_and_comes_back(path: Path) ->
         assert sfc.dumps(project) == variant, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ALL_PARAMS)
 def test_renaming_a_step_keeps_the_handwriting(path: Path) -> None:
     data = path.read_bytes()
@@ -75,6 +77,7 @@ def test_renaming_a_step_keeps_the_handwriting(path: Path) -> None:
         assert sfc.loads(edited) == project, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ALL_PARAMS)
 def test_an_edit_taken_back_gives_the_old_file(path: Path) -> None:
     data = path.read_bytes()

@@ -59,6 +59,7 @@ def chosen(size: int, steps: list[tuple[int, int]]) -> list[tuple[int, int]]:
     return random.Random(SEED).sample(steps, min(number, len(steps)))  # noqa: S311
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ALL_PARAMS)
 def test_renaming_a_step_changes_the_lines_that_name_it(path: Path) -> None:
     """Of steps that look alike one is renamed, unless everything is to be run."""
@@ -344,6 +345,7 @@ def edited(path: Path, edit: Edit) -> tuple[Subject, list[Span], bytes, list[Hun
     return subject, spans, after, difference(subject.data, after)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", EDITS, ids=lambda e: e.__name__)
 @pytest.mark.parametrize("path", FIXTURE_PARAMS)
 def test_an_edit_stays_in_its_element(path: Path, edit: Edit) -> None:
@@ -364,6 +366,7 @@ def test_an_edit_of_a_real_file_stays_in_its_element(path: Path, edit: Edit) -> 
     test_an_edit_stays_in_its_element(path, edit)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", STRUCTURAL, ids=lambda e: e.__name__)
 @pytest.mark.parametrize("path", FIXTURE_PARAMS)
 def test_an_edit_of_the_structure_stays_in_its_chart(path: Path, edit: Edit) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -32,6 +33,7 @@ def read_back(parsed: Parsed[Any], tree: n.Node) -> None:
     assert_tree_fits(parsed)
 
 
+@pytest.mark.slow
 @SLOW_TO_DRAW
 @given(programs())
 def test_a_printed_program_is_read_as_the_same_tree(program: tuple[Dialect, n.Statements]) -> None:
@@ -46,6 +48,7 @@ def test_a_printed_expression_is_read_as_the_same_tree(data: st.DataObject, dial
     read_back(parse_expression(print_node(tree, dialect), dialect), tree)
 
 
+@pytest.mark.slow
 @SLOW_TO_DRAW
 @given(programs())
 def test_a_tree_that_was_read_prints_as_itself(program: tuple[Dialect, n.Statements]) -> None:
@@ -55,6 +58,7 @@ def test_a_tree_that_was_read_prints_as_itself(program: tuple[Dialect, n.Stateme
     assert again.tree == parsed.tree  # with its parentheses: none is added, none is lost
 
 
+@pytest.mark.slow
 @SLOW_TO_DRAW
 @given(st.data(), programs())
 def test_layout_and_comments_say_nothing(data: st.DataObject, program: tuple[Dialect, n.Statements]) -> None:
@@ -65,6 +69,7 @@ def test_layout_and_comments_say_nothing(data: st.DataObject, program: tuple[Dia
     assert render(parsed, parsed.tree) == text
 
 
+@pytest.mark.slow
 @SLOW_TO_DRAW
 @given(st.data(), programs())
 def test_renaming_changes_the_names_and_nothing_else(
@@ -102,6 +107,7 @@ def spans_of_inner_statements(statement: n.Node) -> list[n.Span]:
     return [inner.span for nodes in lists for inner in nodes if inner.span is not None]
 
 
+@pytest.mark.slow
 @SLOW_TO_DRAW
 @given(st.data(), programs())
 def test_an_edited_tree_is_written_as_it_is_and_loses_no_comment(

@@ -154,6 +154,7 @@ DEEP = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", DEEP)
 def test_what_is_nested_without_measure_is_told_and_kept(what: str) -> None:
     text = DEEP[what](10_000)
@@ -240,6 +241,7 @@ def test_any_text_has_a_tree_that_covers_it(text: str, dialect: Dialect) -> None
         assert_tree_fits(parse(text, dialect))
 
 
+@pytest.mark.slow
 @QUICK
 @given(st.data(), programs(), st.integers(1, 3))
 def test_programs_with_tokens_lost_or_put_in(
@@ -261,6 +263,7 @@ def test_programs_with_tokens_lost_or_put_in(
     assert parsed.problems or not unreadable
 
 
+@pytest.mark.slow
 @QUICK
 @given(st.data(), programs(), programs())
 def test_a_wrong_statement_costs_no_other(

@@ -65,6 +65,7 @@ def plant() -> m.Project:
     return m.Project(name="Anlage", pous=[motor, lamp, pou], dialect=m.Dialect.CODESYS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 def test_they_are_called(construction: str, language: str) -> None:
     project = plant()
@@ -101,6 +102,7 @@ def test_the_code_of_the_chart_of_an_action_stands_in_the_action() -> None:
     ).equal
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", ["ST", "FBD", "LD"])
 def test_calls_come_back_from_a_file(language: str) -> None:
     project = plant()

@@ -80,6 +80,7 @@ def check(seed: int) -> None:
     assert found.kind is not VerdictKind.DIFFERENT, f"{seed} {options}: {found}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(14))
 def test_a_sample(seed: int) -> None:
     check(seed)

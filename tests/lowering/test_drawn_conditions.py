@@ -99,6 +99,7 @@ def compare(kind: str, original: m.Project, construction: str, **options: str | 
     assert found.proven or kind != "rising"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(CONDITIONS))
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 def test_code_does_what_the_chart_does(construction: str, language: str, kind: str) -> None:
@@ -127,11 +128,13 @@ def test_steps_that_are_not_active(negated: str) -> None:
     assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 def test_they_stay_in_the_chain_where_actions_have_a_block_of_their_own(construction: str, language: str) -> None:
     compare("late", project("late", Q.N), construction, language=language, actions="block")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["plcopen-2.01", "codesys", "simaticml", "scl", "iec-text"])
 @pytest.mark.parametrize("kind", ["late", "rising"])
 def test_they_come_back_from_the_file(kind: str, target: str) -> None:
@@ -143,6 +146,7 @@ def test_they_come_back_from_the_file(kind: str, target: str) -> None:
     assert not found.different, str(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "condition"),
     [("conditional", "late"), ("limited", "rising"), ("N", "late"), ("S", "rising"), ("P1", "rising")],

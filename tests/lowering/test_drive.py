@@ -66,6 +66,7 @@ def test_it_does_what_the_chart_does(construction: str, language: str, profile: 
     assert block_of(lowered).body is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 def test_both_blocks_come_back_from_the_file(construction: str, language: str, target: str) -> None:
@@ -170,6 +171,7 @@ def test_the_name_of_the_block_is_free() -> None:
     assert [pou.name for pou in lowered.project.pous] == ["Ablauf", "Ablauf_Actions_2", "Ablauf_Actions"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flags", [("SFCInit",), ("SFCReset",), ("SFCInit", "SFCReset", "SFCTip"), ("SFCPause",)])
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 def test_flags_of_codesys_end_the_actions_of_the_block(
@@ -182,6 +184,7 @@ def test_flags_of_codesys_end_the_actions_of_the_block(
     assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["plcopen-2.01", "codesys", "simaticml"])
 @pytest.mark.parametrize("language", ["FBD", "LD", "ST"])
 def test_flags_and_blocks_come_back_from_the_file(language: str, target: str) -> None:
@@ -194,6 +197,7 @@ def test_flags_and_blocks_come_back_from_the_file(language: str, target: str) ->
     assert found.kind is VerdictKind.PROVEN, str(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 def test_actions_that_steps_control_one_by_one(construction: str, language: str) -> None:
     """As matiec has them. The chain keeps the times of steps, and tells the block."""

@@ -74,6 +74,7 @@ def test_stored_actions_have_a_block_in_the_loop(construction: str, language: st
     assert body.text.index("StoredActions(") < body.text.index("END_REPEAT") < body.text.rindex("Actions(")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["onActivation", "onDeactivation"])
 @pytest.mark.parametrize("step", ["1", "2"])
 def test_stored_actions(kind: str, step: str) -> None:
@@ -90,6 +91,7 @@ def test_events_are_seen_before_the_transitions(event: str) -> None:
     assert compare(pou_with(chart, "a b", "Q")) >= 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["continuous", "conditional", "delayed", "limited"])
 def test_continuous_actions_and_those_of_the_standard(kind: str) -> None:
     """Times are those of steps, which the chain has; the block is told when they are over."""
@@ -105,6 +107,7 @@ def test_continuous_actions_and_those_of_the_standard(kind: str) -> None:
     assert compare(pou_with(chart, "a b", "Q R S")) >= 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 3])
 def test_random_grafcets(seed: int) -> None:
     compare(random_grafcet(seed))

@@ -42,6 +42,7 @@ def test_the_training_chain(construction: Construction, language: Language, prof
     assert found.kind is VerdictKind.PROVEN, str(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 @pytest.mark.parametrize("seed", range(12))
 def test_random_safe_charts(seed: int, profile: str) -> None:
@@ -63,6 +64,7 @@ def test_random_safe_charts(seed: int, profile: str) -> None:
         assert found.kind is VerdictKind.PROVEN, f"{construction} {language}: {found}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 @pytest.mark.parametrize("qualifier", ["L", "D", "SD", "DS", "SL"])
 def test_timed_actions(qualifier: str, profile: str) -> None:

@@ -140,6 +140,7 @@ def test_independent_actions_stay_one_after_the_other() -> None:
     assert "Which actions are active" in text_of(pou)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 @pytest.mark.parametrize("others", [{}, {"B": "n := 2;"}])
 def test_comments_in_actions_are_kept(others: dict[str, str], profile: str) -> None:

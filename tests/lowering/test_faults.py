@@ -183,6 +183,7 @@ def test_outputs_of_a_case_are_late_swallowed_or_stuck() -> None:
     assert table(found[FaultKind.INIT_IGNORED]) == [HEADER, "1 | B1 Init | S1 | S2"]
 
 
+@pytest.mark.slow
 def test_code_of_a_step_is_executed_a_scan_late() -> None:
     pou = ring("a", "b", "c")
     chart_of(pou).steps[1].actions.append(
@@ -264,6 +265,7 @@ def test_codes_are_unique() -> None:
 # -- neither too many nor too few
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("construction", ["flipflop", "case"])
 def test_textbook_code_is_different_just_where_it_has_faults_and_exact_code_has_none(

@@ -30,6 +30,7 @@ def project(steps: int = 4) -> m.Project:
     return m.Project(pous=[pou_with(chart)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flags", ["M20.6", "Steps"])
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize(("construction", "language"), FORMS)
@@ -45,6 +46,7 @@ def test_it_does_what_the_chart_does(construction: str, language: str, target: s
     assert found.kind is VerdictKind.PROVEN, str(found)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=25)
 @given(st.integers(0, 40), st.integers(0, 7), st.integers(1, 12), st.sampled_from(["simaticml", "codesys", None]))
 def test_addresses_count_on_with_a_carry(byte: int, bit: int, steps: int, target: str | None) -> None:
@@ -171,6 +173,7 @@ def test_a_list_of_flags_is_not_there_twice() -> None:
         lower(first.project, "bits", pou="Presse", flags="Bits", target="codesys", verify=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flags", ["M20.6", "Steps"])
 @pytest.mark.parametrize(
     ("construction", "language", "target"),

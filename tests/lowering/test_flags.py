@@ -55,6 +55,7 @@ def lowered_text(pou: m.Pou, construction: Construction = Construction.BITS) -> 
     return body.text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "flags", [("SFCInit",), ("SFCReset",), ("SFCInit", "SFCReset"), ("SFCPause",), ("SFCInit", "SFCPause")]
 )
@@ -104,6 +105,7 @@ def test_timed_actions_of_initial_steps_are_set_back(rest: str, run: str, constr
     assert {"SFCReset", "SFCInit"} <= set(proof.inputs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flags", [("SFCTip", "SFCTipMode"), ("SFCTip",), ("SFCTipMode",), ("SFCTip", "SFCReset")])
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 def test_step_by_step(flags: tuple[str, ...], construction: Construction, language: Language) -> None:
@@ -123,6 +125,7 @@ def test_reports(construction: Construction, language: Language) -> None:
     assert {"SFCTrans", "SFCCurrentStep"} <= set(found.compared)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("condition", ["B2 AND (B3 OR NOT B4)", "B2 OR SFCError AND B3"])
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 def test_maximum_times(construction: Construction, language: Language, condition: str) -> None:
@@ -232,6 +235,7 @@ def with_table(*, declared: bool) -> m.Pou:
     return pou
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("declared", [True, False])
 @pytest.mark.parametrize("construction", ["bits", "case", "flipflop"])
 def test_the_table_of_the_analysis(construction: str, declared: bool) -> None:
@@ -253,6 +257,7 @@ def test_the_table_is_no_other_variable_and_is_not_drawn() -> None:
         lower(m.Project(pous=[with_table(declared=False)]), "flipflop", profile="codesys")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_random_charts_under_random_flags(seed: int) -> None:
     random = Random(seed)  # noqa: S311

@@ -35,6 +35,7 @@ TEXTS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 @pytest.mark.parametrize("target", ["plcopen-2.01", "simaticml"])
 @pytest.mark.parametrize("text", TEXTS)
@@ -57,6 +58,7 @@ def _branched(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
     )
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=20)
 @given(st.recursive(ASSIGNMENTS, _branched, max_leaves=6), st.sampled_from(["FBD", "LD"]))
 def test_whatever_the_branches_are(text: str, language: str) -> None:

@@ -47,6 +47,7 @@ def proven(lowered: LoweredPou) -> bool:
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", PROFILES, ids=lambda profile: profile.name)
 @pytest.mark.parametrize("pou", [three_levels(), emergency_stop_of_the_seed()], ids=["three levels", "seed"])
 def test_with_what_starts_the_chain_anew_all_forms_do_the_same(pou: m.Pou, profile: Profile) -> None:
@@ -63,6 +64,7 @@ def test_with_what_starts_the_chain_anew_all_forms_do_the_same(pou: m.Pou, profi
         assert found.kind is VerdictKind.PROVEN, str(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", PROFILES, ids=lambda profile: profile.name)
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 def test_in_blocks_and_by_the_hierarchy(construction: str, language: str, profile: Profile) -> None:
@@ -104,6 +106,7 @@ def test_charts_above_stand_before_those_below() -> None:
     assert numbers == [20, 21, 10, 11, 1, 2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", ["Ablauf", "Other"])
 @pytest.mark.parametrize("target", ["plcopen-2.01", "simaticml"])
 def test_several_blocks_of_one_project(target: str, first: str) -> None:

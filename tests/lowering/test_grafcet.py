@@ -75,6 +75,7 @@ def test_the_example_of_the_seed() -> None:
     assert "UNTIL NOT moving OR evolutions >= 1000" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "fields"),
     [
@@ -112,6 +113,7 @@ def test_stored_actions(kind: str, step: str) -> None:
     check(chart, "a c1 c2 c3", "Q")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("event", ["↑a", "↓a", "a", "↑a OR ↓(a AND b)", "NOT a"])
 @pytest.mark.parametrize("step", ["1", "2"])
 def test_actions_on_events(event: str, step: str) -> None:
@@ -120,6 +122,7 @@ def test_actions_on_events(event: str, step: str) -> None:
     check(chart, "a b c1 c2", "Q")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "conditions",
     [
@@ -146,6 +149,7 @@ def test_an_edge_of_what_a_stored_action_writes() -> None:
     check(chart, "c1 c2", "Q")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("situation", "steps"), [("INIT", None), ("{}", None), ("*", None), ("explicit", ["1", "3"])])
 def test_an_emergency_stop_above_the_chain(situation: str, steps: list[str] | None) -> None:
     chart = emergency_stop(situation, steps)
@@ -227,6 +231,7 @@ def test_one_action_reads_the_output_of_another() -> None:
     check(chart, "c1 c2", "Q R")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("qualifier", ["N", "S", "R", "P", "P1", "P0", "L", "D", "SD", "DS", "SL"])
 def test_qualifiers_of_iec_also_in_steps_that_are_only_passed(qualifier: str) -> None:
     chart = chain("1", "2", "3", conditions="c1 c2 ↑c1")
@@ -240,6 +245,7 @@ def test_qualifiers_of_iec_also_in_steps_that_are_only_passed(qualifier: str) ->
     check(chart, "c1 c2", "Q R")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 @pytest.mark.parametrize("target", [None, "plcopen-2.01", "codesys", "simaticml"])
 def test_a_search_for_stability_is_a_jump_back_where_it_is_drawn(target: str | None, language: str) -> None:
@@ -300,6 +306,7 @@ def test_an_event_in_the_second_evolution_of_the_first_scan(construction: str, l
     assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_random_grafcets(seed: int) -> None:
     compare(random_grafcet(seed))
@@ -311,6 +318,7 @@ def test_more_random_grafcets(seed: int) -> None:
     compare(random_grafcet(seed))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [seed for seed in range(60) if seed % 10 == 0])
 def test_random_grafcets_that_can_be_drawn(seed: int) -> None:
     compare(random_calm_grafcet(seed))
@@ -345,6 +353,7 @@ def test_the_emergency_stop_of_the_seed_sets_the_initial_step_and_resets_all_oth
     assert len(lowered.proof.compared) >= 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["plcopen-2.01", "codesys", "iec-text", "scl", "simaticml", "json"])
 def test_what_was_written_and_read_again_is_proven_too(form: str) -> None:
     chart = chain("1", "2", "3", conditions="↑a;20ms/X2;b")

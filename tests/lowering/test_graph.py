@@ -130,6 +130,7 @@ def test_a_step_that_was_just_switched_on_is_not_supervised_yet() -> None:
 EVENTS = ["L1", "L0", "V1", "V0", "S1", "S0"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("acknowledge", [False, True])
 @pytest.mark.parametrize("event", EVENTS)
 def test_events_of_interlock_and_supervision(event: str, acknowledge: bool) -> None:
@@ -178,6 +179,7 @@ def asking(asked: str, kind: str) -> m.Project:
     return block(chart, "ok fault ACK_EF REG_S", " ".join(f"{name}:{kind}" for name in "abcd"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("asked", "kind"), [*_STEP_DATA.items(), *((asked, "TIME") for asked in ("T", "U", "T_MAX"))])
 def test_data_of_a_step_in_values_of_actions(asked: str, kind: str) -> None:
     project = asking(asked, kind)
@@ -228,6 +230,7 @@ def test_operating_modes(inputs: str) -> None:
     proven(ring(act("N")), inputs, "Q AUTO_ON MAN_ON TAP_ON TOP_ON")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "inputs", ["SW_MAN S_SEL:INT S_ON", "SW_MAN S_SEL:INT S_OFF", "SW_MAN S_ON S_OFF", "SW_MAN S_SEL:INT"]
 )
@@ -244,6 +247,7 @@ def test_the_step_displayed(inputs: str) -> None:
     proven(chart, inputs, "S_NO:INT S_MORE S_ACTIVE")
 
 
+@pytest.mark.slow
 def test_the_step_displayed_of_many() -> None:
     chart = chain(*(f"S{number}" for number in range(1, 9)), conditions="#c1 #c2 #c1 #c2 #c1 #c2 #c1 #c2")
     other = chart.add_step("S9", initial=True)
@@ -275,6 +279,7 @@ def test_registering() -> None:
     proven(chart, "REG_EF REG_S", "Q P")
 
 
+@pytest.mark.slow
 def test_standard_parameters() -> None:
     chart = guarded(act("N", interlock=True), act("D", "P", duration="T#20ms"), acknowledge=True)
     project = block(chart, f"ok fault {STANDARD_INPUTS}", f"Q P {STANDARD_OUTPUTS}")
@@ -357,6 +362,7 @@ def test_a_block_without_steps() -> None:
 # -- flip-flops
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["simaticml", "plcopen"])
 @pytest.mark.parametrize("language", [Language.FBD, Language.LD])
 @pytest.mark.parametrize(
@@ -510,6 +516,7 @@ def actions(draw: st.DrawFn, chart: m.SfcNetwork, *, switching: bool) -> m.Actio
     )
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=60 if WHOLE else 30, derandomize=True)
 @given(sequencers())
 def test_any_sequencer(drawn: tuple[m.SfcNetwork, str, str]) -> None:
@@ -572,6 +579,7 @@ RUNGS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", ["permanent_pre", "permanent_post"])
 @pytest.mark.parametrize("name", RUNGS)
 def test_permanent_rungs_with_global_variables(name: str, place: str) -> None:

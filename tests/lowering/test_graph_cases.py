@@ -87,6 +87,7 @@ def test_parameters(inputs: str) -> None:
     proven(chart, inputs, "Q MAN_ON S_NO:INT S_MORE S_ACTIVE")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("acknowledge", [False, True])
 @pytest.mark.parametrize("event", ["L1", "V0", "A1", "S1", "S0"])
 def test_interlocks_supervisions_and_events(event: str, acknowledge: bool) -> None:
@@ -139,6 +140,7 @@ def counting(number: int) -> m.BodyCondition:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inputs", ["INIT_SQ OFF_SQ", "SW_TAP T_PUSH", "SW_MAN SW_AUTO"])
 @pytest.mark.parametrize("construction", [Construction.BITS, CASE])
 def test_all_conditions_of_the_active_step_are_evaluated(construction: Construction, inputs: str) -> None:
@@ -188,6 +190,7 @@ def test_several_sequences() -> None:
     proven(chart, "OFF_SQ INIT_SQ", "Q P S_NO:INT S_MORE", REGIONS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inputs", ["INIT_SQ OFF_SQ", "SW_MAN S_SEL:INT S_OFF", "SW_TOP T_PUSH"])
 def test_simultaneous_branches(inputs: str) -> None:
     project = block(branches(), inputs, "Q P")
@@ -264,6 +267,7 @@ def test_what_leaves_several_steps_active_is_refused(
     assert message in lowered.why
 
 
+@pytest.mark.slow
 def test_switching_on_by_hand_that_nobody_operates() -> None:
     project = block(ring(act("N")), "INIT_SQ SW_MAN SW_TAP S_SEL:INT S_ON T_PUSH", "Q S_NO:INT")
     operated = sfc.lower(project, profile="s7graph", verify=False)
@@ -296,6 +300,7 @@ def test_no_command_is_operated() -> None:
     assert "edge" not in _text(bits)
 
 
+@pytest.mark.slow
 def test_inputs_that_act_together_are_proven_together() -> None:
     chart = chain("S1", "S2", conditions="#c1 #c2")
     lowered = sfc.lower(block(chart, STANDARD_INPUTS, "S_NO:INT"), "bits", profile="s7graph")

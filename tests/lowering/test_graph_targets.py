@@ -39,6 +39,7 @@ def read_back(chart: m.Project, lowered: LoweredPou, format: str, *, cap: int = 
     return found.kind
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format", FORMATS)
 def test_every_target_holds_the_code(format: str) -> None:
     chart = guarded(
@@ -64,6 +65,7 @@ def test_every_target_holds_several_cases_with_names_of_steps(format: str) -> No
     assert {v.name for v in again.variables()} >= {"step_number", "step_number_Drill", "step_number_Lamp_off"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 @pytest.mark.parametrize("format", ["simaticml", "codesys", "plcopen"])
 def test_networks_in_files(format: str, language: str) -> None:
@@ -73,6 +75,7 @@ def test_networks_in_files(format: str, language: str) -> None:
     read_back(project, lowered, format, cap=300)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format", FORMATS)
 def test_the_drilling_machine(format: str) -> None:
     project = sfc.load(FIXTURE)
@@ -101,6 +104,7 @@ def station(asking: str) -> m.Project:
     return project
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format", ["simaticml", "scl"])
 def test_data_of_steps_that_other_blocks_read_stay_where_they_were(format: str) -> None:
     asking = '#chips := "FB_Drilling_DB".Drill.X AND "FB_Drilling_DB".Drill.T > T#1s OR "FB_Drilling_DB".Home.S1;'
@@ -128,6 +132,7 @@ BROKEN = {"STATIONXSKFIXTURENR_FIXTURENAME_Sequence"}
 """Templates with a connection to nothing."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(11))
 def test_blocks_of_the_corpus(number: int) -> None:
     require_corpus()

@@ -47,6 +47,7 @@ def test_what_was_written_and_read_again_is_proven_too(construction: str, form: 
     assert found.kind is VerdictKind.PROVEN, str(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["plcopen-2.01", "codesys", "iec-text", "json"])
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 def test_networks_that_were_written_and_read_again_are_proven_too(language: str, form: str) -> None:

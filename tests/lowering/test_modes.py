@@ -60,6 +60,7 @@ def active(lowered: LoweredPou, inputs: Sequence[Mapping[str, object]], profile:
     return [[int(name[1:]) for name in flags if trace[name][scan]] for scan in range(len(inputs))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", PROFILES)
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("mode", [*MODES, "all"])
@@ -162,6 +163,7 @@ def test_parallel_steps(form: tuple[str, str], profile: str) -> None:
     assert again[-1] == [4]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["plcopen-2.01", "codesys", "simaticml"])
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 def test_networks_with_modes_come_back_from_files(target: str, language: str) -> None:
@@ -197,6 +199,7 @@ def driven() -> m.Project:
     return m.Project(pous=[pou_with(chart)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("profile", "states"),
     [("iec", "numbers"), ("iec", "constants"), ("codesys", "numbers"), ("codesys", "enumeration")],

@@ -12,6 +12,7 @@ from tests.lowering.charts import training_chain
 from tests.lowering.test_exact import FORMS, verdict
 
 
+@pytest.mark.slow
 def test_assignments_are_executed_while_their_step_is_active() -> None:
     pou = training_chain()
     chart = pou.sfc

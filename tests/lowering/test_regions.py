@@ -94,6 +94,7 @@ def test_parts_of_every_kind(name: str, profile: str) -> None:
     assert found.kind is VerdictKind.PROVEN, str(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 @settings(deadline=None, max_examples=12)
 @given(seed=st.integers(0, 10_000), size=st.integers(3, 9))
@@ -184,6 +185,7 @@ def test_an_input_starts_all_parts_anew(profile: str) -> None:
         assert found.kind is VerdictKind.PROVEN, str(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 def test_what_a_condition_executes_is_executed_only_where_it_is_tried(profile: str) -> None:
     """A condition that counts is evaluated while its transition is enabled and no competing one before it fires."""

@@ -64,6 +64,7 @@ def test_a_contact_cannot_compare() -> None:
     assert lowered.proof.proven
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("construction", "language"), [("auto", "ST"), ("flipflop", "LD"), ("flipflop", "FBD")])
 def test_the_conveyor_has_no_inputs_with_names_of_steps(construction: str, language: str) -> None:
     project = sfc.load(ROOT / "fixtures/codesys/sorting_conveyor.xml")

@@ -36,6 +36,7 @@ def proves(pou: m.Pou, profile: str) -> None:
         assert not found.different, f"{construction} {language}: {found}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 def test_conditions_of_other_steps(profile: str) -> None:
     pou = chain("S1>S2 S2>S1 S2>S3 S3>S1")
@@ -44,6 +45,7 @@ def test_conditions_of_other_steps(profile: str) -> None:
     proves(pou, profile)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 def test_conditions_of_actions_and_what_actions_execute(profile: str) -> None:
     pou = chain("S1>S2 S2>S1 S2>S2", {"A": "r := S1.T > T#20ms;"})

@@ -47,6 +47,7 @@ def verdict(pou: m.Pou, construction: Construction, language: Language, cap: int
     return equivalent(pou, made.pou, MATIEC, step_flags=made.step_flags, cap=cap, runs=8, scans=40)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 @pytest.mark.parametrize("qualifier", ["N", "S", "P", "P1", "P0", "L", "D", "SD", "DS", "SL"])
 def test_every_qualifier(qualifier: str, construction: Construction, language: Language) -> None:
@@ -73,6 +74,7 @@ def test_competing_transitions_fire_together_unless_numbered(construction: Const
     assert verdict(pou, construction, language, 5_000).kind is VerdictKind.PROVEN
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 @pytest.mark.parametrize("seed", range(5))
 def test_random_charts(seed: int, construction: Construction, language: Language) -> None:

@@ -44,6 +44,7 @@ def written(target: str, language: str, **options: str) -> tuple[LoweredPou, byt
     return lowered, sfc.dumps(lowered.project, format=target, partial=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 @pytest.mark.parametrize("target", TARGETS)

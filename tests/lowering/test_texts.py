@@ -117,6 +117,7 @@ ENGLISH |= {Texts.pulse, Texts.condition, Texts.state}
 DRAWN = {"construction": "flipflop", "language": "FBD"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pou", "options"),
     [

@@ -41,6 +41,7 @@ def _check(net: etree._Element) -> None:
             assert ("Coil", "in") not in ends, text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 @pytest.mark.parametrize(
     ("source", "flags"), [(_GRAPH, "local"), (_PLCOPEN, "local"), (_PLCOPEN, "M20.0"), (_PLCOPEN, "DB_Flags")]
@@ -52,6 +53,7 @@ def test_each_network_is_one_of_tia_portal(source: Path, flags: str, language: s
         _check(net)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 def test_so_are_those_of_real_sequencers(language: str) -> None:
     require_corpus()
@@ -63,6 +65,7 @@ def test_so_are_those_of_real_sequencers(language: str) -> None:
             _check(net)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 def test_move_boxes_are_complete(language: str) -> None:
     found = 0

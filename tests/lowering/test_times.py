@@ -61,6 +61,7 @@ TRANSITION FROM B TO A := go; END_TRANSITION
 END_PROGRAM"""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("construction", "language"), [("flipflop", "FBD"), ("flipflop", "LD"), ("case", "ST")])
 @pytest.mark.parametrize(
     ("profile", "parts"),

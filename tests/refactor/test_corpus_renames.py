@@ -53,6 +53,7 @@ def allowed(names: Names, what: Declaration) -> bool:
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ALL_PARAMS)
 def test_renames_in_real_files(path: Path) -> None:
     check_renames(path, 2 if path.stat().st_size < SMALL else 1)

@@ -423,6 +423,7 @@ def test_a_list_that_the_tool_writes_twice() -> None:
     assert "SLIDE_CAPACITY" not in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "path"),
     [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -33,6 +34,7 @@ from tests.strategies import projects
 profiles = st.sampled_from(sorted(PROFILES))
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(projects(), profiles)
 def test_any_project(project: Project, profile: str) -> None:
@@ -93,6 +95,7 @@ def hierarchies(draw: st.DrawFn, depth: int = 1) -> SfcNetwork:
     return chart
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(hierarchies(), profiles)
 def test_any_hierarchy(chart: SfcNetwork, profile: str) -> None:
@@ -101,6 +104,7 @@ def test_any_hierarchy(chart: SfcNetwork, profile: str) -> None:
         assert finding.hint
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(hierarchies(), profiles)
 def test_what_is_selected_is_what_is_found_without_a_selection(chart: SfcNetwork, profile: str) -> None:

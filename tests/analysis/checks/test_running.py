@@ -158,6 +158,7 @@ class TestLettingBe:
         pou.sfc.comment = "plcopen-sfc: ignore STR09"
         assert codes(project, select=["STR09"]) == []
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("file", "pou"),
         [

@@ -5,6 +5,7 @@ from __future__ import annotations
 from random import Random
 from unittest.mock import patch
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -67,6 +68,7 @@ def test_nothing_is_made_up_where_there_are_too_many_situations(chart: SfcNetwor
         assert [str(f) for f in sfc.check(chart, profile="iec", select=["STR"])] == []
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(nested_net(), st.randoms(use_true_random=False))
 def test_the_order_in_a_file_does_not_matter_for_the_structure(chart: SfcNetwork, chance: Random) -> None:
@@ -79,6 +81,7 @@ def test_the_order_in_a_file_does_not_matter_for_the_structure(chart: SfcNetwork
     assert found() == before
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(any_net(), st.sampled_from(sorted(PROFILES)))
 def test_whatever_a_chart_is_like_it_can_be_checked(chart: SfcNetwork, profile: str) -> None:

@@ -68,6 +68,7 @@ def assert_kept(text: str) -> m.Project:
     return project
 
 
+@pytest.mark.slow
 @some
 @given(damaged())
 def test_damaged_texts(text: str) -> None:

@@ -49,6 +49,7 @@ def test_a_step_is_renamed(plant: m.Project) -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mixing_plant.st", "distribution_belt.st"])
 def test_renaming_any_step_changes_the_lines_that_name_it(name: str) -> None:
     before = (FIXTURES / "iectext" / name).read_bytes()

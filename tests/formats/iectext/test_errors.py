@@ -139,6 +139,7 @@ def test_what_is_no_text_of_ours_is_not_taken_for_one(text: str) -> None:
     assert kind != "iec-text"
 
 
+@pytest.mark.slow
 def test_a_huge_line_is_read_in_linear_time() -> None:
     def seconds(count: int) -> float:
         text = "PROGRAM P " + "x := a AND (b OR c); " * count + "END_PROGRAM"

@@ -38,6 +38,7 @@ def assert_comes_back(project: m.Project) -> m.Project:
     return back
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", fixture_files(), ids=lambda path: path.name)
 def test_every_fixture_comes_back_from_text(path: Path) -> None:
     project = sfc.load(path)
@@ -54,6 +55,7 @@ def test_our_texts_come_back_byte_for_byte_and_written_anew(path: Path) -> None:
     assert_comes_back(project)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", fixture_files(), ids=lambda path: path.name)
 def test_there_and_back_to_the_format_of_the_file(path: Path) -> None:
     """Conversion to text loses nothing, so the file that is written from the text is the one written from the model."""

@@ -316,6 +316,7 @@ def test_lines_beyond_65535() -> None:
     assert finding.location.line == 12 + 70000 + 1
 
 
+@pytest.mark.slow
 def test_every_fault_is_explained() -> None:
     """Of all ways to damage a document every 37th: what is invalid has findings, and none is libxml2's own words."""
     root = parse_xml((ROOT / "fixtures" / "plcopen" / "every_element_1.01.xml").read_bytes())

@@ -142,6 +142,7 @@ def test_an_edited_start_value_counts_instead_of_the_assignment_in_the_file() ->
     assert start_values(sfc.loads(data, as_tool=True), 1)[0].initial is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", EDITS)
 def test_an_edit_changes_its_lines(what: str) -> None:
     edit, expected = EDITS[what]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -17,6 +18,7 @@ from tests.languages.declarations import test_model as sayable
 QUICK = settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 
 
+@pytest.mark.slow
 @given(random_model.projects())
 @QUICK
 def test_any_project_comes_back(project: m.Project) -> None:
@@ -63,6 +65,7 @@ projects = st.builds(
 )
 
 
+@pytest.mark.slow
 @given(projects, projects, st.sampled_from([b"\n", b"\r\n"]))
 @QUICK
 def test_no_edit_is_lost(one: m.Project, other: m.Project, newline: bytes) -> None:

@@ -203,6 +203,7 @@ HOSTILE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", HOSTILE)
 def test_whatever_a_source_holds_it_is_kept(what: str) -> None:
     data = HOSTILE[what]

@@ -69,6 +69,7 @@ def test_its_own_member_is_no_clash() -> None:
     assert not project.diagnostics
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", sorted(FIXTURES.glob("*.xml")), ids=lambda path: path.name)
 def test_unknown_attributes_of_every_kind_of_element_survive(path: Path) -> None:
     root = parsed(path.read_bytes())

@@ -63,6 +63,7 @@ def lost(data: bytes, fresh: bytes) -> Counter[tuple[str, str]]:
     return said(data) - said(fresh)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", sorted(FIXTURES.glob("*.xml")), ids=lambda path: path.name)
 def test_mutants_are_read_or_refused(path: Path) -> None:
     loaded = 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -194,6 +195,7 @@ def said(project: Project) -> dict[str, object]:
     }
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=8)
 @given(project=projects())
 def test_a_random_model_comes_back(project: Project) -> None:

@@ -97,6 +97,7 @@ def test_a_file_full_of_faults_is_cut_off() -> None:
     assert MAX_FINDINGS < len(validate(data)) < 2 * MAX_FINDINGS + 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", ["FB_Drill.xml", "FB_Motor.xml", "Machine.xml", "tags.xml"])
 def test_damaged_documents_end_in_findings_or_own_errors(file: str) -> None:
     """Validation, saving for another version and normalising take whatever comes."""

@@ -108,6 +108,7 @@ def test_same_verdict_on_mutants_of_every_part_of_the_corpus() -> None:
     assert 0.05 < valid / total < 0.95, "verdicts that are all the same would prove nothing"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "number"), KINDS_AND_NUMBERS)
 def test_same_verdict_on_random_documents_of_our_grammar_and_on_mutants_of_them(kind: str, number: int) -> None:
     made = Instances(f"simaticml/{kind}-v{number}", ROOTS[kind], f"{kind}{number}")

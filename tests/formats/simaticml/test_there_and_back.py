@@ -35,6 +35,7 @@ def test_it_comes_back_as_it_was(plc: m.Project) -> None:
     assert [d.path for d in differences(plc, back)] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMATS)
 def test_the_results_of_conditions_are_their_coils_again(plc: m.Project, form: str) -> None:
     other = sfc.loads(sfc.dumps(plc, format=form, partial=True), format=form)

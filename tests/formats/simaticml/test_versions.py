@@ -65,6 +65,7 @@ def says_scl(path: Path) -> bool:
     return b"StructuredText" in path.read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", VERSIONS, ids=lambda version: version.name)
 @pytest.mark.parametrize("path", sorted(FIXTURES.rglob("*.xml")), ids=lambda path: path.name)
 def test_what_is_written_is_valid(path: Path, version: TiaVersion) -> None:
@@ -86,6 +87,7 @@ def test_what_is_written_is_valid(path: Path, version: TiaVersion) -> None:
     assert validate(data) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", VERSIONS, ids=lambda version: version.name)
 @pytest.mark.parametrize("path", sorted(FIXTURES.rglob("*.xml")), ids=lambda path: path.name)
 def test_another_version_and_back_is_the_same(path: Path, version: TiaVersion) -> None:
@@ -98,6 +100,7 @@ def test_another_version_and_back_is_the_same(path: Path, version: TiaVersion) -
     assert sfc.loads(sfc.dumps(sfc.loads(there.getvalue()), tia="V20")) == project
 
 
+@pytest.mark.slow
 def test_a_plc_in_another_version_and_back_is_the_same(tmp_path: Path) -> None:
     project = sfc.load(PLC)
     report = sfc.save(project, f"{tmp_path / 'V16'}/", tia="V16")
@@ -264,6 +267,7 @@ def test_versions_of_documents_are_those_of_the_table(path: Path) -> None:
     assert len(other) <= 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["twincat/press_station.xml", "plcopen/every_element_2.01.xml", "scl/filling_line.scl"]
 )

@@ -98,6 +98,7 @@ declarations = st.builds(m.DataTypeDeclaration, name=names, type=types, initial=
 dialects = st.sampled_from([Dialect.IEC, Dialect.CODESYS, Dialect.SCL])
 
 
+@pytest.mark.slow
 @given(sections, dialects)
 @settings(max_examples=300, deadline=None)
 def test_a_section_comes_back(section: m.VariableSection, dialect: Dialect) -> None:
@@ -107,6 +108,7 @@ def test_a_section_comes_back(section: m.VariableSection, dialect: Dialect) -> N
     assert declared.sections == [section], text
 
 
+@pytest.mark.slow
 @given(declarations, st.sampled_from([Dialect.IEC, Dialect.CODESYS]))
 @settings(max_examples=150, deadline=None)
 def test_a_data_type_comes_back(declaration: m.DataTypeDeclaration, dialect: Dialect) -> None:
@@ -127,6 +129,7 @@ def test_a_structure_comes_back_from_scl(declaration: m.DataTypeDeclaration) -> 
     assert declared.types == [declaration]
 
 
+@pytest.mark.slow
 @given(random_model.sections, dialects)
 @settings(max_examples=300, deadline=None)
 def test_whatever_the_model_holds_what_is_written_can_be_read(section: m.VariableSection, dialect: Dialect) -> None:

@@ -174,6 +174,7 @@ def test_bodies_that_do_not_tell_their_result() -> None:
     assert not read(BodyCondition(body=IlBody(text="LD a"))).complete
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(booleans, st.sampled_from([draw_fbd_expression, draw_ld_expression]))
 def test_a_condition_drawn_into_a_chart_reads_as_itself(

@@ -196,6 +196,7 @@ def project(body: FbdBody | LdBody) -> Project:
     return Project(name="drawn", pous=[Pou(name="Main", kind=PouKind.PROGRAM, bodies=[body])])
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=40)
 @given(programs, st.sampled_from(["FBD", "LD"]))
 def test_files_hold_what_is_drawn(program: n.Statements, language: str) -> None:

@@ -34,6 +34,7 @@ def shown(tree: n.Node) -> str:
     return print_node(normal_form(tree))
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(booleans | numbers, tools)
 def test_an_expression_drawn_as_fbd_reads_as_itself(expression: n.Expression, tool: Tool | None) -> None:
@@ -60,6 +61,7 @@ def test_a_condition_drawn_as_ld_reads_as_itself(expression: n.Expression, tool:
     assert normal_form(found) == normal_form(expression)
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(programs, tools, st.booleans(), st.sampled_from(["FBD", "LD"]))
 def test_statements_drawn_read_as_themselves(

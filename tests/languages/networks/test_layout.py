@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import combinations, pairwise
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -87,6 +88,7 @@ def check_wire(nodes: dict[int, Node], node: Node, pin: InputPin, wire: Connecti
         assert not through, (node.id, wire, through)
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(programs, st.sampled_from(["FBD", "LD"]), st.booleans())
 def test_nothing_overlaps(program: n.Statements, language: str, divided: bool) -> None:
@@ -102,6 +104,7 @@ def test_nothing_overlaps(program: n.Statements, language: str, divided: bool) -
         assert set(rails) <= ({1} if language == "LD" else {0})
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(programs, st.sampled_from(["FBD", "LD"]))
 def test_rungs_stand_below_each_other(program: n.Statements, language: str) -> None:

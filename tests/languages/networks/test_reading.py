@@ -163,6 +163,7 @@ def test_long_values_are_not_written_twice_however_often_they_are_used() -> None
     assert sum(map(len, lines(result))) < 20_000
 
 
+@pytest.mark.slow
 def test_a_deep_network_does_not_overflow() -> None:
     nodes = [variable(0, "a")]
     nodes += [block(number, "SQRT", {"IN": number - 1}, "OUT") for number in range(1, 3000)]

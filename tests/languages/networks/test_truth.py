@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import product
 from typing import Any
 
+import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -113,6 +114,7 @@ def networks(draw: Any) -> LogicNetwork:
     return LogicNetwork(nodes=nodes)
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(networks())
 def test_what_is_read_does_the_same(network: LogicNetwork) -> None:

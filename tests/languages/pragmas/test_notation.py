@@ -39,6 +39,7 @@ def read(text: str) -> Any:
     return value
 
 
+@pytest.mark.slow
 @many
 @given(values)
 def test_values_come_back(value: Any) -> None:
@@ -47,6 +48,7 @@ def test_values_come_back(value: Any) -> None:
     assert not any(mark in text for mark in ("{", "}", "(*", "*)", "\n", "\r"))
 
 
+@pytest.mark.slow
 @many
 @given(fields, fields)
 def test_changes_lead_from_what_is_said_to_what_is_meant(said: dict[str, Any], meant: dict[str, Any]) -> None:

@@ -148,6 +148,7 @@ def _power(node: Node) -> Node:
             return node
 
 
+@pytest.mark.slow
 @SLOW_TO_DRAW
 @given(pairs, _bodies)
 def test_a_program_says_the_same_in_any_dialect(pair: tuple[Dialect, Dialect], tree: n.Statements) -> None:
@@ -158,6 +159,7 @@ def test_a_program_says_the_same_in_any_dialect(pair: tuple[Dialect, Dialect], t
     assert said(found.parsed.tree) == said(in_dialect(tree, target)), found.text
 
 
+@pytest.mark.slow
 @SLOW_TO_DRAW
 @given(st.data(), pairs, _bodies)
 def test_there_and_back_is_where_it_started(
@@ -184,6 +186,7 @@ def _without_powers_and_slashes(node: Node) -> Node:
 # -- all programs -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @SLOW_TO_DRAW
 @given(st.data(), programs(), st.sampled_from(Dialect))
 def test_nothing_is_lost_silently(data: st.DataObject, program: tuple[Dialect, n.Statements], target: Dialect) -> None:
