@@ -68,10 +68,10 @@ def save(
     in place; `compared` of the report has the verdict. Code that was not to be verified is saved without that.
 
     With a `limit` in seconds the charts of a conversion are also run in both tools, as `equivalent` does; a difference
-    is an approximated item, and `compared` of the report says what was found of each chart.
+    is an approximated item, and `compared` of the report has what was found of each chart.
 
     Raises `LossError` and writes nothing where the target would not execute something that the source tool executes.
-    With `partial` the rest is written, and what is not executed stands in the report; with `strict` also what the
+    With `partial` the rest is written, and the report lists what is not executed; with `strict` also what the
     target would execute otherwise is refused.
 
     Raises `OldVersionError` where the content needs a newer TIA Portal than the one that is written for,
@@ -159,7 +159,7 @@ def convert(
 def check_syntax(project: Project) -> list[Diagnostic]:
     """What does not parse in the bodies, conditions and declarations of a project.
 
-    Each finding has the place in its text and, if the project was loaded from a file that still says so, in the file.
+    Each finding has the place in its text and, if the project was loaded from a file that it is still in, in the file.
     """
     from plcopen_sfc.languages.syntax_problems import TextFinder, syntax_problems  # noqa: PLC0415  # brings the parser
 

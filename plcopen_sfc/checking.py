@@ -25,16 +25,15 @@ def check(
 ) -> list[Diagnostic]:
     """What is wrong with the charts of a project, of a POU, or with one chart; docs/checks.md has the rules.
 
-    `profile` says how the charts are executed (see `plcopen_sfc.semantics.profile`); without it that of the tool which
+    `profile` is how the charts are executed (see `plcopen_sfc.semantics.profile`); without it that of the tool which
     the project is for. It decides which rules apply and how severe a breach is. `select` are the rules to apply, by
     their codes or by what their codes begin with (``STR``), and `ignore` those not to apply. Elements that are excluded
     from the program are not looked at, and ``plcopen-sfc: ignore STR09`` in the comment of a step, a transition, a
     chart or a POU lets findings there be.
 
-    Findings of a project that was loaded have the file and, as far as its format tells, the line; in a folder, that of
-    the document. What the reader had
-    to say about the file is in `Project.diagnostics`, not here. Raises `ModelError` for a rule or profile that does not
-    exist.
+    Findings of a project that was loaded have the file and, as far as its format has them, the line; in a folder, that
+    of the document. Findings of the reader are in `Project.diagnostics`, not here. Raises `ModelError` for a rule or
+    profile that does not exist.
     """
     from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # brings the parser with it
 

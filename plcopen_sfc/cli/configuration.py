@@ -1,4 +1,4 @@
-"""The table ``[tool.plcopen_sfc]`` of the nearest pyproject.toml: what `check` shall do without being told."""
+"""The table ``[tool.plcopen_sfc]`` of the nearest pyproject.toml: options of `check` for the files of a folder."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _TABLE = "plcopen_sfc"
 
 
 class ConfigurationError(SfcError):
-    """A configuration file that cannot be read, or that says something that is unknown."""
+    """A configuration file that cannot be read, or with a key or value that is unknown."""
 
 
 @dataclass(frozen=True)
 class Configuration:
-    """What the table says; None: nothing. `path` is its file."""
+    """The values of the table, None for those that it does not have. `path` is its file."""
 
     path: str | None = None
     select: tuple[str, ...] | None = None

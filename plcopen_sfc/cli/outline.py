@@ -1,4 +1,4 @@
-"""A chart as indented text, for people: from the top to the bottom, with legs indented.
+"""A chart as indented text, for people: from the top to the bottom, with branches indented.
 
 [[Init]]
  |  Start AND NOT Fault
@@ -27,17 +27,17 @@ from plcopen_sfc.model.sfc import SfcNetwork, Transition
 __all__ = ["outline"]
 
 _DEEPEST = 40
-"""Legs inside of legs; what lies deeper is told at the end."""
+"""Branches inside of branches; what is deeper is printed at the end."""
 
 
 @dataclass(frozen=True)
 class _Signs:
-    """The signs of the drawing: ``bar`` and ``last_bar`` begin a simultaneous leg, ``beside_bar`` runs along it."""
+    """The signs of the drawing: ``bar`` and ``last_bar`` begin a simultaneous branch, ``beside_bar`` runs along it."""
 
     down: str
-    leg: str
-    last_leg: str
-    beside_leg: str
+    branch: str
+    last_branch: str
+    beside_branch: str
     bar: str
     last_bar: str
     beside_bar: str
@@ -69,7 +69,7 @@ class _Outline:
         self.told: dict[int, _Path] = {}  # steps
         self.told_transitions: set[int] = set()
         self.arrived: dict[int, dict[int, _Path]] = {}  # step: transition: where
-        self.branches = 0
+        self.divergences = 0
 
     def run(self) -> list[Line]:
         for root in self.flow.roots:
@@ -99,7 +99,7 @@ class _Outline:
         self._sequence(step, _MARGIN, ())
 
     def _sequence(self, step: int, indent: str, path: _Path, first: str | None = None) -> None:
-        """Tell `step` and all that follows in this leg. `first`: what stands before the step instead of `indent`."""
+        """Print `step` and what follows in this branch. `first`: what is printed before it instead of `indent`."""
         following: int | None = step
         while following is not None:
             self._step(following, first if first is not None else indent, path)
@@ -110,23 +110,23 @@ class _Outline:
                 self._condition(alone[0], indent + self.signs.down)
                 following = self._after(alone[0], indent, path)
             elif leaving:
-                self._legs(leaving, indent, path)
+                self._branches(leaving, indent, path)
                 following = self._going_on(indent, path)
             else:
                 following = None
             if following is None:
                 following = self._going_on(indent, path)
 
-    def _legs(self, leaving: list[Transition], indent: str, path: _Path) -> None:
-        """Tell the legs of a selection. A transition that waits for other steps too is told where they meet."""
+    def _branches(self, leaving: list[Transition], indent: str, path: _Path) -> None:
+        """Print the branches of a selection. A transition that waits for other steps too is printed where they meet."""
         if len(leaving) == 1:
             return
-        self.branches += 1
-        branch = self.branches
+        self.divergences += 1
+        branch = self.divergences
         for number, transition in enumerate(leaving):
             last = number == len(leaving) - 1
-            lead = indent + (self.signs.last_leg if last else self.signs.leg)
-            inner = indent + (" " * len(self.signs.beside_leg) if last else self.signs.beside_leg)
+            lead = indent + (self.signs.last_branch if last else self.signs.branch)
+            inner = indent + (" " * len(self.signs.beside_branch) if last else self.signs.beside_branch)
             if len(set(transition.sources)) > 1:
                 self._line(lead, ("together with ", "dim"), self._names(transition.sources))
                 continue
@@ -137,7 +137,7 @@ class _Outline:
                 self._sequence(following, inner, where)
 
     def _after(self, transition: Transition, indent: str, path: _Path) -> int | None:
-        """What comes after a transition: the step to go on with in this leg; or arrows and legs, and None."""
+        """Print what follows a transition; return the step to go on with in this branch, or None."""
         targets = list(dict.fromkeys(transition.targets))
         if len(targets) > 1:
             self._simultaneous(transition, targets, indent, path)
@@ -152,8 +152,8 @@ class _Outline:
         return None
 
     def _simultaneous(self, transition: Transition, targets: list[int], indent: str, path: _Path) -> None:
-        self.branches += 1
-        branch = self.branches
+        self.divergences += 1
+        branch = self.divergences
         for number, target in enumerate(targets):
             last = number == len(targets) - 1
             lead = indent + (self.signs.last_bar if last else self.signs.bar)
@@ -165,7 +165,7 @@ class _Outline:
                 self._arrow(target, lead)
 
     def _going_on(self, indent: str, path: _Path) -> int | None:
-        """What goes on here after legs were told: a step, or a transition, at which they meet."""
+        """The step or the transition at which branches that were printed meet, to go on with."""
         for transition in self.chart.transitions:
             sources = set(transition.sources)
             if len(sources) < 2 or transition.id in self.told_transitions or not sources <= self.told.keys():
@@ -183,7 +183,7 @@ class _Outline:
         return None
 
     def _arrives(self, transition: Transition, target: int, path: _Path) -> bool:
-        """Note that a way leads to `target`; whether its story goes on right here."""
+        """Note that a way leads to `target`; True if the outline goes on with it right here."""
         if target in self.told or target not in self.steps:
             return False
         ways = self.arrived.setdefault(target, {})
@@ -213,7 +213,7 @@ class _Outline:
         self._line(indent, (self.signs.arrow, "dim"), self._names([target]))
 
     def _orphan(self, transition: Transition) -> None:
-        """A transition that no story has come to: from steps that exist nowhere, or never meet."""
+        """Print a transition that no way has reached: from steps that exist nowhere, or never meet."""
         self._line("")
         self._line(_MARGIN, self._names(transition.sources) if transition.sources else ("(no step)", "red"))
         self._condition(transition, _MARGIN + self.signs.down)
@@ -232,7 +232,7 @@ class _Outline:
 
 
 _Path = tuple[tuple[int, int], ...]
-"""Where something stands: inside which legs, outermost first, each as (number of the branch, number of the leg)."""
+"""The branches around something, outermost first: numbers of the divergence and of the branch in it."""
 
 
 @dataclass
@@ -240,7 +240,7 @@ class _Flow:
     """The chart as a walk from its initial steps.
 
     `roots` are the steps where the walk begins. `waits` says for each step how many transitions lead to it without
-    leading back: its story goes on where the last of them has arrived.
+    leading back: the outline goes on with it where the last of them has arrived.
     """
 
     chart: SfcNetwork

@@ -56,7 +56,7 @@ def load_each(screen: Screen, names: Sequence[str], doing: str = "Reading") -> I
                 project = _load_folder(screen, name, doing, bars=len(names) == 1)
             else:
                 project = load_input(screen, name)
-            findings = project.diagnostics  # reads the charts, too, while their errors can be told
+            findings = project.diagnostics  # reads the charts, too, while their errors can be reported
             found = LoadedFile(name, project, findings)
         except SfcError as error:
             failure = error

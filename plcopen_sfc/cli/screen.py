@@ -159,7 +159,7 @@ class Screen:
 
     @property
     def unicode(self) -> bool:
-        """Whether results are looked at and every sign can be shown."""
+        """True if a person looks at results and every sign can be shown."""
         return is_terminal(self._results) and is_unicode(self._results)
 
     @cached_property
@@ -202,7 +202,7 @@ def _takes_time(items: Sequence[object]) -> bool:
 
 
 def prepare_streams() -> None:
-    """Never an encoding error; UTF-8 in pipes, unless PYTHONIOENCODING says otherwise."""
+    """Let no text be an encoding error; use UTF-8 in pipes, unless PYTHONIOENCODING is set."""
     for stream in (sys.stdout, sys.stderr):
         if not isinstance(stream, io.TextIOWrapper):
             continue
@@ -213,7 +213,7 @@ def prepare_streams() -> None:
 
 
 def is_terminal(stream: TextIO) -> bool:
-    """Whether a person looks at `stream`."""
+    """Return True if a person looks at `stream`."""
     try:
         return stream.isatty()
     except (AttributeError, ValueError):  # closed, or none at all (pythonw.exe)
@@ -221,7 +221,7 @@ def is_terminal(stream: TextIO) -> bool:
 
 
 def is_unicode(stream: TextIO) -> bool:
-    """Whether `stream` can show every character."""
+    """Return True if `stream` can show every character."""
     return (getattr(stream, "encoding", None) or "").lower().replace("-", "") in {"utf8", "utf16le", "utf16", "cp65001"}
 
 

@@ -1,4 +1,4 @@
-"""What ``info`` says about a file and its charts, as numbers."""
+"""Summaries of files and their charts, as numbers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["ChartSummary", "FileSummary", "all_charts", "summarise"]
 
 @dataclass(frozen=True)
 class ChartSummary:
-    """The numbers of one chart. `jumps`: None where the file does not say how the chart is drawn.
+    """The numbers of one chart. `jumps`: None where the file has no drawing of the chart.
 
     The last four are those of S7-GRAPH, None for other charts.
     """
@@ -91,7 +91,7 @@ class FileSummary:
 
 
 def summarise(file: str, project: Project) -> FileSummary:
-    """What there is to say about `project`, read from `file`: a file or a folder."""
+    """Return the summary of `project`, which was read from `file`: a file or a folder."""
     contents: list[bytes] = []
     versions: dict[str, None] = {}
     name = "json"

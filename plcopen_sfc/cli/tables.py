@@ -14,7 +14,7 @@ __all__ = ["Table"]
 
 @dataclass
 class Table:
-    """Headers and rows of texts and numbers; columns of numbers stand right.
+    """Headers and rows of texts and numbers; columns of numbers are aligned to the right.
 
     `short` are headers for narrow terminals. `total`: the last row is a sum.
     """

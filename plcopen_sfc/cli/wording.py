@@ -76,7 +76,7 @@ _EDGES = {"R_TRIG": "rising", "F_TRIG": "falling"}
 
 
 def _watched(read: NetworkExpression, helper: Helper) -> Iterator[n.Expression]:
-    """What an edge watches that `helper` stands for; nothing where it is none."""
+    """Yield what the edge block `helper` watches; nothing where it is none."""
     for statement in read.before if helper.type_name in _EDGES else ():
         call = statement.call if isinstance(statement, n.CallStatement) else None
         if isinstance(call, n.Call) and isinstance(call.callee, n.Name) and call.callee.identifier == helper.name:

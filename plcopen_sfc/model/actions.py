@@ -55,7 +55,7 @@ class Qualifier(StrEnum):
 
     @property
     def needs_duration(self) -> bool:
-        """Whether IEC 61131-3 requires a duration with it."""
+        """True if IEC 61131-3 requires a duration with it."""
         return self in _TIMED
 
 
@@ -67,7 +67,7 @@ class ActionEvent(StrEnum):
 
     S1/S0 the step becomes active/inactive, V1/V0 a supervision error comes/goes, L1/L0 the interlock is lost/restored,
     A1 an error is acknowledged, R1 a registration comes. C: the action depends on the interlock (see
-    `ActionAssociation.interlock`, which is where files say it). An action with an event is executed in one cycle, that
+    `ActionAssociation.interlock`, where files state it). An action with an event is executed in one cycle, that
     in which the event comes, and not while the step is active; with an interlock it needs that in this cycle too.
     """
 
@@ -128,7 +128,7 @@ class ActionAssociation(Element):
     `target` names a Boolean variable, an action of the POU, or an action of an instance (``Motor.ACT_Stop``); `body`
     is an action programmed in place; TC6 allows both at once. `value` is what is assigned to the target (S7-GRAPH ``A
     := B``, GRAFCET stored actions). `duration` is a time literal or a variable. `indicator` is the variable that
-    tells the step is done. `negated` (TC6 action block): it acts while the step is *not* active.
+    reports that the step is done. `negated` (TC6 action block): it acts while the step is *not* active.
     `event` and `interlock` are S7-GRAPH's, `kind`, `condition` and `forcing` are GRAFCET's.
     """
 

@@ -30,7 +30,7 @@ class UnknownDataRule(StrEnum):
 class ForeignData(Model):
     """A piece of data of another tool, kept as it came (TC6 ``addData/data``).
 
-    `name` is the URI that says whose it is, `content` the markup as text.
+    `name` is the URI of its owner, `content` the markup as text.
     """
 
     name: str
@@ -39,7 +39,7 @@ class ForeignData(Model):
 
 
 class Carried(Model):
-    """What stands at an object in its file and has no place of its own in the model. Never dropped silently."""
+    """Content of an object's element in its file that the model has no field for. Never dropped silently."""
 
     data: list[ForeignData] = Field(default_factory=list)
     attributes: dict[str, str] = Field(default_factory=dict)

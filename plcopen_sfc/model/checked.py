@@ -1,4 +1,4 @@
-"""Objects that check what they are given, say in words what is wrong with it, and show themselves in one line."""
+"""Objects that check their fields, name in words what is wrong, and show themselves in one line."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def _called(thing: Checked) -> str:
 
 
 def misfit(model: type[BaseModel], owner: str, error: ValidationError) -> ModelError:
-    """Return the error of this package that says what does not fit in the fields of `owner`."""
+    """Return the error of this package for what does not fit in the fields of `owner`."""
     found = error.errors(include_url=False)
     named = "; ".join(_problem(model, owner, each["type"], each["loc"], each) for each in found[:_NAMED])
     more = f"; and {len(found) - _NAMED} more" if len(found) > _NAMED else ""

@@ -1,4 +1,4 @@
-"""How a chart is drawn: symbols, bars, jumps and wires. What the chart does stands in `plcopen_sfc.model.sfc`."""
+"""How a chart is drawn: symbols, bars, jumps and wires. `plcopen_sfc.model.sfc` has what the chart does."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ class ActionEntry(Model):
 class Symbol(Element):
     """One drawn symbol.
 
-    Symbols of steps and transitions have the id of what they stand for; one transition symbol below a convergence of
-    steps stands for several transitions, listed in `transitions`. `target` is the step or simultaneous divergence
+    Symbols of steps and transitions have the id of what they show; one transition symbol below a convergence of
+    steps shows several transitions, listed in `transitions`. `target` is the step or simultaneous divergence
     that a jump leads to, `name` the text of a jump to something that does not exist, or the name of a bar.
     `condition` is the pin at which a transition takes its condition, `action_output` the pin at which a step drives
     its action blocks, `entries` the lines of an action block. `local_id` is the id in the file where another element
@@ -93,8 +93,8 @@ class Places(StrEnum):
 class Drawing(Model):
     """The drawing of one chart.
 
-    `order` is the order of the file's elements by id where graphical logic stands between the symbols; else the
-    symbols come first, in the order of `symbols`. `places` says whether the positions mean anything.
+    `order` is the order of the file's elements by id where graphical logic is between the symbols; else the
+    symbols come first, in the order of `symbols`. `places`: whether the positions mean anything.
     """
 
     symbols: list[Symbol] = Field(default_factory=list)

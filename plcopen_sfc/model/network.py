@@ -1,7 +1,7 @@
 """Graphical logic: networks of FBD and LD elements.
 
 IEC 61131-3 ed. 3, 8.2 and 8.3; the common, fbd and ld objects of TC6 2.01.
-Wires stand at their consumer: an input pin lists the outputs it is connected to.
+Wires belong to their consumer: an input pin lists the outputs it is connected to.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Connection(Model):
 
 
 class InputPin(Model):
-    """Where wires end. `position` is relative to the element; `expression` may stand instead of wires."""
+    """Where wires end. `position` is relative to the element; `expression` may replace wires."""
 
     connections: list[Connection] = Field(default_factory=list)
     expression: str | None = None
@@ -42,7 +42,7 @@ class InputPin(Model):
 
 
 class OutputPin(Model):
-    """Where wires start. `name` tells several outputs of an element apart."""
+    """Where wires start. `name` distinguishes several outputs of an element."""
 
     name: str | None = None
     expression: str | None = None
@@ -102,7 +102,7 @@ class BlockParameters(Model):
 
 
 class BlockCall(StrEnum):
-    """What a block calls, where the file says so (CODESYS ``fbdcalltype``)."""
+    """Kind of what a block calls, where the file states it (CODESYS ``fbdcalltype``)."""
 
     OPERATOR = "operator"
     FUNCTION = "function"

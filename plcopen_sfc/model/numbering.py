@@ -1,4 +1,4 @@
-"""Ids that say nothing but the order: to compare charts of formats that have no ids of their own."""
+"""Ids that mean nothing but the order: to compare charts of formats that have no ids of their own."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 
 
 def numbered_in_order(project: Project) -> Project:
-    """A copy of `project` in which everything that has an id is numbered from 1 in the order in which it stands.
+    """A copy of `project` in which everything that has an id is numbered from 1 in the order of the model.
 
     Each chart and each network counts for itself. Drawings are left out: they are full of ids and mean nothing more
     than their chart.

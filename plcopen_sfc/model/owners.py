@@ -23,7 +23,7 @@ __all__ = ["Owned"]
 
 
 class Owned(Model):
-    """An object that knows what it is in, and tells those in its fields `OWNS` that they are in it."""
+    """An object that knows what it is in, and lets those in its fields `OWNS` know it."""
 
     OWNS: ClassVar[tuple[str, ...]] = ()
 

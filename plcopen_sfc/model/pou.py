@@ -70,7 +70,7 @@ class NamedBody(NamedTuple):
 class Pou(ProjectObject):
     """A program, function block or function.
 
-    `place` says where in the project the POU stands: empty for the pool of types, ``application/NAME`` for a CODESYS or
+    `place` is where in the project the POU is: empty for the pool of types, ``application/NAME`` for a CODESYS or
     TwinCAT application, ``configuration/NAME/resource/NAME`` for a device export. `bodies` holds more than one where
     the tool knows worksheets, and in TIA Portal, whose blocks mix languages: one for each run of networks in one
     language. `number` is that of the block in the controller (``FB 12``).
@@ -135,7 +135,7 @@ class Pou(ProjectObject):
                 yield NamedBody(f"{self.name}.{part.name}", self, part.body)
 
     def report_path_of(self, name: str) -> str:
-        """Where the body that `named_bodies` calls `name` stands, in the words of messages and reports.
+        """Place of the body that `named_bodies` calls `name`, in the words of messages and reports.
 
         ``POU Main``, ``POU Main / action Fill``.
         """

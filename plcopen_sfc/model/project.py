@@ -40,7 +40,7 @@ class FileHeader(Model):
 
 
 class Scaling(Model):
-    """Units of the drawings of one language; None: the file does not say."""
+    """Units of the drawings of one language; None where the file has none."""
 
     x: float = 1.0
     y: float = 1.0
@@ -162,7 +162,7 @@ class Chart(NamedTuple):
 
     @property
     def report_path(self) -> str:
-        """Where it stands in the words of messages and reports: ``POU Main / action Fill``."""
+        """Its place in the words of messages and reports: ``POU Main / action Fill``."""
         return self.pou.report_path_of(self.name)
 
 
@@ -188,8 +188,8 @@ class Source(Protocol):
 class Project(Owned, Element):
     """Everything a file holds.
 
-    `applications` are resources that stand in the project without a configuration (CODESYS and TwinCAT application
-    exports). `config_variables` stand outside of a configuration, as in CODESYS. POUs and data types are in one list
+    `applications` are resources of the project without a configuration (CODESYS and TwinCAT application
+    exports). `config_variables` are outside of a configuration, as in CODESYS. POUs and data types are in one list
     each, whatever their `place` is. `content_comment` and `content_carried` belong to the description of the content
     (TC6 ``contentHeader``). `dialect` is that of all structured text in it, expressions included.
     """
@@ -239,7 +239,7 @@ class Project(Owned, Element):
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """What the reader had to say about the file: charts that are wrong but could be loaded. Reads every chart."""
+        """Findings of the reader about the file: charts that are wrong but could be loaded. Reads every chart."""
         if self.source is None:
             return ()
         self.read_all()
@@ -286,10 +286,10 @@ class Project(Owned, Element):
         return result
 
     def locations_of(self, paths: Iterable[str]) -> list[Location]:
-        """Where objects stand in the files of the project, by their paths: ``POU Main / step S3``.
+        """Places of objects in the files of the project, by their paths: ``POU Main / step S3``.
 
         Each place has the path, and the file and line as far as they are known: those of what is around the object
-        where the format tells no more.
+        where the format has no more.
         """
         places: list[Location] = provided("locations_of")(self, paths)
         return places

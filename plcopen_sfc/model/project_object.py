@@ -10,7 +10,7 @@ from plcopen_sfc.model.late import LateElement
 class ProjectObject(LateElement):
     """Common to the objects of a project.
 
-    `folder` is where the object stands among the files of its project, relative to the project's own folder, with ``/``
+    `folder` is where the object is among the files of its project, relative to the project's own folder, with ``/``
     between names (``Program blocks/Station 1``); empty for that folder itself, None where the project is one file.
     """
 

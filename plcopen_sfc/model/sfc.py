@@ -1,4 +1,4 @@
-"""Sequential function charts: what a chart *does*. How it is drawn stands in `plcopen_sfc.model.drawing`.
+"""Sequential function charts: what a chart *does*. `plcopen_sfc.model.drawing` has how it is drawn.
 
 A chart is a net of steps and transitions. A selection is several transitions that leave a step, a simultaneous
 divergence is a transition with several targets, a simultaneous convergence one with several sources, a jump is a
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class Macro(Owned):
-    """What a macro-step stands for: a body of its own (TC6), or a partial chart by name (IEC 60848, expansion)."""
+    """Content of a macro-step: a body of its own (TC6), or a partial chart by name (IEC 60848, expansion)."""
 
     body: Body | None = None
     expansion: str | None = None
@@ -57,7 +57,7 @@ class Step(Owned, Element):
     active; ``.T`` how long it is active, ``.U`` the same without the time of disturbances; ``.S1`` ``.S0`` TRUE for
     the cycle in which it becomes active, inactive; ``.LA`` ``.VA`` the interlock is not satisfied, there is a
     supervision error; ``.L1`` ``.L0`` ``.V1`` ``.V0`` these come and go; ``.A1`` an error is acknowledged; ``.LS``
-    ``.VS`` what the networks say now; ``.SNO`` its number; ``.T_MAX`` ``.T_WARN`` its times. For a transition
+    ``.VS`` what the networks evaluate to now; ``.SNO`` its number; ``.T_MAX`` ``.T_WARN`` its times. For a transition
     (``G7_TransitionPlus``): ``.TV`` its steps are active, ``.TT`` its condition is satisfied, ``.TS`` it switches.
     From other blocks: ``"Instance_DB".Step1.X``. (S7-GRAPH V6)
     """
@@ -98,7 +98,7 @@ class Supervised(Model):
     An interlock (C) is what the actions marked with it need: they are executed only while it is TRUE. It does not hold
     up the chart; while it is FALSE the step has an interlock error (events L1 when that comes, L0 when it goes). A
     supervision (V) is a fault: while it is TRUE the step has a supervision error (events V1 and V0), and the chart
-    stays in the step until it is gone, and acknowledged where `GraphSettings.acknowledge_errors_required` says so.
+    stays in the step until it is gone, and acknowledged where `GraphSettings.acknowledge_errors_required` is set.
     No condition: there is none, the interlock is always satisfied, the supervision never disturbed. (S7-GRAPH V6)
     """
 
@@ -111,7 +111,7 @@ class Transition(Element):
     """A transition from all of `sources` to all of `targets` (ids of steps).
 
     Competing transitions, which share a source, are tried in the order of `priority` (1 before 2), those without one
-    after them in the order in which they stand in `SfcNetwork.transitions` (left to right). No condition: the file has
+    after them in the order of `SfcNetwork.transitions` (left to right). No condition: the file has
     none.
     """
 
@@ -236,9 +236,9 @@ class GraphSettings(Model):
     Inputs of the block control the chart: INIT_SQ activates the initial steps and no others; OFF_SQ deactivates all
     steps; ACK_EF acknowledges errors. SW_AUTO, SW_TAP, SW_TOP and SW_MAN choose the operating mode: automatic (a
     satisfied transition switches), inching (it needs a rising edge of T_PUSH too), automatic or inching (one of both
-    is enough), and manual (S_SEL says which step, S_ON and S_OFF activate and deactivate it). S_PREV and S_NEXT choose
-    the step whose number the output S_NO shows; S_MORE: more steps are active, S_ACTIVE: this one is; ERR_FLT: there
-    is an error; AUTO_ON, TAP_ON, TOP_ON, MAN_ON: the mode. (S7-GRAPH V6)
+    is enough), and manual (S_SEL is the number of the step, S_ON and S_OFF activate and deactivate it). S_PREV and
+    S_NEXT choose the step whose number the output S_NO shows; S_MORE: more steps are active, S_ACTIVE: this one is;
+    ERR_FLT: there is an error; AUTO_ON, TAP_ON, TOP_ON, MAN_ON: the mode. (S7-GRAPH V6)
     """
 
     version: str | None = None
@@ -280,7 +280,7 @@ class SfcNetwork(LateElement):
     """A chart.
 
     `logic` are FBD and LD elements drawn in the chart, which conditions are wired to. `drawing` is how the file draws
-    the chart; None where it does not say.
+    the chart; None where it has no drawing.
     """
 
     steps: list[Step] = Field(default_factory=list)
@@ -340,8 +340,8 @@ class SfcNetwork(LateElement):
     def flags_in_use(self, declared: Callable[[str], bool]) -> frozenset[SfcFlag]:
         """The flags that the chart obeys or sets in CODESYS.
 
-        A flag is used where the settings of the chart say so. Where they do not mention it, or leave it to the settings
-        of the project, it is used if `declared` tells that the POU or its project declare the variable.
+        A flag is used where the settings of the chart state it. Where they do not mention it, or leave it to the
+        settings of the project, it is used if `declared` is True: the POU or its project declares the variable.
         """
         settings = self.settings
 
@@ -422,7 +422,7 @@ class SfcNetwork(LateElement):
 
         A chart that is in no project is renamed in itself. Raises `ModelError` where there is no such step, or the new
         name is no name or would mean something else somewhere. The result lists what was changed, and places of which
-        nobody can tell what they mean: these stay as they are. See `plcopen_sfc.refactor.rename`.
+        no analysis finds the meaning: these stay as they are. See `plcopen_sfc.refactor.rename`.
         """
         result: RenameResult = provided("rename_step")(self, old, new)
         return result

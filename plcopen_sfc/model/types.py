@@ -161,7 +161,7 @@ class SimpleValue(Model):
 
 
 class RepeatedValue(Model):
-    """A value of an array initialisation and how often it stands there (``3(0)``)."""
+    """A value of an array initialisation and how often it is repeated (``3(0)``)."""
 
     value: Value
     repetitions: str | None = None
@@ -202,8 +202,8 @@ Value = Annotated[
 class Variable(Element):
     """A declared variable or a member of a structure.
 
-    `attributes` are what a tool says of it besides, by name: ``Remanence``, ``Accessibility``, ``ExternalVisible`` ..
-    (TIA Portal), as text.
+    `attributes` are other properties that a tool gives it, by name and as text: ``Remanence``, ``Accessibility``,
+    ``ExternalVisible`` .. (TIA Portal).
     """
 
     name: str
@@ -216,7 +216,7 @@ class Variable(Element):
 class DataTypeDeclaration(ProjectObject):
     """``TYPE name : type := initial; END_TYPE``.
 
-    `place` says where the declaration stands, as `Pou.place` does.
+    `place` is where the declaration is, as `Pou.place` does.
     """
 
     kind_in_reports: ClassVar[str] = "type"

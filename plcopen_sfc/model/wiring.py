@@ -4,7 +4,7 @@ Every reader that meets a drawing and every writer that must know whether a draw
 interpretation. It accepts what tools really draw (evidence: 82 CODESYS and TwinCAT exports, 10 847 steps):
 
 - a bar may follow a bar of the same kind directly (nested branches); both are seen through;
-- a jump may be wired into a convergence, although it has no output: a leg that ended; it leads nowhere else;
+- a jump may be wired into a convergence, although it has no output: a branch that ended; it leads nowhere else;
 - steps may meet in a selection convergence before one transition: that is one transition for each of them;
 - several consumers of a transition without a bar between them are taken as a simultaneous divergence.
 """
@@ -122,20 +122,20 @@ class _Tracer:
         if kind in _STEPS:
             return [(symbol,)]
         if kind not in _BARS or symbol in seen:
-            # A jump is a leg that ended; a transition or an element of logic before a transition leads from no step.
+            # A jump is a branch that ended; a transition or an element of logic before a transition leads from no step.
             return []
         seen = seen | {symbol}
         if kind is not SymbolKind.SIMULTANEOUS_CONVERGENCE:
             return self._union(symbol, seen)
-        legs = [self._upstream(source, seen) for source in self.inputs.get(symbol, ())]
-        legs = [leg for leg in legs if leg]
+        branches = [self._upstream(source, seen) for source in self.inputs.get(symbol, ())]
+        branches = [branch for branch in branches if branch]
         combined: list[tuple[int, ...]] = []
-        for combination in product(*legs):
-            combined.append(tuple(dict.fromkeys(step for leg in combination for step in leg)))
+        for combination in product(*branches):
+            combined.append(tuple(dict.fromkeys(step for branch in combination for step in branch)))
             if len(combined) > _MAX_ALTERNATIVES:
                 self._problem("SFC105", symbol, "too many alternatives meet here")
                 break
-        return combined if legs else []
+        return combined if branches else []
 
     def _targets_of(self, transition: int) -> tuple[int, ...]:
         return tuple(dict.fromkeys(self._downstream(transition, frozenset({transition}))))

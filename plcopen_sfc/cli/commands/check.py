@@ -17,7 +17,7 @@ from plcopen_sfc.errors import Location, ModelError, SfcError
 _FINDINGS = 1
 _ORDER = {Severity.INFO: 0, Severity.WARNING: 1, Severity.ERROR: 2}
 _SAID_BY_RULES = frozenset({"SFC103", "SFC104", "SFC106", "SFC109", "SFC110", "SFC111", "SFC112"})
-"""What readers say of charts and a rule says too."""
+"""Findings of readers that a rule reports too."""
 
 FORMATS = ("text", "json", "sarif")
 FAIL_ON = ("error", "warning", "info", "never")
@@ -25,7 +25,7 @@ FAIL_ON = ("error", "warning", "info", "never")
 
 @dataclass(frozen=True)
 class How:
-    """What was asked for on the command line; None: what the configuration says."""
+    """What was asked for on the command line; None: the value of the configuration."""
 
     select: tuple[str, ...] | None = None
     ignore: tuple[str, ...] | None = None

@@ -1,4 +1,4 @@
-"""``plcopen-sfc convert``: write a file in another format and say what became of every item."""
+"""``plcopen-sfc convert``: write a file in another format and report every item."""
 
 from __future__ import annotations
 

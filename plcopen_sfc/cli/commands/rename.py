@@ -29,7 +29,7 @@ def run(screen: Screen, file: str, old: str, new: str, *, dry_run: bool) -> int:
     result = project.rename(old, new)
     for finding in project.diagnostics:
         if finding.code == UNREAD_DOCUMENT:
-            screen.finding(finding, result=False)  # the name may stand in it too
+            screen.finding(finding, result=False)  # the name may be in it too
     if dry_run:
         files = edited_files(project, file)
         diff = [line for name, before, after in files for line in _difference(before, after, name)]

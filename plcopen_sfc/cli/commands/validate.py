@@ -1,4 +1,4 @@
-"""``plcopen-sfc validate``: what schema, reader and parser have to say about files."""
+"""``plcopen-sfc validate``: findings of schema, reader and parser about files."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def run(screen: Screen, patterns: Sequence[str]) -> int:
 
 
 def _findings(loaded: LoadedFile) -> list[Diagnostic]:
-    """What schema (formats that have one), reader and parser of program text say; by line."""
+    """Return the findings of schema (of formats that have one), reader and parser, by line."""
     found = list(loaded.findings)
     if loaded.project is None:
         return found
