@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 import plcopen_sfc as sfc
-from plcopen_sfc.refactor.rename import RenameResult
+from plcopen_sfc.report import RenameResult
 
 
 def rename(project: sfc.Project, names: dict[str, str]) -> list[RenameResult]:

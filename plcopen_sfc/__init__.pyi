@@ -1,6 +1,7 @@
 """The public names of the package and where they are: the one list, which `__init__.py` and type checkers read."""
 
 from plcopen_sfc.analysis.equivalence import equivalent as equivalent
+from plcopen_sfc.analysis.verdict import UntestedError as UntestedError
 from plcopen_sfc.analysis.verdict import (
     Verdict as Verdict,
 )
@@ -26,6 +27,7 @@ from plcopen_sfc.api import (
     save as save,
 )
 from plcopen_sfc.checking import check as check
+from plcopen_sfc.diagnostics import DamagedSourceError as DamagedSourceError
 from plcopen_sfc.diagnostics import (
     Diagnostic as Diagnostic,
 )
@@ -40,9 +42,6 @@ from plcopen_sfc.documents.lowered import (
 )
 from plcopen_sfc.errors import (
     ArgumentError as ArgumentError,
-)
-from plcopen_sfc.errors import (
-    DamagedSourceError as DamagedSourceError,
 )
 from plcopen_sfc.errors import (
     FileAccessError as FileAccessError,
@@ -73,9 +72,6 @@ from plcopen_sfc.errors import (
 )
 from plcopen_sfc.errors import (
     SimulationError as SimulationError,
-)
-from plcopen_sfc.errors import (
-    UntestedError as UntestedError,
 )
 from plcopen_sfc.lowering import (
     LoweredPou as LoweredPou,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from plcopen_sfc.errors import Location
+from plcopen_sfc.errors import Location, SfcError
 
 
 class Severity(StrEnum):
@@ -32,3 +33,25 @@ class Diagnostic:
     def __str__(self) -> str:
         place = str(self.location)
         return f"{place}: {self.severity} {self.code}: {self.message}" if place else f"{self.code}: {self.message}"
+
+
+class DamagedSourceError(SfcError):
+    """A project whose reading found errors was to be written in another format. Nothing was written.
+
+    `findings` are the errors. See `Project.accept_errors`.
+    """
+
+    def __init__(self, findings: Sequence[Diagnostic]) -> None:
+        self.findings = tuple(findings)
+        listed = "; ".join(f"{each.code}: {each.message}" for each in self.findings[:_NAMED])
+        more = f"; and {len(self.findings) - _NAMED} more" if len(self.findings) > _NAMED else ""
+        count = f"{len(self.findings)} errors were" if len(self.findings) > 1 else "an error was"
+        super().__init__(
+            f"{count} found in reading, so that what is written might do something else: {listed}{more}",
+            location=self.findings[0].location,
+            hint="Nothing was written. Mend the file in its tool; saving it in its own format keeps everything. "
+            "--accept-errors (Project.accept_errors) writes what could be read.",
+        )
+
+
+_NAMED = 3

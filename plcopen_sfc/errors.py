@@ -10,10 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
-    from plcopen_sfc.analysis.verdict import Verdict
-    from plcopen_sfc.diagnostics import Diagnostic
     from plcopen_sfc.report import ConversionReport
 
 
@@ -119,28 +117,6 @@ class StructureError(FormatError):
     """Well-formed, of a known format, but what is required is missing or in the wrong place."""
 
 
-class DamagedSourceError(SfcError):
-    """A project whose reading found errors was to be written in another format. Nothing was written.
-
-    `findings` are the errors. See `Project.accept_errors`.
-    """
-
-    def __init__(self, findings: Sequence[Diagnostic]) -> None:
-        self.findings = tuple(findings)
-        listed = "; ".join(f"{each.code}: {each.message}" for each in self.findings[:_NAMED])
-        more = f"; and {len(self.findings) - _NAMED} more" if len(self.findings) > _NAMED else ""
-        count = f"{len(self.findings)} errors were" if len(self.findings) > 1 else "an error was"
-        super().__init__(
-            f"{count} found in reading, so that what is written might do something else: {listed}{more}",
-            location=self.findings[0].location,
-            hint="Nothing was written. Mend the file in its tool; saving it in its own format keeps everything. "
-            "--accept-errors (Project.accept_errors) writes what could be read.",
-        )
-
-
-_NAMED = 3
-
-
 class LossError(SfcError):
     """A file would not do what its source does, and that was not accepted. Nothing was written.
 
@@ -243,17 +219,6 @@ class UnknownFunctionError(SimulationError):
 
 class LoweringError(SfcError):
     """A chart, or something in it, cannot be lowered as asked. Nothing was written, nothing was approximated."""
-
-
-class UntestedError(LoweringError):
-    """Code that is equal to its chart where both were run, but not all that can be reached was.
-
-    `verdict` says what was reached. Nothing was written.
-    """
-
-    def __init__(self, message: str, *, verdict: Verdict, location: Location | None = None, hint: str = "") -> None:
-        super().__init__(message, location=location, hint=hint)
-        self.verdict = verdict
 
 
 class UnknownBehaviourError(SimulationError):

@@ -1,4 +1,4 @@
-"""What became of each item when a project was written in another format."""
+"""Results of conversions and renames: what became of each item, and which places were changed."""
 
 from __future__ import annotations
 
@@ -144,3 +144,53 @@ def line_of(path: str, lines: Mapping[str, int]) -> int | None:
             return lines[path]
         path = path.rpartition(" / ")[0]
     return None
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """A place that names something.
+
+    `path` says where it is (``Main / step S3 / action Valve``), `language` in what: a language, or ``declaration``.
+    `span` is that of the name in its text, `line` and `column` count from 1, `text` is the line.
+    """
+
+    path: str
+    language: str
+    span: tuple[int, int]
+    line: int
+    column: int
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}:{self.column}: {self.text}"
+
+
+@dataclass(frozen=True, slots=True)
+class Undecided:
+    """A place that has the old name, and why nobody can tell whether it means what was renamed."""
+
+    use: Use
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.use} ({self.reason})"
+
+
+@dataclass(frozen=True, slots=True)
+class RenameResult:
+    """What a rename did.
+
+    `path` is that of the declaration before it (``Main.S3``). `changed` are the places that named it, with their text
+    as it was, the declaration itself not among them. `undecided` are places that have the old name and were left as
+    they are: look at them.
+    """
+
+    path: str
+    old: str
+    new: str
+    changed: tuple[Use, ...] = ()
+    undecided: tuple[Undecided, ...] = ()
+
+    def __repr__(self) -> str:
+        places = f"{len(self.changed)} places changed, {len(self.undecided)} undecided"
+        return f"RenameResult({self.path!r} to {self.new!r}: {places})"

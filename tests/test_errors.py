@@ -488,7 +488,8 @@ def test_wrong_charts_are_loaded_and_say_so(run, case):
 
 
 def every_error() -> list[type[errors.SfcError]]:
-    kinds = [kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, errors.SfcError)]
+    named = [*vars(errors).values(), *(getattr(sfc, name) for name in dir(sfc))]
+    kinds = {kind for kind in named if isinstance(kind, type) and issubclass(kind, errors.SfcError)}
     return sorted(kinds, key=lambda kind: kind.__name__)
 
 
@@ -497,12 +498,12 @@ def test_an_error_of_a_worker_process_reaches_its_user_whole(kind: type[errors.S
     project = sfc.load(BELT)
     unread = [sfc.Diagnostic("XML001", sfc.Severity.ERROR, "an element is missing", sfc.Location("a.xml", 3))]
     special: dict[type[errors.SfcError], Callable[[], errors.SfcError]] = {
-        errors.DamagedSourceError: lambda: errors.DamagedSourceError(unread),
+        sfc.DamagedSourceError: lambda: sfc.DamagedSourceError(unread),
         errors.LossError: lambda: errors.LossError("2 losses", sfc.convert(project, "simaticml", partial=True)[1]),
         errors.OldVersionError: lambda: errors.OldVersionError("V14", [errors.VersionNeed("POU A", "texts", "V15")]),
         errors.CompetingTransitionsError: lambda: errors.CompetingTransitionsError("both", transitions=("1", "2")),
         errors.UnknownFunctionError: lambda: errors.UnknownFunctionError("F", "unknown", hint="declare it"),
-        errors.UntestedError: lambda: errors.UntestedError("untested", verdict=sfc_verdict(project)),
+        sfc.UntestedError: lambda: sfc.UntestedError("untested", verdict=sfc_verdict()),
     }
     plain = errors.Location("a.xml", 3, 4, "POU Main / step S1")
     error = special[kind]() if kind in special else kind("it is wrong", location=plain, hint="mend it")
@@ -518,5 +519,6 @@ def test_an_error_of_a_worker_process_reaches_its_user_whole(kind: type[errors.S
         assert str(getattr(again, name, None)) == str(getattr(error, name, None))
 
 
-def sfc_verdict(project: sfc.Project) -> Verdict:
-    return equivalent(project.pou("FB_Pusher"), project.pou("FB_Pusher"), runs=1, scans=2)
+def sfc_verdict() -> Verdict:
+    pou = sfc.loads(b"PROGRAM Main VAR_INPUT a : BOOL; END_VAR VAR q : BOOL; END_VAR q := a; END_PROGRAM").pou("Main")
+    return equivalent(pou, pou)

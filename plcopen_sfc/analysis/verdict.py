@@ -9,6 +9,7 @@ from typing import Any
 
 from plcopen_sfc.analysis.coverage import Coverage, any_untested, listed
 from plcopen_sfc.analysis.delay import NO_DELAY, Delay
+from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.semantics.signals import Value
 from plcopen_sfc.semantics.trace import Trace
@@ -249,3 +250,14 @@ class Verdict:
 
 def _shown(value: Value | None) -> str:
     return {True: "TRUE", False: "FALSE"}[value] if isinstance(value, bool) else str(value)
+
+
+class UntestedError(LoweringError):
+    """Code that is equal to its chart where both were run, but not all that can be reached was.
+
+    `verdict` says what was reached. Nothing was written.
+    """
+
+    def __init__(self, message: str, *, verdict: Verdict, location: Location | None = None, hint: str = "") -> None:
+        super().__init__(message, location=location, hint=hint)
+        self.verdict = verdict

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, cast
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.conversion import compare, executed, report_execution
-from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.diagnostics import DamagedSourceError, Severity
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.documents.writer_preparation import prepared
-from plcopen_sfc.errors import DamagedSourceError, LossError, UnknownFormatError
+from plcopen_sfc.errors import LossError, UnknownFormatError
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest, is_from, place_in_folder, remember_body

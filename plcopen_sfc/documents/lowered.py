@@ -16,6 +16,7 @@ from typing import Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.search_limits import SearchProgress
+from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.documents.storage import (
     SaveOptions,
     Source,
@@ -24,7 +25,7 @@ from plcopen_sfc.documents.storage import (
     load_project,
     save_project,
 )
-from plcopen_sfc.errors import LoweringError, UntestedError
+from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.files import refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou, lower_project

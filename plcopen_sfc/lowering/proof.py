@@ -16,8 +16,8 @@ from typing import Any, NamedTuple, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching, equivalent
 from plcopen_sfc.analysis.search_limits import seconds
-from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
-from plcopen_sfc.errors import Location, LoweringError, SfcError, UntestedError
+from plcopen_sfc.analysis.verdict import UntestedError, Verdict, VerdictKind
+from plcopen_sfc.errors import Location, LoweringError, SfcError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.translation.renames import identifier, is_identifier, is_reserved
 from plcopen_sfc.lowering.code.code_declarations import BOOL, names_of

@@ -23,7 +23,7 @@ from plcopen_sfc.operations import provided
 
 if TYPE_CHECKING:
     from plcopen_sfc.diagnostics import Diagnostic
-    from plcopen_sfc.refactor.rename import RenameResult
+    from plcopen_sfc.report import RenameResult
 
 
 class FileHeader(Model):

@@ -26,7 +26,7 @@ from plcopen_sfc.operations import provided
 
 if TYPE_CHECKING:
     from plcopen_sfc.model.body import Body
-    from plcopen_sfc.refactor.rename import RenameResult
+    from plcopen_sfc.report import RenameResult
 
 
 class Macro(Owned):

@@ -14,7 +14,7 @@ from typing import Any
 
 from plcopen_sfc.errors import Location, ModelError, check_argument
 from plcopen_sfc.languages.binding.name_sites import Reference
-from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, Use, the_one
+from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, the_one
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite
 from plcopen_sfc.languages.dialects import Dialect
@@ -27,39 +27,9 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
 from plcopen_sfc.refactor.clashes import changed_meanings, visible_clashes
+from plcopen_sfc.report import RenameResult, Undecided
 
 _SHOWN = 10
-
-
-@dataclass(frozen=True, slots=True)
-class Undecided:
-    """A place that has the old name, and why nobody can tell whether it means what was renamed."""
-
-    use: Use
-    reason: str
-
-    def __str__(self) -> str:
-        return f"{self.use} ({self.reason})"
-
-
-@dataclass(frozen=True, slots=True)
-class RenameResult:
-    """What a rename did.
-
-    `path` is that of the declaration before it (``Main.S3``). `changed` are the places that named it, with their text
-    as it was, the declaration itself not among them. `undecided` are places that have the old name and were left as
-    they are: look at them.
-    """
-
-    path: str
-    old: str
-    new: str
-    changed: tuple[Use, ...] = ()
-    undecided: tuple[Undecided, ...] = ()
-
-    def __repr__(self) -> str:
-        places = f"{len(self.changed)} places changed, {len(self.undecided)} undecided"
-        return f"RenameResult({self.path!r} to {self.new!r}: {places})"
 
 
 def rename(project: Project, what: Declaration | Model | str, new: str) -> RenameResult:

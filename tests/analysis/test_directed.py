@@ -9,7 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.analysis.search_limits import SearchProgress
-from plcopen_sfc.errors import UntestedError
+from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, walk
 from plcopen_sfc.languages.st.nodes import Operator

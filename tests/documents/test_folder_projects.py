@@ -11,14 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
-from plcopen_sfc.errors import (
-    DamagedSourceError,
-    FileAccessError,
-    LossError,
-    ModelError,
-    OldVersionError,
-    UnknownFormatError,
-)
+from plcopen_sfc.diagnostics import DamagedSourceError
+from plcopen_sfc.errors import FileAccessError, LossError, ModelError, OldVersionError, UnknownFormatError
 from plcopen_sfc.model import Project
 from plcopen_sfc.model.compare import differences
 from tests.corpus import ROOT

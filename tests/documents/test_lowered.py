@@ -10,7 +10,8 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
-from plcopen_sfc.errors import LoweringError, UntestedError
+from plcopen_sfc.analysis.verdict import UntestedError
+from plcopen_sfc.errors import LoweringError
 from tests.lowering.charts import boolean, training_chain
 
 

@@ -15,7 +15,8 @@ from plcopen_sfc.errors import FormatError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names
 from plcopen_sfc.languages.binding.text_sites import NAMELESS, NAMING
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.refactor.rename import RenameResult, rename
+from plcopen_sfc.refactor.rename import rename
+from plcopen_sfc.report import RenameResult
 from tests.corpus import corpus_files
 from tests.formats.simaticml.documents import real_documents
 from tests.languages.binding.projects import meanings

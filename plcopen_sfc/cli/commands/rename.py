@@ -12,8 +12,7 @@ from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.folder_projects import edited_files
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.languages.binding import Use
-from plcopen_sfc.refactor.rename import RenameResult
-from plcopen_sfc.report import LOSSES, Outcome
+from plcopen_sfc.report import LOSSES, Outcome, RenameResult
 
 UNREAD_DOCUMENT = "DIR101"
 _SHOWN = 20

@@ -18,9 +18,10 @@ from plcopen_sfc.languages.binding.bound_bodies import (
     names_in,
     texts_in,
 )
-from plcopen_sfc.languages.binding.name_uses import Names, Use, find_uses
+from plcopen_sfc.languages.binding.name_uses import Names, find_uses
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path
+from plcopen_sfc.report import Use
 
 __all__ = [
     "ANYTHING",

@@ -14,28 +14,9 @@ from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level, Mean
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
-from plcopen_sfc.languages.st.nodes import Span
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.project import Project
-
-
-@dataclass(frozen=True, slots=True)
-class Use:
-    """A place that names something.
-
-    `path` says where it is (``Main / step S3 / action Valve``), `language` in what: a language, or ``declaration``.
-    `span` is that of the name in its text, `line` and `column` count from 1, `text` is the line.
-    """
-
-    path: str
-    language: str
-    span: Span
-    line: int
-    column: int
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.path}:{self.line}:{self.column}: {self.text}"
+from plcopen_sfc.report import Use
 
 
 def references(text_site: TextSite, dialect: Dialect) -> Iterator[Reference]:

@@ -14,7 +14,7 @@ from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.profile import Profile
 
 if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 __all__ = ["ChartProgram", "GraphProgram", "compile_chart", "compiler"]
 

@@ -31,7 +31,7 @@ from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, Elem
 
 if TYPE_CHECKING:
     from plcopen_sfc.model import Body
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 _OUT = ON | PULSE
 _PULSES = (Qualifier.P, Qualifier.P1, Qualifier.P0)

@@ -16,7 +16,7 @@ from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, ArrayType, ElementaryType
 
 if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 _TEXTS = frozenset({SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.CURRENT_STEP, SfcFlag.ERROR_ANALYZATION})
 _REPORTS = _TEXTS | {SfcFlag.ERROR, SfcFlag.TRANS}

@@ -17,7 +17,7 @@ from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family, StructureType
 
 if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 Run = Callable[[Frame], None]
 """Executes a body."""

@@ -14,7 +14,7 @@ from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType, StructureType, Type
 
 if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 
 def override(scope: Scope, name: str, type_: Type) -> int:

@@ -9,8 +9,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.errors import DamagedSourceError, EncodingError
+from plcopen_sfc.diagnostics import DamagedSourceError, Severity
+from plcopen_sfc.errors import EncodingError
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.report import Outcome
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from plcopen_sfc.model import Condition
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 CONTINUOUS = {
     ActionKind.CONTINUOUS: Qualifier.N,

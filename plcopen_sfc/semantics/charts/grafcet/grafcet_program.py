@@ -17,7 +17,7 @@ from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
 
 if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 
 class Grafcet:

@@ -18,7 +18,7 @@ from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT
 
 if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 _OPERAND = r"(?:[^\W\d][\w.]*|\((?:[^()]|\([^()]*\))*\))"
 _TIME = r"(?:L?T(?:IME)?#\w+|\d+(?:\.\d+)?\s*(?:ms|s|min|m|h|d))"

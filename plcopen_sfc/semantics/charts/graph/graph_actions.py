@@ -21,7 +21,7 @@ from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import ELAPSED, ELEMENTARY, INSTANT
 
 if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 _COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})
 SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})

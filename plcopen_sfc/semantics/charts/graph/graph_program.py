@@ -27,7 +27,7 @@ from plcopen_sfc.semantics.programs.runtime import fail
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT
 
 if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 _EVENT_SLOTS = {
     ActionEvent.S1: step_data.S1,

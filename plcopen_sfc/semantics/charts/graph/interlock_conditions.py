@@ -20,7 +20,7 @@ from plcopen_sfc.semantics.programs.layouts import Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.model import Condition as ModelCondition
-    from plcopen_sfc.semantics.programs import Scope
+    from plcopen_sfc.semantics.programs.scopes import Scope
 
 Condition = Callable[[Frame], bool]
 
