@@ -175,8 +175,8 @@ class RowPlanner:
         if not self._of_tia:
             if parse_operand(action.target) is None:
                 return PlannedRows(why=f"{action.target} is no operand of S7-GRAPH")
-            if action.value is not None and not _is_value(action.value):
-                return PlannedRows(why=f"{_MOST}; {action.value} is more than that")
+            if action.value is not None and not _assigns_operand(action.value):
+                return PlannedRows(why=f"a row of S7-GRAPH assigns one operand; {action.value} is an expression")
         if action.kind in _STORED and action.event is None:
             row = action.model_copy(update={"event": _STORED[action.kind], "qualifier": Qualifier.N})
             return PlannedRows((row,), Outcome.TRANSLATED, f"the event {_STORED[action.kind]} stores it")
@@ -249,7 +249,7 @@ def _assignments(body: Body) -> PlannedRows:
     for statement in tree.statements:
         row = _row(statement)
         if row is None:
-            return PlannedRows(why=f"{_MOST}; its statements are more than that")
+            return PlannedRows(why="a row of S7-GRAPH assigns one operand; its statements are more than that")
         rows.append(row)
     if not rows:
         return PlannedRows((), Outcome.TRANSLATED, "it does nothing")
@@ -260,7 +260,7 @@ def _row(statement: n.Statement) -> ActionAssociation | None:
     if not isinstance(statement, n.Assignment) or statement.kind is not n.AssignmentKind.ASSIGN:
         return None
     value = n.bare(statement.value)
-    if not _is_variable(statement.target) or not _fits_row(value):
+    if not _is_variable(statement.target) or not _is_operand(value):
         return None
     target, text = print_node(statement.target, Dialect.SCL), print_node(value, Dialect.SCL)
     return ActionAssociation(id=0, target=target, value=text)
@@ -274,21 +274,6 @@ def _is_operand(tree: n.Expression) -> bool:
     return isinstance(tree, n.Literal | n.Address) or _is_variable(tree)
 
 
-_IN_ROWS = frozenset({n.Operator.ADD, n.Operator.SUBTRACT, n.Operator.MULTIPLY, n.Operator.DIVIDE, n.Operator.MODULO})
-"""Operators that a row takes between two operands (S7-GRAPH V5.3 manual, "Arithmetic in Actions")."""
-
-
-_TWO = 2
-_MOST = "a row of S7-GRAPH assigns an operand or an operation on two"
-
-
-def _fits_row(tree: n.Expression) -> bool:
-    """True for what a row takes at the right of ``:=``: an operand, or an operation on two."""
-    if isinstance(tree, n.Operation) and tree.operator in _IN_ROWS:
-        return len(tree.operands) == _TWO and all(map(_is_operand, tree.operands))
-    return _is_operand(tree)
-
-
 def _is_variable(tree: n.Expression) -> bool:
     while isinstance(tree, n.Member | n.Index):
         if isinstance(tree, n.Index) and not all(map(_is_operand, tree.indices)):
@@ -297,9 +282,9 @@ def _is_variable(tree: n.Expression) -> bool:
     return isinstance(tree, n.Name)
 
 
-def _is_value(text: str) -> bool:
-    parsed = parse_expression(text, Dialect.SCL)
-    return parsed.tree is not None and not parsed.problems and _fits_row(n.bare(parsed.tree))
+def _assigns_operand(value: str) -> bool:
+    parsed = parse_expression(value, Dialect.SCL)
+    return parsed.tree is not None and not parsed.problems and _is_operand(parsed.tree)
 
 
 def _path(tree: n.Expression) -> list[str] | None:
