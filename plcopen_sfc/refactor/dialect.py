@@ -14,6 +14,7 @@ from plcopen_sfc.languages.networks import body_statements, condition_reader
 from plcopen_sfc.languages.s7_globals import blocks_of_variables
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
+from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, string_literal
 from plcopen_sfc.languages.st.nodes import Assignment, Call, Expression, Name, Statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, S7_VERSION
@@ -45,7 +46,16 @@ from plcopen_sfc.model import (
 )
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, WiredCondition
-from plcopen_sfc.model.types import DerivedType, ElementaryType, EnumType, StringType, StructType, SubrangeType
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DerivedType,
+    ElementaryType,
+    EnumType,
+    SimpleValue,
+    StringType,
+    StructType,
+    SubrangeType,
+)
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 
 
@@ -107,6 +117,7 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
         keep_names(project, renames if source is Dialect.SCL else Renames())
     _rename_instances(project, source, target)
     _say_lengths(project, source, target)
+    found += _say_starts(project, source, target)
     project.dialect = target
     return found
 
@@ -126,6 +137,71 @@ def _say_lengths(project: Project, source: Dialect, target: Dialect) -> None:
                 type_.length = length
             elif isinstance(type_, StructType):
                 types += [member.type for member in type_.members]
+
+
+def _say_starts(project: Project, source: Dialect, target: Dialect) -> Iterator[TranslatedText]:
+    """Write the start values of dates, which tools have at other days, and cut off texts that S7 does not take."""
+    if (source is Dialect.SCL) is (target is Dialect.SCL):
+        return
+    for path, variable in _kept_variables(project):
+        type_, start = variable.type, variable.initial
+        while isinstance(type_, ArrayType):
+            type_ = type_.base
+        name = type_.name.value if isinstance(type_, ElementaryType) else ""
+        why, severity = "", Severity.INFO
+        if name in _FIRST_DAYS and start is None:
+            if source is Dialect.SCL and not isinstance(variable.type, ArrayType):
+                variable.initial = SimpleValue(text=_FIRST_DAYS[name])
+                why = f"it starts as {_FIRST_DAYS[name]}, as in S7"
+            else:
+                why = f"{name} starts as {_FIRST_DAYS[name]} in S7, and as 1970-01-01 in CODESYS"
+                severity = Severity.WARNING
+        if target is Dialect.SCL and isinstance(type_, StringType) and isinstance(start, SimpleValue):
+            length = type_.length or STRING_LENGTHS.get(source, "")
+            cut = _cut_text(start.text or "", int(length), target) if length.isdigit() else None
+            if cut is not None:
+                start.text = cut
+                why = f"its first value was cut off to {length} characters, as it is when it is assigned"
+        if why:
+            note = Note(severity, why, (0, 0), 1, 1)
+            yield TranslatedText(f"{path} / {variable.name}", changed=True, notes=(note,))
+
+
+_FIRST_DAYS = {"DATE": "D#1990-01-01", "DT": "DT#1990-01-01-00:00:00"}
+"""The first values of dates in S7; those of LDT and DTL are in 1970 as in CODESYS."""
+
+
+def _kept_variables(project: Project) -> Iterator[tuple[str, Variable]]:
+    """The variables and members that have a first value, with the path of what declares them."""
+    waiting: list[tuple[str, Variable]] = []
+    for pou in project.pous:
+        for section in pou.interface.sections if pou.interface is not None and pou.kind is not PouKind.FUNCTION else ():
+            if section.kind not in (SectionKind.IN_OUT, SectionKind.EXTERNAL, SectionKind.TEMP, SectionKind.RETURN):
+                waiting += [(pou.report_path, variable) for variable in section.variables]
+    for section in project.global_sections():
+        waiting += [("global variables", variable) for variable in section.variables]
+    for block in project.data_blocks:
+        sections = block.interface.sections if block.interface is not None and block.type_name is None else []
+        waiting += [(block.report_path, variable) for section in sections for variable in section.variables]
+    for declared in project.data_types:
+        if isinstance(declared.type, StructType):
+            waiting += [(declared.report_path, member) for member in declared.type.members]
+    while waiting:
+        path, variable = waiting.pop(0)
+        if isinstance(variable.type, StructType):
+            waiting += [(f"{path} / {variable.name}", member) for member in variable.type.members]
+        yield path, variable
+
+
+def _cut_text(text: str, length: int, dialect: Dialect) -> str | None:
+    """The literal of a text without what goes beyond `length`; None where it fits, or is no literal."""
+    try:
+        found = literal_value(text, dialect)
+    except LiteralError:
+        return None
+    if found.kind is not LiteralKind.STRING or not isinstance(found.value, str) or len(found.value) <= length:
+        return None
+    return string_literal(found.value[:length], dialect, wide=found.type.startswith("W"))
 
 
 def _all_interfaces(project: Project) -> list[Interface]:

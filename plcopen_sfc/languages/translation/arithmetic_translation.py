@@ -298,6 +298,10 @@ class ArithmeticTranslator:
             if kind in _REALS and made in ORDER and new is not value:
                 return _converted(new, made, kind)
             return new
+        real = self.types.value(value).type
+        if real in _REALS and self._source is Dialect.SCL and self._target is not Dialect.SCL:
+            call = _converted(self._fit(value, None)[0], real, kind)  # other tools do not convert such values
+            return call if isinstance(value, n.Call) else replace(call, span=value.span)
         new, made = self._fit(value, bits_of(kind))
         if made not in ORDER or self._target is Dialect.CODESYS:
             return new
@@ -420,6 +424,10 @@ class ArithmeticTranslator:
         types = [self.types.value(each).type for each in operands]
         if operator is Operator.SUBTRACT and value.type == "TIME" and not _INSTANTS & {*types}:
             self._note_sign_of_time(node)
+        if _INSTANTS & {*types} and Dialect.SCL in (self._source, self._target) and self._source is not self._target:
+            names = " and ".join(sorted({*types} - {""}))
+            reason = f"S7 calculates with {names} by T_ADD, T_SUB and T_DIFF"
+            self._notes.add(Severity.ERROR, f"{reason}; left as it stands", node)
         return self._with(node, pairs), value.type
 
     def _note_sign_of_time(self, node: Node) -> None:

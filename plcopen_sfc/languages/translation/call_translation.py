@@ -11,6 +11,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Argument, Expression, Operator
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
+from plcopen_sfc.languages.translation.arithmetic_translation import ExpressionTypes
 from plcopen_sfc.languages.translation.function_translation import (
     ONLY_CODESYS,
     S7_TIMERS_AND_COUNTERS,
@@ -33,7 +34,12 @@ _INEXACT = re.compile(
     r"L?REAL_TO_(?:U?[SDL]?INT|BYTE|[DL]?WORD)|(?P<text>(?:L?REAL|U?[SDL]?INT|L?TIME|DATE|TOD|DT)_TO_W?STRING)"
 )
 """Conversions whose results are others in S7."""
-HALVES = "CODESYS rounds halves away from zero, S7 to even numbers: 2.5 is 3 in CODESYS and 2 in S7"
+_OF_DATES = re.compile(r"(?P<source>[A-Z]+)_TO_(?P<result>[A-Z]+)")
+_DATES = frozenset({"DATE", "LDATE", "DT", "LDT"})
+_FROM_DATES = frozenset({"DT_TO_DATE", "DT_TO_TOD", "LDT_TO_DATE", "LDT_TO_TOD", "LDT_TO_LTOD"})
+"""Conversions of dates that S7 has, and that give the same there."""
+_HALVES = "CODESYS rounds halves away from zero, {tool} to even numbers: 2.5 is 3 in CODESYS and 2 in {tool}"
+HALVES = _HALVES.format(tool="S7")
 """What differs where a number with decimals becomes one without."""
 
 
@@ -47,7 +53,10 @@ class CallTranslator:
         names: NameTranslator,
         notes: Notes,
         translated: Callable[[Expression], Expression],
+        *,
+        types: ExpressionTypes,
     ) -> None:
+        self._types = types
         self._source, self._target = source, target
         self._names = names
         self._notes = notes
@@ -169,8 +178,10 @@ class CallTranslator:
         truncated = translated_truncation(name, self._target, self._type_of_first(node) or "REAL")
         if truncated is not None:
             return self._with(node, self._named(callee, truncated), arguments)
-        if re.fullmatch(r"TO_\w+", name) and self._target is Dialect.SCL:
-            return self._converted(node, callee, name, arguments)
+        if re.fullmatch(r"TO_\w+", name):
+            if self._target is Dialect.SCL:
+                return self._converted(node, callee, name, arguments)
+            self._note_conversion(node, f"{self._type_of_first(node)}_{name}")
         if block is None:
             return self._unknown(node, callee, name, arguments)
         self._note_conversion(node, name)
@@ -189,14 +200,23 @@ class CallTranslator:
 
     def _note_conversion(self, node: n.Call, name: str) -> None:
         """Say what a conversion gives otherwise in S7 and in other tools."""
+        tools = {self._source, self._target}
         matched = _INEXACT.fullmatch(name)
-        if matched is None or Dialect.SCL not in (self._source, self._target):
-            return
-        if matched["text"]:
+        if matched is not None and matched["text"] and Dialect.SCL in tools:
             reason = f"S7 writes the text of {name} otherwise: signs, blanks and exponents differ"
             self._notes.add(Severity.WARNING, reason, node)
-        elif Dialect.CODESYS in (self._source, self._target):
-            self._notes.add(Severity.WARNING, f"{name}: {HALVES}", node)
+        elif matched is not None and not matched["text"] and Dialect.CODESYS in tools and len(tools) > 1:
+            tool = "S7" if Dialect.SCL in tools else TITLES[Dialect.IEC]
+            self._notes.add(Severity.WARNING, f"{name}: {_HALVES.format(tool=tool)}", node)
+        dated = _OF_DATES.fullmatch(name)
+        if dated is not None and Dialect.SCL in tools and len(tools) > 1 and name not in _FROM_DATES:
+            kinds = {dated["source"], dated["result"]}
+            if kinds & {"DT", "LDT"}:
+                reason = f"S7 has no {name}: its DATE_AND_TIME is no number"
+                self._notes.add(Severity.ERROR, f"{reason}; left as it stands", node)
+            elif kinds & _DATES and not (matched is not None and matched["text"]):
+                reason = "S7 counts days since 1990-01-01, CODESYS seconds since 1970-01-01"
+                self._notes.add(Severity.ERROR, f"{name}: {reason}; left as it stands", node)
 
     def _unknown(self, node: n.Call, callee: n.Name, name: str, arguments: tuple[Argument, ...]) -> Expression:
         """A function that is none of IEC 61131-3."""
@@ -229,7 +249,10 @@ class CallTranslator:
 
     def _converted(self, node: n.Call, callee: n.Name, name: str, arguments: tuple[Argument, ...]) -> Expression:
         type = self._type_of_first(node)
+        if f"TO_{type}" == name and len(arguments) == 1 and arguments[0].value is not None:
+            return n.Parenthesized(arguments[0].value, span=node.span)
         if type:
+            self._note_conversion(node, f"{type}_{name}")
             return self._with(node, self._named(callee, f"{type}_{name}"), arguments)
         reason = f"SCL has no {callee.identifier}: there the name of a conversion tells the source type too"
         self._notes.add(Severity.ERROR, f"{reason}, which is not known; left as it stands", callee)
@@ -237,7 +260,9 @@ class CallTranslator:
 
     def _type_of_first(self, node: n.Call) -> str:
         value = node.arguments[0].value if node.arguments else None
-        type = self._names.type_of(n.bare(value)).upper() if value is not None else ""
+        if value is None:
+            return ""
+        type = self._names.type_of(n.bare(value)).upper() or self._types.value(value).type
         return type if type.isalpha() else ""
 
     # -- arguments ----------------------------------------------------------------------------------------------------

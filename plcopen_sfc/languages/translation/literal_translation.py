@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from datetime import date, timedelta
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
@@ -51,6 +52,10 @@ def translated_literal(text: str, source: Dialect, target: Dialect) -> PartText:
             return PartText(_string(text, literal, target))
         case LiteralKind.DURATION if isinstance(literal.value, int):
             return _duration(text, literal.value, literal.type, target)
+        case LiteralKind.DATE | LiteralKind.DATE_AND_TIME if not _is_in_calendar(literal, target):
+            first, last = _CALENDARS[target][literal.type]
+            reason = f"{text}: {TITLES[target]} has {literal.type} from {first} to {last} only"
+            return Outcome(text, Severity.ERROR, f"{reason}; left as it stands")
         case LiteralKind.DATE if prefix.upper() == "LD" and target is Dialect.CODESYS:
             return PartText(f"LDATE#{body}")
         case LiteralKind.POINTER:
@@ -59,6 +64,23 @@ def translated_literal(text: str, source: Dialect, target: Dialect) -> PartText:
             return PartText(text, Severity.ERROR, "CODESYS has no NULL: its pointers and references compare with 0")
         case _:
             return PartText(text)
+
+
+_CALENDARS = {
+    Dialect.SCL: {"DATE": (1990, 2168), "DT": (1990, 2089), "LDT": (1970, 2262)},
+    Dialect.CODESYS: {"DATE": (1970, 2106), "DT": (1970, 2106)},
+}
+"""The first and the last year of dates. Evidence: help of TIA Portal and of CODESYS, data types."""
+_NANOSECONDS_OF_A_DAY = 86_400_000_000_000
+
+
+def _is_in_calendar(literal: LiteralValue, target: Dialect) -> bool:
+    """True if the target has the year of a date."""
+    least, greatest = _CALENDARS.get(target, {}).get(literal.type, (1, 9999))
+    day = literal.value if isinstance(literal.value, date) else None
+    if isinstance(literal.value, int):
+        day = date(1970, 1, 1) + timedelta(days=literal.value // _NANOSECONDS_OF_A_DAY)
+    return day is None or least <= day.year <= greatest
 
 
 def _integer(text: str, body: str, type: str, target: Dialect, *, short: bool) -> str:

@@ -8,7 +8,7 @@ rounded to single precision; durations an `int` of nanoseconds, dates and times 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING
 
@@ -174,6 +174,8 @@ ELEMENTARY |= {
 }
 INT, DINT, LINT = ELEMENTARY["INT"], ELEMENTARY["DINT"], ELEMENTARY["LINT"]
 
+_1990 = 7305 * _DAY
+_S7_DATES = {name: replace(ELEMENTARY[name], start=str(_1990)) for name in ("DATE", "DT", "DATE_AND_TIME")}
 _DEFAULT_LENGTHS = {Dialect.CODESYS: 80, Dialect.TWINCAT: 80}
 _NARROW_TIMES = {
     (dialect, "TIME"): ElementaryType("TIME", Family.DURATION, 32, *TIME_RANGES[dialect, "TIME"], unit=_MILLISECOND)
@@ -192,9 +194,11 @@ def elementary(name: str, dialect: Dialect = Dialect.IEC) -> ElementaryType | No
     TIME has 32 bits of milliseconds in CODESYS (without a sign) and in S7 (with one), 64 bits of nanoseconds else. DT
     has whole seconds in CODESYS, whole milliseconds in S7.
     A STRING without a length has 80 characters in CODESYS, 254 in S7; the same is taken for IEC 61131-3, which leaves
-    it open.
+    it open. DATE and DATE_AND_TIME start in 1990 in S7.
     """
     key = name.upper()
+    if dialect is Dialect.SCL and key in _S7_DATES:
+        return _S7_DATES[key]
     if (dialect, key) in _NARROW_TIMES:
         return _NARROW_TIMES[dialect, key]
     if key in ("STRING", "WSTRING"):

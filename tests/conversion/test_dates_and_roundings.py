@@ -1,0 +1,110 @@
+"""Conversions of values, dates, times and texts that mean something else in the other tool."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.report import Outcome
+from plcopen_sfc.semantics.programs import Controller
+
+WHOLE = ["SINT", "USINT", "INT", "UINT", "DINT", "UDINT", "BYTE", "WORD", "DWORD"]
+
+
+def block(variables: str, body: str, tool: str = "codesys", more: str = "") -> sfc.Project:
+    text = f"{more}\nFUNCTION_BLOCK Main\n{variables}\n{body}\nEND_FUNCTION_BLOCK"
+    project = sfc.loads(text.encode(), format="iec-text")
+    if tool == "scl":
+        return sfc.loads(sfc.dumps(project, format="scl", partial=True), format="scl")
+    project.dialect = Dialect.CODESYS
+    return project
+
+
+def losses(project: sfc.Project, target: str, flavour: str = "") -> list[tuple[Outcome, str]]:
+    report = sfc.convert(project, target, flavour=flavour, partial=True).report
+    return [(item.outcome, item.why) for item in report.losses]
+
+
+@pytest.mark.parametrize("call", ["REAL_TO_{}(r)", "TO_{}(r)", "LREAL_TO_{}(p)", "TO_{}(p)", "TO_{}(r * 2.0)"])
+@pytest.mark.parametrize("whole", WHOLE)
+@pytest.mark.parametrize(("target", "flavour"), [("scl", ""), ("simaticml", ""), ("iec-text", "matiec")])
+def test_every_conversion_that_rounds_is_approximated(target: str, flavour: str, whole: str, call: str) -> None:
+    variables = f"VAR_INPUT r : REAL; p : LREAL; END_VAR VAR_OUTPUT n : {whole}; END_VAR"
+    found = losses(block(variables, f"n := {call.format(whole)};"), target, flavour)
+    rounded = [outcome for outcome, why in found if "rounds halves away from zero" in why]
+    assert rounded == [Outcome.APPROXIMATED]
+    assert len(found) == 1 or (flavour and "*" in call)  # matiec does not know the type of an operation
+
+
+def test_a_conversion_to_the_same_type_is_the_value() -> None:
+    data, report = sfc.convert(block("VAR_INPUT i : INT; END_VAR VAR n : INT; END_VAR", "n := TO_INT(i);"), "scl")
+    assert "#n := (#i);" in data.decode()
+    assert not report.losses
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+def test_a_real_number_that_s7_takes_for_an_integer_is_converted(target: str) -> None:
+    project = block("VAR_INPUT r : REAL; END_VAR VAR_OUTPUT i : INT; END_VAR", "i := r;", "scl")
+    data, report = sfc.convert(project, target)
+    assert "i := REAL_TO_INT(r);" in data.decode()
+    assert len(report.losses) == (target == "codesys")
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+def test_the_eno_of_a_block_is_not_executed_elsewhere(target: str) -> None:
+    found = losses(block("VAR_OUTPUT q : BOOL; END_VAR", "q := ENO;", "scl"), target)
+    assert [outcome for outcome, why in found if "ENO" in why] == [Outcome.NOT_EXECUTED]
+
+
+DATES = [
+    "n := DATE_TO_DINT(d);",
+    "n := DWORD_TO_DINT(DT_TO_DWORD(t));",
+    "q := d = D#1970-01-01;",
+    "q := t > DT#1985-05-05-00:00:00;",
+    "q := t - DT#2019-12-31-00:00:00 > T#1h;",
+    "q := d - D#2019-12-31 > T#1h;",
+]
+DECLARED = "VAR_INPUT d : DATE := D#2000-01-01; t : DT := DT#2000-01-01-00:00:00; END_VAR"
+OUTPUTS = "VAR_OUTPUT n : DINT; q : BOOL; END_VAR"
+
+
+@pytest.mark.parametrize("target", ["scl", "simaticml"])
+@pytest.mark.parametrize("body", DATES)
+def test_what_s7_does_not_do_with_dates_is_not_executed(body: str, target: str) -> None:
+    found = losses(block(f"{DECLARED} {OUTPUTS}", body), target)
+    assert [outcome for outcome, _ in found] == [Outcome.NOT_EXECUTED]
+
+
+@pytest.mark.parametrize("body", ["#n := DATE_TO_DINT(#d);", "#n := DATE_TO_INT(#d);"])
+def test_days_of_s7_are_no_seconds(body: str) -> None:
+    project = block(f"{DECLARED} {OUTPUTS}", "n := 0;", "scl")
+    project.pous[0].bodies[0].text = body  # type: ignore[union-attr]  # it is structured text
+    assert [outcome for outcome, _ in losses(project, "codesys")] == [Outcome.NOT_EXECUTED]
+
+
+def test_dates_of_s7_start_in_1990_elsewhere() -> None:
+    more = "TYPE Part : STRUCT made : DATE; END_STRUCT; END_TYPE"
+    project = block("VAR d : DATE; t : DT; p : Part; END_VAR VAR_OUTPUT q : BOOL; END_VAR", "q := TRUE;", "scl", more)
+    controller = Controller(project)
+    starts = controller.instance("Main")
+    data, report = sfc.convert(project, "codesys")
+    assert not report.losses
+    instance = Controller(sfc.loads(data, as_tool=True)).instance("Main")
+    for name in ("d", "t", "p.made"):
+        assert instance[name] == starts[name] == 7305 * 86_400 * 10**9
+
+
+@pytest.mark.parametrize("type_", ["DATE", "DT"])
+@pytest.mark.parametrize("target", ["scl", "simaticml"])
+def test_dates_of_codesys_start_later_in_s7(type_: str, target: str) -> None:
+    found = losses(block(f"VAR d : {type_}; END_VAR VAR_OUTPUT q : BOOL; END_VAR", "q := TRUE;"), target)
+    assert [outcome for outcome, why in found if "starts as" in why and "in S7" in why] == [Outcome.APPROXIMATED]
+    assert len(found) == 1
+
+
+@pytest.mark.parametrize("target", ["scl", "simaticml"])
+def test_a_text_that_is_too_long_for_its_variable_is_cut_off(target: str) -> None:
+    data, report = sfc.convert(block("VAR s : STRING(5) := 'abcdefgh'; END_VAR", "s := s;"), target)
+    assert b"'abcde'" in data
+    assert not report.losses
