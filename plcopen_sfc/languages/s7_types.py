@@ -52,12 +52,25 @@ class S7Types:
 
     def __init__(self, declarations: Iterable[DataTypeDeclaration]) -> None:
         self._declared = {each.name.casefold(): each for each in declarations}
-        self.declared: dict[str, DataType] = {name: each.type for name, each in self._declared.items()}
+        self.declared = {name: self._with_members(each.type) for name, each in self._declared.items()}
         self.constants = [each for declaration in self._declared.values() for each in constants_of(declaration)]
         self._by_name = {each.name.casefold(): each for each in self.constants}
         self._by_value = {f"{each.type}.{each.value}".casefold(): each for each in self.constants}
         counts = Counter(each.value.casefold() for each in self.constants)
         self._alone = {each.value.casefold(): each for each in self.constants if counts[each.value.casefold()] == 1}
+
+    def _with_members(self, type_: DataType) -> DataType:
+        """A declared type, whose members have the types that S7 has for them."""
+        if isinstance(type_, ArrayType):
+            base = self._with_members(type_.base)
+            return type_ if base is type_.base else type_.model_copy(update={"base": base})
+        if not isinstance(type_, StructType):
+            return type_
+        types = [self._with_members(self.type(member.type)) for member in type_.members]
+        if all(new is member.type for new, member in zip(types, type_.members, strict=True)):
+            return type_
+        pairs = zip(types, type_.members, strict=True)
+        return type_.model_copy(update={"members": [m.model_copy(update={"type": new}) for new, m in pairs]})
 
     def type(self, type_: DataType) -> DataType:
         """The type that S7 has for `type_`: itself, if it is one of S7."""

@@ -55,7 +55,7 @@ def translated_literal(text: str, source: Dialect, target: Dialect) -> PartText:
         case LiteralKind.DATE | LiteralKind.DATE_AND_TIME if not _is_in_calendar(literal, target):
             first, last = _CALENDARS[target][literal.type]
             reason = f"{text}: {TITLES[target]} has {literal.type} from {first} to {last} only"
-            return Outcome(text, Severity.ERROR, f"{reason}; left as it stands")
+            return PartText(text, Severity.ERROR, f"{reason}; left as it stands")
         case LiteralKind.DATE if prefix.upper() == "LD" and target is Dialect.CODESYS:
             return PartText(f"LDATE#{body}")
         case LiteralKind.POINTER:

@@ -95,7 +95,7 @@ class NameTranslator:
         if self._target is Dialect.SCL:
             return self._for_scl(name)
         if name.identifier.upper() in _OF_THE_LANGUAGE:
-            if self._source is Dialect.SCL and self.is_local(n.Name(name.identifier)) is not True:
+            if self._source is Dialect.SCL and not name.quoting and self.is_local(name) is not True:
                 reason = f"{name.identifier} is declared in no block: S7 has it in each"
                 self._notes.add(Severity.ERROR, f"{reason}; left as it stands", name)
             return self._changed(name, name.identifier, Quoting.NONE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import product
 
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
+import plcopen_sfc as sfc
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.simaticml.block_interfaces import read_member, write_member
 from plcopen_sfc.formats.simaticml.element_reader import DocumentReading
@@ -109,3 +111,30 @@ def test_start_values_of_the_corpus_are_in_the_model() -> None:
     if not seen:
         pytest.skip("no corpus beside the repository")
     assert (seen, kept) == (10, 7)
+
+
+MEMBERS = {
+    "Mode": "Int",
+    "Long": "DInt",
+    "Sub": "Int",
+    "ARRAY[0..1] OF Mode": "Array[0..1] of Int",
+    "ARRAY[0..1] OF Long": "Array[0..1] of DInt",
+    "STRUCT a : Mode; END_STRUCT": "Struct",
+    "Part": '"Part"',
+    "INT": "Int",
+}
+
+
+@pytest.mark.parametrize("type_", MEMBERS)
+def test_members_in_an_interface_have_the_types_of_their_data_type(type_: str) -> None:
+    """A first value of one member lists them all in the block, where they are what the PLC data type says."""
+    text = f"""TYPE
+      Mode : (Auto := 5, Hand := 7); Long : (Idle := 0, Run := 1) DINT; Sub : INT(0..10);
+      Part : STRUCT e : Mode; END_STRUCT;
+      Rec : STRUCT n : INT := 3; m : {type_}; END_STRUCT;
+    END_TYPE
+    FUNCTION_BLOCK Main VAR r : Rec := (n := 9); END_VAR r.n := 1; END_FUNCTION_BLOCK"""
+    data = sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="simaticml", partial=True).decode()
+    found = re.findall(r'<Member Name="m" Datatype="([^>]*?)"(?: ?/)?>', data)
+    assert found == [MEMBERS[type_].replace('"', "&quot;")] * 2
+    assert '"Mode"' not in data.replace("&quot;", '"').split("SW.Blocks.FB")[1]
