@@ -47,7 +47,7 @@ from plcopen_sfc.semantics.subjects import Subject, resolve
 __all__ = ["Searching", "equivalent"]
 
 
-class Code(Protocol):
+class ChartCode(Protocol):
     """Code of a chart, such as a `LoweredPou`: a POU in its project, and what its comparison with the chart needs."""
 
     @property
@@ -95,8 +95,8 @@ class Searching(TypedDict, total=False):
 
 
 def equivalent(
-    a: Comparable | Code,
-    b: Comparable | Code,
+    a: Comparable | ChartCode,
+    b: Comparable | ChartCode,
     profile: str | Profile | tuple[str | Profile, str | Profile] | None = None,
     *,
     delay: int | str | Delay | Iterable[int] = 0,
@@ -203,7 +203,7 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
     return compared.verdict(longest[1], tries)
 
 
-def _subject(given: Comparable | Code) -> Subject:
+def _subject(given: Comparable | ChartCode) -> Subject:
     if isinstance(given, Subject):
         return given
     is_code = hasattr(given, "step_flags")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProject, Place, charts_of
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProject, FindingPlace, charts_of
 from plcopen_sfc.analysis.checks.rule import Rule
 from plcopen_sfc.analysis.checks.rule_table import RULES
 from plcopen_sfc.analysis.checks.suppression import suppressed
@@ -74,7 +74,7 @@ def findings(chart: CheckedChart, rules: Iterable[Rule]) -> Iterator[Diagnostic]
 def _charts(subject: Project | Pou | SfcNetwork, around: CheckedProject, profile: Profile) -> Iterator[CheckedChart]:
     if isinstance(subject, SfcNetwork):
         everywhere = (chart for pou in around.project.pous if pou.name for chart in charts_of(around, pou, profile))
-        alone = CheckedChart(around, None, Place("", (subject,)), subject, profile)
+        alone = CheckedChart(around, None, FindingPlace("", (subject,)), subject, profile)
         yield next((chart for chart in everywhere if chart.chart is subject), alone)
         return
     for pou in [subject] if isinstance(subject, Pou) else around.project.pous:

@@ -34,7 +34,7 @@ _MOST_FIRINGS = 2_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class FindingPlace:
     """Where something stands.
 
     `path` names it for people; `elements` are the object itself and those that it stands in, the innermost first.
@@ -57,7 +57,7 @@ class Sheet:
     """
 
     chart: SfcNetwork
-    place: Place
+    place: FindingPlace
     partial: PartialChart | None = None
     macro: Step | None = None
 
@@ -99,7 +99,7 @@ class Sheet:
                 if not association.exclude:
                     yield step, association
 
-    def at(self, element: Step | Transition, association: ActionAssociation | None = None) -> Place:
+    def at(self, element: Step | Transition, association: ActionAssociation | None = None) -> FindingPlace:
         """The place of a step, of an association of it, or of a transition."""
         if isinstance(element, Transition):
             return self._below(f"transition {self.label(element)}", element)
@@ -108,9 +108,9 @@ class Sheet:
         name = f"step {element.name} / action {association.target or 'inline'}"
         return self._below(name, association, element)
 
-    def _below(self, name: str, *elements: Element) -> Place:
+    def _below(self, name: str, *elements: Element) -> FindingPlace:
         path = f"{self.place.path} / {name}" if self.place.path else name
-        return Place(path, (*elements, *self.place.elements))
+        return FindingPlace(path, (*elements, *self.place.elements))
 
 
 def family(profile: Profile) -> str:
@@ -200,7 +200,7 @@ class CheckedChart:
     """A chart with all that rules ask about it. Nothing is worked out before it is asked for."""
 
     def __init__(
-        self, around: CheckedProject, pou: Pou | None, place: Place, chart: SfcNetwork, profile: Profile
+        self, around: CheckedProject, pou: Pou | None, place: FindingPlace, chart: SfcNetwork, profile: Profile
     ) -> None:
         self.around = around
         self.dialect = around.dialect
@@ -265,7 +265,7 @@ class CheckedChart:
             self._truths[id(transition)] = found
         return found
 
-    def place_of(self, element: NetStep | NetTransition) -> Place:
+    def place_of(self, element: NetStep | NetTransition) -> FindingPlace:
         """The place of a step or transition of the net."""
         sheet = self._sheet_of[id(element.chart)]
         return sheet.at(element.step if isinstance(element, NetStep) else element.transition)
@@ -321,25 +321,25 @@ def charts_of(around: CheckedProject, pou: Pou, profile: Profile) -> Iterator[Ch
         *((f"{path} / method {m.name}", m, m.body) for m in pou.methods),
     ]
     for body in pou.bodies:
-        yield from _charts_in(body, Place(path, (pou,)), around, pou, profile)
+        yield from _charts_in(body, FindingPlace(path, (pou,)), around, pou, profile)
     for name, part, inner in parts:
-        yield from _charts_in(inner, Place(name, (part, pou)), around, pou, profile)
+        yield from _charts_in(inner, FindingPlace(name, (part, pou)), around, pou, profile)
 
 
 def _charts_in(
-    body: Body | str | None, place: Place, around: CheckedProject, pou: Pou, profile: Profile
+    body: Body | str | None, place: FindingPlace, around: CheckedProject, pou: Pou, profile: Profile
 ) -> Iterator[CheckedChart]:
     if not isinstance(body, SfcBody):
         return
     chart = body.chart
-    checked = CheckedChart(around, pou, Place(place.path, (chart, body, *place.elements)), chart, profile)
+    checked = CheckedChart(around, pou, FindingPlace(place.path, (chart, body, *place.elements)), chart, profile)
     yield checked
     for sheet in checked.sheets:
         for at, inner in _bodies_in(sheet):
             yield from _charts_in(inner, at, around, pou, profile)
 
 
-def _bodies_in(sheet: Sheet) -> Iterator[tuple[Place, Body | str | None]]:
+def _bodies_in(sheet: Sheet) -> Iterator[tuple[FindingPlace, Body | str | None]]:
     """What steps do that is programmed in place."""
     for step in sheet.steps:
         actions = (step.entry_action, step.main_action, step.exit_action)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Place, Sheet
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, FindingPlace, Sheet
 from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
@@ -79,7 +79,7 @@ def _label(sheet: Sheet, symbol: Symbol) -> str:
     return f"step {sheet.names[symbol.id]}" if symbol.id in sheet.names else "a step"
 
 
-def _place(sheet: Sheet, symbol: Symbol) -> Place:
+def _place(sheet: Sheet, symbol: Symbol) -> FindingPlace:
     """The place of the step or transition that a symbol stands for; else that of its chart."""
     elements: list[Step | Transition] = [*sheet.chart.steps, *sheet.chart.transitions]
     found = next((element for element in elements if element.id == symbol.id), None)

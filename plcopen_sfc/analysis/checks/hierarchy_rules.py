@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Place, Sheet
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, FindingPlace, Sheet
 from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.analysis.regions import Obstacle, Unstructured, find_regions
 from plcopen_sfc.diagnostics import Severity
@@ -20,7 +20,7 @@ def _partials(chart: CheckedChart) -> dict[str, PartialChart]:
     return {partial.name.casefold(): partial for partial in reversed(chart.chart.partial_charts)}
 
 
-def _orders(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, Place, ForcingOrder]]:
+def _orders(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, FindingPlace, ForcingOrder]]:
     """The forcing orders, with the steps that give them."""
     for sheet in chart.sheets:
         for step, association in sheet.actions():
@@ -95,7 +95,7 @@ def _is_whole(sheet: Sheet, order: ForcingOrder) -> bool:
 
 
 def _circles(chart: CheckedChart) -> Iterator[Finding]:
-    below: dict[str, list[tuple[str, Place]]] = {}
+    below: dict[str, list[tuple[str, FindingPlace]]] = {}
     for sheet in chart.sheets:
         own = sheet.partial.name.casefold() if sheet.partial is not None else ""
         for step in sheet.steps:
@@ -110,7 +110,7 @@ def _circles(chart: CheckedChart) -> Iterator[Finding]:
                 yield Finding(place, "the chart is ruled by one that it rules itself")
 
 
-def _reached(start: str, below: dict[str, list[tuple[str, Place]]]) -> set[str]:
+def _reached(start: str, below: dict[str, list[tuple[str, FindingPlace]]]) -> set[str]:
     found: set[str] = set()
     waiting = [start]
     while waiting:
@@ -121,7 +121,7 @@ def _reached(start: str, below: dict[str, list[tuple[str, Place]]]) -> set[str]:
     return found
 
 
-def _rulers(chart: CheckedChart) -> Iterator[tuple[NetStep, Place, str, str]]:
+def _rulers(chart: CheckedChart) -> Iterator[tuple[NetStep, FindingPlace, str, str]]:
     """The steps that rule a partial chart: what they do to it, by its name."""
     of_step: dict[int, NetStep] = {id(step.step): step for step in chart.net.steps}
     for _, step, place, order in _orders(chart):

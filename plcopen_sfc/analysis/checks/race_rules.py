@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from plcopen_sfc.analysis.checks.action_targets import Manner, assignments, body_named, constant, operand, uses
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Place
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, FindingPlace
 from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st import nodes as n
@@ -25,7 +25,7 @@ class _Write:
     """A step that assigns a value to a variable: the literal, or "" where it is not one."""
 
     step: NetStep
-    place: Place
+    place: FindingPlace
     path: Path
     name: str
     value: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Place
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, FindingPlace
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.semantics.profile import PROFILES
 
@@ -17,7 +17,7 @@ FAMILIES = tuple(PROFILES)
 class Finding:
     """A breach of a rule: where, and what is wrong there. `hint` replaces that of the rule where more can be said."""
 
-    place: Place
+    place: FindingPlace
     message: str
     hint: str = ""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Place
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, FindingPlace
 from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.model.base import Element
@@ -17,7 +17,7 @@ _MARK = re.compile(r"\bplcopen-sfc:\s*ignore\b[ \t]*([^\r\n]*)", re.IGNORECASE)
 _CODES = re.compile(r"[ \t]*([A-Za-z]{2,4}\d{0,2})\b[ \t]*,?")
 
 
-def suppressed(place: Place, code: str) -> bool:
+def suppressed(place: FindingPlace, code: str) -> bool:
     """Whether a comment at `place`, or at something that it stands in, lets findings of this code be."""
     return any(code.startswith(listed) for element in place.elements for listed in codes_in(element))
 
@@ -56,7 +56,7 @@ def _plain(text: Text | None) -> Iterator[str]:
         yield text
 
 
-def _places(chart: CheckedChart) -> Iterator[Place]:
+def _places(chart: CheckedChart) -> Iterator[FindingPlace]:
     for sheet in chart.sheets:
         yield sheet.place
         for step in sheet.steps:

@@ -11,7 +11,7 @@ the texts of any other object of the model. `Names` tells what a project declare
 from plcopen_sfc.languages.binding.bound_bodies import (
     BoundBody,
     BoundText,
-    Unknown,
+    UnknownPart,
     bind,
     called_actions,
     is_named_elsewhere,
@@ -32,7 +32,7 @@ __all__ = [
     "Kind",
     "Names",
     "Path",
-    "Unknown",
+    "UnknownPart",
     "Use",
     "bind",
     "called_actions",

@@ -30,7 +30,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 
 
 @dataclass(frozen=True, slots=True)
-class Unknown:
+class UnknownPart:
     """A part of a body that cannot be bound: its effects are not known. `reason` tells why."""
 
     reason: str
@@ -50,7 +50,7 @@ class BoundBody:
     dialect: Dialect
     statements: Sequence[n.Statement] = ()
     trees: Sequence[n.Expression | n.Statement] = ()
-    unknown: tuple[Unknown, ...] = ()
+    unknown: tuple[UnknownPart, ...] = ()
     helpers: tuple[Helper, ...] = ()
     instances: Mapping[str, str] = field(default_factory=dict)
     charts: tuple[ChartTexts, ...] = ()
@@ -135,25 +135,25 @@ def _bound(body: Body, dialect: Dialect) -> BoundBody:
         condition = parse_condition(body.text, dialect)  # of a transition, with nothing around it
         if not condition.problems:
             return BoundBody(body, dialect, trees=(condition.tree,))
-        unknown = tuple(Unknown(problem.message) for problem in parsed.problems)
+        unknown = tuple(UnknownPart(problem.message) for problem in parsed.problems)
         return BoundBody(body, dialect, parsed.tree.statements, parsed.tree.statements, unknown)
     if isinstance(body, FbdBody | LdBody):
         read = body_statements(body, dialect)
-        unknown = tuple(Unknown(problem.message) for problem in read.obstacles)
+        unknown = tuple(UnknownPart(problem.message) for problem in read.obstacles)
         trees = (*read.tree.statements, *(value for _, value in read.open_ends))
         return BoundBody(body, dialect, read.tree.statements, trees, unknown, read.helpers, read.instances)
     if isinstance(body, IlBody):
         trees = tuple(instruction_trees(body.text, dialect))
         operands = (operand for each in instructions(body.text, dialect) for operand in each.operands)
-        unknown = tuple(Unknown(problem.message) for operand in operands for problem in operand.parsed.problems)
+        unknown = tuple(UnknownPart(problem.message) for operand in operands for problem in operand.parsed.problems)
         return BoundBody(body, dialect, trees=trees, unknown=unknown)
     if isinstance(body, SfcBody):
         charts = tuple(ChartTexts(chart, dialect) for chart in charts_inside(body))
         trees = tuple(tree for chart in charts for tree in chart.trees)
-        unknown = tuple(Unknown(reason) for chart in charts for reason in chart.unknown)
+        unknown = tuple(UnknownPart(reason) for chart in charts for reason in chart.unknown)
         helpers = tuple(helper for chart in charts for helper in chart.helpers)
         return BoundBody(body, dialect, (), trees, unknown, helpers, charts=charts)
-    return BoundBody(body, dialect, unknown=(Unknown(f"a body in the form of {body.source} cannot be read"),))
+    return BoundBody(body, dialect, unknown=(UnknownPart(f"a body in the form of {body.source} cannot be read"),))
 
 
 def called_actions(body: Body | None, pou: Pou, dialect: Dialect) -> set[str]:
