@@ -120,3 +120,31 @@ def test_a_wrong_argument_is_an_error_of_ours(call, message):
         call()
     assert message in str(caught.value)
     assert isinstance(caught.value, TypeError)
+
+
+def one_step() -> sfc.SfcNetwork:
+    chart = sfc.SfcNetwork()
+    chart.add_step("Wait", initial=True)
+    return chart
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sfc.lower(one_step(), "flipflip"), "no construction 'flipflip' (did you mean 'flipflop'?)"),
+        (lambda: sfc.check(one_step(), profile="codesis"), "no profile 'codesis' (did you mean 'codesys'?)"),
+        (lambda: sfc.simulate(one_step(), profile="s7grap"), "no profile 's7grap' (did you mean 's7graph'?)"),
+        (lambda: sfc.check(one_step(), select=["STR9"]), "no rule 'STR9' (did you mean 'STR"),
+        (lambda: sfc.dumps(sfc.Project(), format="plcopen", flavour="berimiz"), "(did you mean 'beremiz'?)"),
+        (lambda: sfc.Project().rename("Main.S3", "Wait"), "the project declares no 'Main.S3'"),
+    ],
+)
+def test_an_unknown_name_gets_the_nearest(call, message):
+    with pytest.raises(sfc.SfcError) as caught:
+        call()
+    assert message in str(caught.value)
+
+
+def test_a_profile_of_a_wrong_type_is_an_error_of_ours():
+    with pytest.raises(sfc.ArgumentError, match="a profile is a Profile or the name of one, not 3"):
+        sfc.simulate(one_step(), profile=3)

@@ -12,7 +12,7 @@ from plcopen_sfc.conversion import compare, executed, report_execution
 from plcopen_sfc.diagnostics import DamagedSourceError, Severity
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.documents.writer_preparation import prepared
-from plcopen_sfc.errors import LossError, UnknownFormatError
+from plcopen_sfc.errors import LossError, UnknownFormatError, nearest
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest, is_from, place_in_folder, remember_body
@@ -82,8 +82,9 @@ def encode(
     """
     kind, version = format_named(name)
     if flavour and flavour not in kind.flavours:
+        near = nearest(flavour, kind.flavours)
         known = ", ".join(kind.flavours) or "none"
-        raise UnknownFormatError(f"format {kind.name} has no flavour {flavour!r}", hint=f"Flavours are: {known}")
+        raise UnknownFormatError(f"format {kind.name} has no flavour {flavour!r}{near}", hint=f"Flavours are: {known}")
     report = ConversionReport(project.source.format if project.source is not None else "", name)
     source = project.source if isinstance(project.source, FileSource) else None
     if source is not None and source.format == kind.name and version in ("", source.version) and not flavour:

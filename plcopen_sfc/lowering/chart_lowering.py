@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar, Unpack
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.collector import collector_paused
-from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.errors import Location, LoweringError, nearest
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code_texts import TEXTS
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
@@ -344,8 +344,9 @@ def _chosen(kind: type[Choice], name: str) -> Choice:
     try:
         return kind(name)
     except ValueError:
-        hint = "There are: " + ", ".join(each.value for each in kind)
-        raise LoweringError(f"there is no {_NOUNS[kind]} {name!r}", hint=hint) from None
+        known = [each.value for each in kind]
+        message = f"there is no {_NOUNS[kind]} {name!r}{nearest(name, known)}"
+        raise LoweringError(message, hint="There are: " + ", ".join(known)) from None
 
 
 def _with(

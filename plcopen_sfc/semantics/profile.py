@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from types import MappingProxyType
 
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model import ActionKind, Dialect, Project, Qualifier, SfcFlag
 from plcopen_sfc.semantics.net import Competing
 
@@ -393,9 +393,11 @@ def profile(choice: str | Profile) -> Profile:
     """The profile of this name, or the given one itself. Raises `ModelError` for an unknown name."""
     if isinstance(choice, Profile):
         return choice
+    check_argument(choice, str, "a profile is a Profile or the name of one")
     found = PROFILES.get(choice.casefold())
     if found is None:
-        raise ModelError(f"there is no profile {choice!r}", hint="There are: " + ", ".join(PROFILES))
+        near = nearest(choice, PROFILES)
+        raise ModelError(f"there is no profile {choice!r}{near}", hint="There are: " + ", ".join(PROFILES))
     return found
 
 

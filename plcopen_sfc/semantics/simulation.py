@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from datetime import timedelta
 from typing import Any
 
-from plcopen_sfc.errors import InputError, ModelError, check_argument
+from plcopen_sfc.errors import InputError, ModelError, check_argument, nearest
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -172,7 +172,7 @@ class Simulation:
             declared = self._paths.get(name.casefold(), name)
             if declared not in self._watched and declared not in self.instance:
                 hint = "Its inputs are: " + ", ".join(list(self.variables.inputs)[:20])
-                raise InputError(f"the program has no variable {name!r}", hint=hint)
+                raise InputError(f"the program has no variable {name!r}{nearest(name, self._watched)}", hint=hint)
             found[declared] = self._accepted(declared, value)
         return found
 

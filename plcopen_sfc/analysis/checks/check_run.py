@@ -9,7 +9,7 @@ from plcopen_sfc.analysis.checks.rule import Rule
 from plcopen_sfc.analysis.checks.rule_table import RULES
 from plcopen_sfc.analysis.checks.suppression import suppressed
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.errors import Location, ModelError
+from plcopen_sfc.errors import Location, ModelError, nearest
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -36,8 +36,9 @@ def known(rules: Sequence[Rule], codes: Iterable[str]) -> tuple[str, ...]:
     for code in found:
         if not code or not any(rule.code.startswith(code) for rule in rules):
             groups = sorted({rule.code[:3] for rule in rules})
+            near = nearest(code, [rule.code for rule in rules])
             raise ModelError(
-                f"there is no rule {code!r}", hint=f"Rules begin with {', '.join(groups)}; see docs/checks.md."
+                f"there is no rule {code!r}{near}", hint=f"Rules begin with {', '.join(groups)}; see docs/checks.md."
             )
     return found
 
