@@ -1,4 +1,4 @@
-"""What variables start with: the value of every elementary member, from its declaration or from its type."""
+"""Start values of variables: the value of every elementary member, from its declaration or from its type."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _ZEROS = ((False,), (0,), ("",))
 
 @dataclass(frozen=True, slots=True)
 class _Start:
-    """What something starts with: a `literal`, written as `text`, or `parts` by name; nothing: the usual values.
+    """Start value: a `literal`, written as `text`, or `parts` by name; nothing: the usual values.
 
     The parts of an array are its elements from one place on that are alike, with how many they are.
     """
@@ -65,7 +65,7 @@ class StartValues:
         self._number = number
 
     def meaning(self, variable: Variable) -> Meaning | None:
-        """What a variable starts with; None for what it starts with anyway, and for members that have no other."""
+        """Start value of a variable; None for the usual one, and for members that have no other."""
         given = () if variable.initial is None else (variable.initial,)
         found = self._of(variable.type, given, 0)
         return Meaning.of(found, ", ".join(found.shown())) if found else None
@@ -172,7 +172,7 @@ class StartValues:
 
 
 def _members(given: Sequence[Value], name: str) -> list[Value]:
-    """What the values of a structure say of one member."""
+    """Start value of one member among those of a structure."""
     return [m.value for v in given if isinstance(v, StructValue) for m in v.members if m.member.casefold() == name]
 
 

@@ -1,4 +1,4 @@
-"""What differs between what two projects execute."""
+"""Differences between two projects in what they execute."""
 
 from __future__ import annotations
 
@@ -269,7 +269,7 @@ def _name(part: Part, key: Key) -> str:
 
 
 def _trigger(part: Part) -> str:
-    """What a part is in one word or two: the qualifier of an action, the type of a variable."""
+    """Part in one word or two: the qualifier of an action, the type of a variable."""
     told = part.aspects.get("trigger") or part.aspects.get("type") or part.aspects.get("kind")
     return told.show() if told is not None else ""
 

@@ -1,4 +1,4 @@
-"""What is executed of a chart: steps, transitions, actions, permanent instructions, partial charts."""
+"""Executed parts of a chart: steps, transitions, actions, permanent instructions, partial charts."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ class Around(Protocol):
         """A name as all tools could have it."""
 
     def code(self, body: Body | None, result: str = "") -> Meaning | None:
-        """What a body does."""
+        """Meaning of a body."""
 
     def target(self, name: str) -> str:
-        """What an association controls, as all tools could name it."""
+        """Target of an association, as all tools could name it."""
 
 
 class ChartReader:
@@ -165,7 +165,7 @@ class ChartReader:
             part.tell("forcing", Meaning.of((order.chart, order.situation.value, *order.steps), str(order.situation)))
 
     def _stored(self, part: Part, step: Step) -> None:
-        """What the rows S and R of a step leave in each operand: the last one counts in S7-GRAPH, else R."""
+        """Values that the rows S and R of a step leave in each operand: the last one counts in S7-GRAPH, else R."""
         for association in step.actions:
             name = association.target
             plain_row = association.event is None and association.body is None and association.condition is None
@@ -180,7 +180,7 @@ class ChartReader:
                 part.tell(aspect, Meaning.of(stored))
 
     def _code_of(self, action: str | Body | None, body: Body | None = None) -> tuple[str, Meaning | None]:
-        """What an action is called, and its program; none for a variable."""
+        """Name of an action, and its program; none for a variable."""
         if isinstance(action, str):
             found = self.pou.find_action(action.removeprefix("#"))
             if found is None:

@@ -28,7 +28,7 @@ PROGRAM_CALL = "call of a program"
 
 
 class Key(NamedTuple):
-    """What a part is found by among its neighbours: its kind and its name, and which of several that are alike."""
+    """Key of a part among its neighbours: its kind and its name, and which of several that are alike."""
 
     kind: str
     name: str

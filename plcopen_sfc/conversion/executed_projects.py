@@ -276,7 +276,7 @@ class _Reader:
             yield from resource.instances
 
     def _program(self, instance: PouInstance) -> str:
-        """What an instance executes. A task of CODESYS calls a program by its name, and has no instances."""
+        """Program that an instance executes. A task of CODESYS calls a program by its name, and has no instances."""
         is_name = not instance.type_name or self._is_codesys_file
         return plain_name(instance.name if is_name else instance.type_name)
 
@@ -383,7 +383,7 @@ def _instance(block: DataBlock) -> Variable:
 _DEEPEST = 32
 """No type is another name for another name .. more often: these name each other."""
 _RESULTS = frozenset({"trcoil", "ilcoil", "svcoil"})
-"""What the results of the networks of S7-GRAPH are called."""
+"""Names of the results of the networks of S7-GRAPH."""
 
 
 def _values(project: Project, sections: Iterable[VariableSection]) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""What the model keeps of declarations as they were written, and the types that nothing declares.
+"""Declarations that the model keeps as they were written, and the types that nothing declares.
 
 A property, a class or the own data of a tool is executed by the tools that read it, and by no other.
 """
@@ -113,7 +113,7 @@ def add_kept(whole: Part, project: Project, tool: Dialect) -> None:
 
 
 def _units(carried: Carried | None) -> Iterator[list[tuple[str, str]]]:
-    """What each unit that is kept as text declares: the unit first, then what is in it, by keyword and name."""
+    """Declarations of each unit that is kept as text: the unit first, then what is in it, by keyword and name."""
     for data in carried.data if carried is not None else ():
         place, text = unwrapped(data.content) or ("", "")
         if place == "unit":

@@ -101,7 +101,7 @@ def _shown_condition(read: Callable[[], NetworkExpression]) -> str:
 
 
 Renaming = Callable[[n.Node], n.Node]
-"""What puts the names in a text into a common form."""
+"""Change that puts the names in a text into a common form."""
 
 
 def code_meaning(body: Body | None, dialect: Dialect, named: Renaming) -> Meaning | None:

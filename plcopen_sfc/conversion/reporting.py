@@ -171,7 +171,7 @@ _ALSO_CALLED = {
     "union": ("type",),
     "macro-step": ("macro",),
 }
-"""What writers call an aspect or a part too."""
+"""Other names that writers have for an aspect or a part."""
 
 
 def _without_repetition(differences: Iterable[Difference], said: set[str]) -> Iterator[Difference]:
@@ -254,7 +254,7 @@ _KEPT_AS_TEXT = frozenset({"unit", "property", "data of the tool", UNDECLARED_TY
 
 
 def _outcome(difference: Difference) -> Outcome:
-    """What is executed once more, or besides, is an approximation; anything else is not executed."""
+    """Outcome of a difference: approximated if something is executed once more or besides, else not executed."""
     if difference.kind in (UNDECLARED, UNDECLARED_TYPE) and difference.left == "":
         return Outcome.APPROXIMATED
     if difference.aspect.startswith(STORED):  # the rows are executed, and another one counts
@@ -389,7 +389,7 @@ _MISSING = {
     "trigger": "{name} does not start at a rising edge of {left} in {tool}",
     "kind of task": "{name} is a task of the kind {left}: there is none in {tool}",
 }
-"""What it means that an aspect is missing in the target."""
+"""Consequences of an aspect that is missing in the target."""
 
 
 def _apart(left: str | None, right: str | None) -> tuple[str | None, str | None]:

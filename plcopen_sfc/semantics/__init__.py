@@ -1,1 +1,1 @@
-"""What charts and programs do: execution profiles, nets, the interpreters and the simulation."""
+"""Behaviour of charts and programs: execution profiles, nets, the interpreters and the simulation."""

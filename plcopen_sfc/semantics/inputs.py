@@ -21,12 +21,12 @@ InputFunction: TypeAlias = Callable[[int, Mapping[str, Value]], Mapping[str, obj
 """Gives what changes in a scan: from its number (0 is the first) and all values at the end of the scan before."""
 
 BoundInputs: TypeAlias = Callable[[int], Mapping[str, Value]]
-"""What changes in a scan, from its number; it is asked for scan after scan."""
+"""Changes of a scan, from its number; it is asked for scan after scan."""
 
 
 @dataclass(frozen=True)
 class Variables:
-    """What a source may set: the inputs with their types, and the names of all other variables (case as declared).
+    """Variables that a source sets: the inputs with their types, and the names of all others (case as declared).
 
     `system` are those inputs that operate the chart (see `system_inputs`).
     """

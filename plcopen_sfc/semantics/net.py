@@ -18,7 +18,7 @@ from plcopen_sfc.model.sfc import Macro, PartialChart, PartialChartKind, SfcNetw
 
 
 class Competing(StrEnum):
-    """What happens when several transitions that share a source could fire at once.
+    """Rule for transitions that share a source and could fire at once.
 
     PRIORITY: the first one in the order of `Net.transitions` fires (IEC 61131-3 ed. 3, 6.7.5, selection sequence; all
     PLC tools). ALL: all of them fire (IEC 60848:2013, evolution rule 4). ERROR: that is a mistake of the author.

@@ -40,7 +40,7 @@ class Evolution(StrEnum):
 
 
 class ScanOrder(StrEnum):
-    """What comes first in a scan.
+    """Order of actions and transitions in a scan.
 
     ACTIONS_FIRST: actions of the steps that were active at its beginning, then transitions; a step that becomes active
     is executed in the next scan. TRANSITIONS_FIRST: the actions are those of the new situation. RETIMED: no tool's
@@ -171,7 +171,7 @@ class Profile:
     """How charts are executed. See the fields; docs/semantics.md has them as a table."""
 
     name: str
-    """What the profile is called."""
+    """Name of the profile."""
 
     evolution: Evolution = Evolution.SINGLE
     """Evolutions in one scan. Single: IEC leaves it to the implementation, and CODESYS ("Processing order"), GRAPH and
@@ -182,7 +182,7 @@ class Profile:
     unstable and gives no bound; run-times bound it by 50 (ClassicLadder) up to the number of transitions (AGRAFE)."""
 
     competing: Competing = Competing.PRIORITY
-    """What is done when competing transitions are true together. Priority from left to right: IEC 6.7.3 (table of
+    """Rule for competing transitions that are true together. Priority from left to right: IEC 6.7.3 (table of
     selections, case 1), CODESYS, GRAPH. All: 60848 rule 4, and matiec."""
 
     numbered_first: bool = False
@@ -198,20 +198,20 @@ class Profile:
     change, actions, the old and the new step in the same cycle. matiec: transitions first. IEC does not say."""
 
     initial_situation_held: bool = False
-    """Whether the transitions are not yet tested in the scan that activates the initial steps. GRAPH: the first call
+    """True if the transitions are not yet tested in the scan that activates the initial steps. GRAPH: the first call
     and INIT_SQ activate them without looking at conditions. Without effect where actions come first."""
 
     initial_steps_entered: bool = True
-    """Whether the start counts as an activation of the initial steps (pulses, entry actions, stored actions). matiec:
+    """True if the start counts as an activation of the initial steps (pulses, entry actions, stored actions). matiec:
     no, the step was active "before" its first scan."""
 
     entering_restarts_time: bool = False
-    """Whether a step that is active already, and that a transition enters without its being left, counts its time from
+    """True if a step that is active already, and that a transition enters without its being left, counts its time from
     zero again. This happens in charts that are not safe only; 60848 rule 5: it stays active. matiec: it sets the time
     of every step that it enters to zero."""
 
     final_scan: bool = True
-    """Whether an action is executed once more after it ended (IEC 6.7.4.6, output A: with or without, the implementer
+    """True if an action is executed once more after it ended (IEC 6.7.4.6, output A: with or without, the implementer
     chooses). CODESYS: yes, hence a P action runs exactly twice. matiec, GRAPH: no."""
 
     action_order: ActionOrder = ActionOrder.FIRST_USE
@@ -222,7 +222,7 @@ class Profile:
     """Who decides whether an action is executed. IEC 6.7.4.6; matiec."""
 
     reset_cancels_delays: bool = True
-    """Whether R also ends the pending times of SD and SL (IEC 6.7.4.6: R1 of their flip-flops; the time of DS is that
+    """True if R also ends the pending times of SD and SL (IEC 6.7.4.6: R1 of their flip-flops; the time of DS is that
     of its step). matiec: a pending SD or DS goes on and sets the action after R; only the time of SL ends."""
 
     boolean_targets: BooleanTargets = BooleanTargets.ALWAYS
@@ -242,26 +242,26 @@ class Profile:
     is active, and what they give was read in compiled charts."""
 
     drawn_blocks_late: bool = False
-    """Whether they are executed after the transitions, so that conditions see what boxes gave one scan ago. Contacts
+    """True if they are executed after the transitions, so that conditions see what boxes gave one scan ago. Contacts
     and variables that are wired directly are read when the transition is tested. Beremiz: the action comes after the
     transitions. Only together with ``EVERY_SCAN``."""
 
     drawn_logic: bool = True
-    """Whether logic that is drawn beside the steps and leads to no condition is executed, as a variable that is wired
+    """True if logic that is drawn beside the steps and leads to no condition is executed, as a variable that is wired
     to the output of a step. The converter of Beremiz leaves it out without a word."""
 
     order_of_flow: bool = False
-    """Whether steps, with their actions, and transitions count in the order in which they are reached from the initial
+    """True if steps, with their actions, and transitions count in the order in which they are reached from the initial
     step instead of that of the file. The converter of Beremiz writes them so."""
 
     minimum_times: bool = False
-    """Whether a step is left only after its minimum time. CODESYS, "Processing order" step 6."""
+    """True if a step is left only after its minimum time. CODESYS, "Processing order" step 6."""
 
     maximum_times: bool = False
-    """Whether a step that is active longer than its maximum time raises ``SFCError``. CODESYS, "SFC flags"."""
+    """True if a step that is active longer than its maximum time raises ``SFCError``. CODESYS, "SFC flags"."""
 
     step_actions: bool = True
-    """Whether entry, main and exit actions of steps are executed: entry and exit once, the exit action in the scan
+    """True if entry, main and exit actions of steps are executed: entry and exit once, the exit action in the scan
     after the transition was cleared (CODESYS, "Processing order" steps 2 to 4). Only CODESYS has them; where
     transitions come first they are executed in the scan of the change, so that a chart of CODESYS keeps its meaning. A
     profile without them refuses them with an `UnknownBehaviourError`."""
@@ -270,25 +270,25 @@ class Profile:
     """The SFC flags that a chart obeys or sets where they are in use (its settings say so, or declared). CODESYS."""
 
     init_ends_actions: bool = True
-    """Whether SFCInit also ends stored and timed actions: "steps, actions and other flags are reset" (CODESYS)."""
+    """True if SFCInit also ends stored and timed actions: "steps, actions and other flags are reset" (CODESYS)."""
 
     reset_ends_actions: bool = True
     """The same for SFCReset. CoDeSys 2.3: for Boolean actions from compiler 2.3.7.0 on."""
 
     pause_stops_time: bool = False
-    """Whether the times of steps and actions stand still during SFCPause. Not documented; the step time is the
+    """True if the times of steps and actions stand still during SFCPause. Not documented; the step time is the
     difference between the clock and the start (``SFCStepType._t``), which a pause does not move."""
 
     step_variables: StepVariables = StepVariables.ELAPSED
     """The variables that programs see of a step. IEC 6.7.2; CODESYS "Implicit variables"; GRAPH "Step data"."""
 
     graph_parameters: bool = False
-    """Whether charts are sequencers of GRAPH: INIT_SQ, OFF_SQ, ACK_EF, S_SEL, S_ON, S_OFF, T_PUSH and the operating
+    """True if charts are sequencers of GRAPH: INIT_SQ, OFF_SQ, ACK_EF, S_SEL, S_ON, S_OFF, T_PUSH and the operating
     modes act on them, actions depend on events and interlocks, supervisions hold steps, and the operand of an action
     is a coil. The choices above on final scan, order of actions, action control and flags do not concern them."""
 
     grafcet_terms: bool = False
-    """Whether conditions may have the edges and times of 60848, 4.6: ``↑a``, ``3s/X5``. In program text ``a/3s`` could
+    """True if conditions may have the edges and times of 60848, 4.6: ``↑a``, ``3s/X5``. In program text ``a/3s`` could
     be a division. The kinds of actions, forcing orders and enclosing steps of 60848 are known to every profile that
     tests transitions first, for they cannot be mistaken for anything else."""
 
@@ -433,7 +433,7 @@ _UNNAMED = {"unnamed", "unbenannt"}
 
 
 def _is_of_beremiz(project: Project) -> bool:
-    """Whether the header is one that Beremiz or OpenPLC Editor writes.
+    """True if the header is one that Beremiz or OpenPLC Editor writes.
 
     They name no tool: the header is the user's. Those of their examples name Beremiz as company or product; a project
     that nobody named has the product ``Unnamed``, in the language of the editor, and the version 1.

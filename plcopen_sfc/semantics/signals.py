@@ -29,7 +29,7 @@ Value: TypeAlias = bool | int | float | str
 
 
 class SignalKind(Enum):
-    """What the values of a signal are."""
+    """Kinds of values of a signal."""
 
     BOOL = "bool"
     INTEGER = "integer"

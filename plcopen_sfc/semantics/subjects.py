@@ -1,4 +1,4 @@
-"""What is to be run: a chart, a POU or a project with a name, as a POU in its project."""
+"""Subjects of a run: a chart, a POU or a project with a name, as a POU in its project."""
 
 from __future__ import annotations
 

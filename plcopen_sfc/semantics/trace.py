@@ -1,4 +1,4 @@
-"""What a simulation has recorded: the values of variables and the active steps, scan by scan."""
+"""Records of a simulation: the values of variables and the active steps, scan by scan."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ class Trace:
         return self._names(self._marking[scan])
 
     def is_active(self, step: str) -> list[bool]:
-        """Whether a step is active, scan by scan. Raises `ModelError` where there is no such step."""
+        """True if a step is active, scan by scan. Raises `ModelError` where there is no such step."""
         folded = [path.casefold() for path in self.steps]
         if step.casefold() not in folded:
             raise ModelError(f"the trace has no step {step!r}", hint="Its steps are: " + ", ".join(self.steps[:20]))
@@ -307,7 +307,7 @@ class Trace:
 
 
 def _plain(value: Value) -> Value:
-    """What JSON can say: it has no NaN and no infinity."""
+    """Values that JSON has: no NaN and no infinity."""
     return str(value) if isinstance(value, float) and value - value != 0 else value
 
 

@@ -1,4 +1,4 @@
-"""What of a running instance can be set, recorded and compared: its variables as signals, and its steps."""
+"""Parts of a running instance that can be set, recorded and compared: its variables as signals, and its steps."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Watched:
 
     @property
     def is_input(self) -> bool:
-        """Whether a user gives it its value."""
+        """True if a user gives it its value."""
         return self.direction in ("input", "in_out")
 
 

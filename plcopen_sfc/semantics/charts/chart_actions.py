@@ -76,7 +76,7 @@ class _Draft:
 
 @dataclass(frozen=True, slots=True)
 class _Work:
-    """What a scan has to do: the actions that it must ask, and the variables of all others."""
+    """Work of a scan: the actions that it must ask, and the variables of all others."""
 
     actions: tuple[Action, ...]
     idle: tuple[Write, ...]
@@ -325,7 +325,7 @@ def _no_time(_: Frame) -> int:
 
 
 def missing_time(message: str, where: str) -> Callable[[Frame], int]:
-    """What stands for a time that the chart does not have."""
+    """Substitute for a time that the chart does not have."""
 
     def fail(_: Frame) -> int:
         raise SimulationError(message, location=Location(path=where), hint="Give it one, as in T#2s.")
@@ -368,7 +368,7 @@ def check_step_actions(net: Net, profile: Profile, path: str) -> None:
 
 
 class StepActions:
-    """What the steps of a chart execute, by the index of the step."""
+    """Step actions of a chart, by the index of the step."""
 
     def __init__(self, net: Net, reached: Reached) -> None:
         self._net = net

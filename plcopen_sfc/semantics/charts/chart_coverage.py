@@ -1,4 +1,4 @@
-"""What a chart has done since it was prepared: how much of it a comparison or a simulation has really executed."""
+"""Coverage of a chart since it was prepared: how much of it a comparison or a simulation has really executed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["Origin", "Reached"]
 
 
 class Origin(NamedTuple):
-    """What executes an action: steps as bits, and the association; None for a step action."""
+    """Origin of an action: steps as bits, and the association; None for a step action."""
 
     steps: int
     association: ActionAssociation | None

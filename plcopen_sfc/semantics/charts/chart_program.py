@@ -81,7 +81,7 @@ class ChartProgram:
 
     @property
     def is_divisible(self) -> bool:
-        """Whether nets that no transition connects, and actions, do not know of each other but by variables.
+        """True if nets that no transition connects, and actions, do not know of each other but by variables.
 
         Flags, forcing orders, the search for a stable situation and logic drawn beside the steps concern all of them.
         """

@@ -49,18 +49,18 @@ class Association:
     since: int
 
     def acts(self, situation: int) -> bool:
-        """Whether its step lets it act in this situation."""
+        """True if its step lets it act in this situation."""
         return (situation & self.steps == 0) is self.inverted
 
     def is_on(self, situation: int, frame: Frame) -> bool:
-        """Whether it acts in this situation, and its condition holds."""
+        """True if it acts in this situation, and its condition holds."""
         if not self.acts(situation):
             return False
         return self.condition is None or self.condition(frame)
 
 
 class Change(NamedTuple):
-    """What became of the situation in a scan.
+    """Change of the situation in a scan.
 
     `left`: the steps that were active before and are no more, `entered`: those that became active, `seen`: all that
     were active in any situation of the scan.
@@ -95,7 +95,7 @@ class Input:
         self._others = tuple(a for a in associations if a not in plain)
 
     def is_on(self, situation: int, frame: Frame) -> bool:
-        """Whether any association acts."""
+        """True if any association acts."""
         if situation & self._steps:
             return True
         return any(a.is_on(situation, frame) for a in self._others) if self._others else False
@@ -168,7 +168,7 @@ class _Timer:
         self._done = reserve(f"{name}.Q", BOOL)
 
     def runs(self, v: list[Any]) -> bool:
-        """Whether it was started and not stopped since."""
+        """True if it was started and not stopped since."""
         return v[self._start] is not None or v[self._done]
 
     def over(self, v: list[Any], now: int, time: int) -> bool:
@@ -250,7 +250,7 @@ class _StoredTimed(_Part):
         self._cancels = cancels
 
     def _over(self, v: list[Any], now: int, seen: int, frame: Frame) -> bool | None:
-        """Whether the time since the timer was started is over; None while it does not run."""
+        """True if the time since the timer was started is over; None while it does not run."""
         on = self.input.is_on(seen, frame)
         if on:
             v[self._time] = self.input.duration(seen, frame)
@@ -445,7 +445,7 @@ def _start(v: list[Any], start: int, time: int, now: int, duration: int) -> None
 
 
 def _is_over(v: list[Any], start: int, time: int, now: int) -> bool:
-    """Whether a time ends in this scan."""
+    """True if a time ends in this scan."""
     if v[start] is None or now - v[start] < v[time]:
         return False
     v[start] = None

@@ -37,7 +37,7 @@ COMMANDS = frozenset(
 
 
 class Order(Enum):
-    """What the flags want in a scan: go on, stand still, or go back to the initial step."""
+    """Effect of the flags in a scan: go on, stand still, or go back to the initial step."""
 
     RUN = "run"
     STOP = "stop"
@@ -87,7 +87,7 @@ class Flags:
             self._set[flag] = self._scope.setter(flag.variable)
 
     def is_on(self, flag: SfcFlag, frame: Frame) -> bool:
-        """Whether a flag is in use and TRUE."""
+        """True if a flag is in use and TRUE."""
         get = self._get.get(flag)
         return get is not None and bool(get(frame))
 
@@ -98,7 +98,7 @@ class Flags:
             write(frame, value)
 
     def order(self, frame: Frame) -> tuple[Order, bool]:
-        """What is wanted in this scan, and whether it was not wanted in the one before.
+        """Effect in this scan, and whether it was not wanted in the one before.
 
         Whatever SFCInit finds it sets back, so that is new in every scan. Going on after SFCQuitError is new too: the
         times of active steps start anew.
@@ -139,7 +139,7 @@ class Flags:
         return Tip.LOCKED if self.is_on(SfcFlag.TIP_MODE, frame) else Tip.NONE
 
     def can_time_out(self, frame: Frame) -> bool:
-        """Whether a step that is active too long is to be reported."""
+        """True if a step that is active too long is to be reported."""
         if self.is_on(SfcFlag.ERROR, frame):
             return False
         return SfcFlag.ENABLE_LIMIT not in self.used or self.is_on(SfcFlag.ENABLE_LIMIT, frame)
@@ -196,7 +196,7 @@ class Reason(NamedTuple):
 
 
 Analysis = Callable[[Frame], list[Reason]]
-"""What keeps a condition from its value; nothing if it has it."""
+"""Operands that keep a condition from its value; none if it has it."""
 
 
 def analysis(net: Net, step: int, scope: Scope, where: str) -> Analysis:
@@ -218,7 +218,7 @@ class _Texts:
         self._where = where
 
     def of(self, node: n.Expression, wanted: bool) -> Analysis:
-        """What keeps `node` from being `wanted`."""
+        """Operands that keep `node` from being `wanted`."""
         match node:
             case n.Parenthesized():
                 return self.of(node.inner, wanted)

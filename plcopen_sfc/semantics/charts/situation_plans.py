@@ -1,4 +1,4 @@
-"""What is known of a situation before it is executed: worked out once for each situation that a chart gets into.
+"""Plans of situations before they are executed: worked out once for each situation that a chart gets into.
 
 This is what makes a scan cost as much as there are active steps, however big the chart is.
 """

@@ -26,7 +26,7 @@ class Move(NamedTuple):
 
 
 class Cleared(NamedTuple):
-    """What one evolution does: the steps left and entered, and the transitions cleared."""
+    """Effect of one evolution: the steps left and entered, and the transitions cleared."""
 
     left: int
     entered: int

@@ -59,7 +59,7 @@ class Bodies:
         return self.body(StBody(text=text), path)
 
     def chart_logic(self, chart: SfcNetwork, path: str) -> Callable[[Frame], None]:
-        """What the logic drawn in a chart does besides feeding its conditions."""
+        """Effects of the logic drawn in a chart besides feeding its conditions."""
         writer = self._writer()
         try:
             read = chart_statements(chart, self._library.dialect, taken=self._taken())

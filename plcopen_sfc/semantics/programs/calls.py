@@ -34,7 +34,7 @@ class Calls:
 
     @staticmethod
     def is_unit(meaning: Any) -> TypeGuard[Unit]:
-        """Whether a name means a POU."""
+        """True if a name means a POU."""
         return isinstance(meaning, Unit)
 
     # -- in expressions
@@ -147,7 +147,7 @@ class Calls:
         return True
 
     def _is_standard(self, name: str, arguments: Sequence[n.Argument]) -> bool:
-        """Whether a function that the project does not have is a standard function, or called as none can be."""
+        """True if a function that the project does not have is a standard function, or called as none can be."""
         mark = self._translator.writer.mark()
         try:
             return self._functions.value(name, arguments, None) is not None
@@ -310,7 +310,7 @@ class Calls:
 
     @contextmanager
     def _enabled(self, enable: n.Expression | None, enabled: n.Expression | None) -> Iterator[None]:
-        """What is written inside is executed if EN is TRUE, and ENO tells that it was."""
+        """Execute what is written inside if EN is TRUE; ENO tells that it was."""
         writer = self._translator.writer
         held = writer.temporary()
         condition = self._translator.value(enable, t.BOOL).text if enable is not None else "True"
@@ -433,7 +433,7 @@ class Calls:
         return "this" if self._scope.around is not None else "f"
 
     def _called(self, name: n.Name) -> Any:
-        """What a name that is called means: in a function its own name is that of its result, too."""
+        """Meaning of a name that is called: in a function its own name is that of its result, too."""
         unit = self._scope.unit
         if unit is not None and unit.is_function and unit.name.casefold() == name.identifier.casefold():
             return unit
@@ -454,7 +454,7 @@ class Calls:
 
 
 def _method(name: str) -> tuple[n.Argument, ...]:
-    """What tells calls of several methods of an instance apart."""
+    """Key that tells calls of several methods of an instance apart."""
     return (n.Argument(n.Literal(f"'{name.casefold()}'")),)
 
 
@@ -464,7 +464,7 @@ def _check_bare(name: str, arguments: Sequence[n.Argument]) -> None:
 
 
 def _can_refer(parameter: t.Type, type_: t.Type) -> bool:
-    """Whether a variable of a type can stand for a VAR_IN_OUT: it has the same values, or more members."""
+    """True if a variable of a type can stand for a VAR_IN_OUT: it has the same values, or more members."""
     if isinstance(parameter, t.OpaqueType) or isinstance(type_, t.OpaqueType):
         return True
     if isinstance(parameter, t.ElementaryType):

@@ -216,7 +216,7 @@ class Converter:
 
 
 def _can_be_copied(source: Type, target: Type) -> bool:
-    """Whether a value that is not elementary goes into a variable: structures of one type, arrays of one size."""
+    """True if a value that is not elementary goes into a variable: structures of one type, arrays of one size."""
     if isinstance(target, StructureType):
         return isinstance(source, StructureType) and source.layout is target.layout
     if isinstance(target, ArrayType):

@@ -87,7 +87,7 @@ class Controller:
 
     @property
     def problems(self) -> tuple[SimulationError, ...]:
-        """What could not be translated. A scan that reaches it raises the error."""
+        """Texts that could not be translated. A scan that reaches it raises the error."""
         return tuple(self.library.problems)
 
     def instance(self, pou: str | Pou) -> Instance:

@@ -92,7 +92,7 @@ def _is_decision(tree: Expression) -> bool:
 
 
 def _operands(tree: Expression | None) -> Sequence[Expression]:
-    """What an operation joins; that of a condition which joins nothing is empty."""
+    """Operands that an operation joins; none for a condition that joins nothing."""
     tree = _bare(tree) if tree is not None else None
     if isinstance(tree, n.Operation) and tree.operator in (*_AND, *_OR, Operator.XOR):
         return [_bare(each) for each in tree.operands]

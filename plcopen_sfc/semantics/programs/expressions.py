@@ -144,7 +144,7 @@ class Translator:
     # -- what names and paths mean
 
     def meaning(self, node: n.Expression, expected: t.Type | None = None, *, called: bool = False) -> Any:
-        """What a name or a path means; see `Scope.resolve`."""
+        """Meaning of a name or a path; see `Scope.resolve`."""
         match node:
             case n.Parenthesized(inner=inner):
                 return self.meaning(inner, expected, called=called)

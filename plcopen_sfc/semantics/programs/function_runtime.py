@@ -1,4 +1,4 @@
-"""What standard functions do while a program runs."""
+"""Standard functions as they are executed while a program runs."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ class Guards:
         return frozenset(found)
 
     def _root(self, target: Expression) -> str | None:
-        """What tells the variable at the beginning of a path; empty: it may be several; None: it is no variable."""
+        """Key of the variable at the beginning of a path; empty: it may be several; None: it is no variable."""
         while isinstance(target, n.Member | n.Index | n.Parenthesized):
             target = target.inner if isinstance(target, n.Parenthesized) else target.base
         if not isinstance(target, n.Name):
@@ -111,7 +111,7 @@ class Guards:
         return "g" if found.root.startswith("g") else found.root  # addresses of global variables may overlap
 
     def _targets(self, node: n.Node) -> Iterator[Expression | None]:
-        """What something writes; None: it may write anything."""
+        """Keys of the variables that something writes; None: it may write anything."""
         for each in walk(node):
             match each:
                 case n.Assignment(kind=AssignmentKind.REFERENCE | AssignmentKind.ATTEMPT):
@@ -142,7 +142,7 @@ class Guards:
 
 
 def case_condition(selector: Expression, branch: n.CaseBranch) -> Expression:
-    """What is TRUE in a branch of CASE."""
+    """Conditions that are TRUE in a branch of CASE."""
     selector = n.Parenthesized(selector)
     labels: list[Expression] = []
     for label in branch.labels:

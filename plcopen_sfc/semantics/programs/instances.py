@@ -45,7 +45,7 @@ class _Cell:
 
 
 _Moving: TypeAlias = tuple[Callable[[Frame], tuple[list[Any], int]], Place]
-"""What finds the value of a variable such as ``fill[i]`` in a frame, and what is known of its place."""
+"""Function that finds the value of a variable such as ``fill[i]`` in a frame, and its place as far as it is known."""
 
 
 class Instance:
@@ -198,7 +198,7 @@ class Instance:
         return lambda: tuple([values[index] for values, index in cells])
 
     def inputs(self) -> Mapping[str, t.Type]:
-        """What a user gives a value, by path, with its type: see `Library.given`."""
+        """Variables that a user gives a value, by path, with their types: see `Library.given`."""
         return {path: type_ for _, path, type_ in self._library.given()}
 
     def variables(self) -> Mapping[str, Variable]:
@@ -256,7 +256,7 @@ class Instance:
         return _Cell(cells, index, place.type, place.bits)
 
     def _moving(self, path: str) -> _Moving | None:
-        """What finds a variable whose place depends on an index or a reference; None for one that stays in its cell."""
+        """Finder of a variable whose place depends on an index or a reference; None for one that stays in its cell."""
         key = path.casefold()
         if key in self._cells:
             return None

@@ -209,7 +209,7 @@ class InstructionTranslator:
         return self._operators.arithmetic(_ARITHMETIC[operator], left, right)
 
     def _when(self, suffix: str, write: Callable[[], None]) -> None:
-        """What happens always, or only if the current result is TRUE (C) or FALSE (CN)."""
+        """Write what happens always, or only if the current result is TRUE (C) or FALSE (CN)."""
         if not suffix:
             write()
             return

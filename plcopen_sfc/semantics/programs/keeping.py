@@ -29,7 +29,7 @@ class _Plan:
 
     @property
     def is_current(self) -> bool:
-        """Whether no layout has grown since."""
+        """True if no layout has grown since."""
         for layout, count in self.counts.items():  # noqa: SIM110  # all() takes twice as long, for every state
             if len(layout.fields) != count:
                 return False
@@ -43,7 +43,7 @@ class Keeper:
         self._plans: dict[tuple[Layout, frozenset[int]], _Plan] = {}
 
     def store(self, frame: Frame, now: int, limit: int | None, leave_out: frozenset[int] = frozenset()) -> Hashable:
-        """What `frame` holds, but for some slots. Times that go on growing are not stored beyond `limit`."""
+        """Values that `frame` holds, but for some slots. Times that go on growing are not stored beyond `limit`."""
         plan = self._plan(frame.layout, leave_out)
         return (plan.store if limit is None else plan.store_limited)(frame.v, now, limit)
 
@@ -168,7 +168,7 @@ def _functions(source: str) -> tuple[_Store, _Store, _Load]:
 
 
 def _is_plain(type_: Type) -> bool:
-    """Whether a value is stored as it is."""
+    """True if a value is stored as it is."""
     return not isinstance(type_, t.StructureType | t.ArrayType) and type_ is not t.INSTANT and type_ is not t.ELAPSED
 
 

@@ -56,11 +56,11 @@ class Field:
     value: Any = None
     hidden: bool = False
     preset: bool = False
-    """Whether the declaration gives it another value than that of its type."""
+    """True if the declaration gives it another value than that of its type."""
     declared: bool = False
-    """Whether the project declares it: not what charts and the simulator bring with them."""
+    """True if the project declares it: not what charts and the simulator bring with them."""
     retained: bool = True
-    """Whether a later call can see the value: not of what is temporary."""
+    """True if a later call can see the value: not of what is temporary."""
 
 
 class Layout:
@@ -75,7 +75,7 @@ class Layout:
         self.new: Callable[[], Frame] = self._unlinked
         self.new_name = ""
         self.is_instance = False
-        """Whether it is of a POU: a call writes its variables."""
+        """True if it is of a POU: a call writes its variables."""
 
     def _unlinked(self) -> Frame:
         raise AssertionError(f"{self.name} is used before it is linked")

@@ -57,7 +57,7 @@ _RUNTIME = """
 
 
 class Library:
-    """What a controller runs. Edits of the project make it wrong."""
+    """All that a controller runs of a project. Edits of the project make it wrong."""
 
     def __init__(
         self,
@@ -96,9 +96,9 @@ class Library:
         self.problems: list[SimulationError] = []
         self.written: set[str] = set()
         self.inputs: dict[str, tuple[str, t.Type]] = {}
-        """What is read and may be given from outside, by key: its path and type; see `given`."""
+        """Variables that are read and may be given from outside, by key: path and type; see `given`."""
         self.read: dict[str, tuple[str, t.Type]] = {}
-        """What is read besides inputs."""
+        """Variables that are read besides inputs."""
         self.numbers: dict[int, None] = {}
         """The integers in the texts: what values of inputs may be compared with."""
         self.masks: dict[int, None] = {}
@@ -176,7 +176,7 @@ class Library:
         return next((unit for unit in self._units.values() if unit.layout is layout), None)
 
     def is_overridden(self, method: MethodUnit) -> bool:
-        """Whether a POU that extends the one of a method has another one of its name."""
+        """True if a POU that extends the one of a method has another one of its name."""
         key, owner = method.name.casefold(), method.pou
         others = (
             pou for pou in self.project.pous if pou is not owner and any(m.name.casefold() == key for m in pou.methods)
@@ -192,7 +192,7 @@ class Library:
         return base is owner
 
     def dispatching(self, name: str) -> Callable[..., Frame]:
-        """What enters the method of this name that the POU of a frame has."""
+        """Function that enters the method of this name that the POU of a frame has."""
         found = self._dispatching.get(name.casefold())
         if found is None:
             known: dict[Layout, Callable[..., Frame]] = {}
@@ -283,7 +283,7 @@ class Library:
         self.problems += self.linker.link(self.is_free, known)
 
     def is_free(self, key: str) -> bool:
-        """Whether the variable of this key, or a part of it, is read from `read_input`."""
+        """True if the variable of this key, or a part of it, is read from `read_input`."""
         if self.read_input is None:
             return False
         return key == ANYWHERE or ".".join(key.split(".")[:2]) in self.references or self._may_be_given(key)
@@ -329,7 +329,7 @@ class Library:
         return field
 
     def given(self) -> Iterator[tuple[str, str, t.ElementaryType]]:
-        """What has its value from outside: single variables, members and elements, by key, with path and type.
+        """Variables with values from outside: single variables, members and elements, by key, with path and type.
 
         Each input of what runs that is read, and other variables that nothing writes and whose declaration says no
         value. The one place that decides it: for proofs, for directed runs, and for simulation.
@@ -355,7 +355,7 @@ class Library:
                     yield inner, name, part
 
     def is_written_inside(self, key: str) -> bool:
-        """Whether anything writes a variable, a part of it, or what it is a part of."""
+        """True if anything writes a variable, a part of it, or what it is a part of."""
         inner = f"{key}."
         if self._is_written(key) or any(each.startswith(inner) for each in (*self.written, *self.pointed)):
             return True
@@ -418,7 +418,7 @@ class Library:
     # -- global names
 
     def meaning(self, declaration: Declaration) -> Any:
-        """What a global declaration is: a `Place`, a `Code`, a `Space`, a `Unit` or a type."""
+        """Meaning of a global declaration: a `Place`, a `Code`, a `Space`, a `Unit` or a type."""
         holder: Any = declaration.holder
         kind = declaration.kind
         if kind is Kind.POU:
@@ -524,7 +524,7 @@ class Library:
         return found
 
     def members_of(self, path: str) -> Iterator[tuple[str, int, t.ElementaryType, bool]]:
-        """What programs use of an instance whose type nobody declares: name, slot, type, and whether they write it."""
+        """Members that programs use of an instance of an unknown type: name, slot, type, and whether they write it."""
         start = f"{path.casefold()}."
         for key, place in sorted(self._implicit.items()):
             if key.startswith(start) and isinstance(place.type, t.ElementaryType) and place.field is not None:

@@ -103,7 +103,7 @@ class Linker:
         self._known: dict[int, str] = {}
         self._waiting: list[_Draft] = []
         self._asking: list[_Draft] = []
-        """What reads variables that may be free inputs."""
+        """Code that reads variables that may be free inputs."""
         self._version: Hashable = None
         self._places: dict[str, _Draft] = {}
         self._prefix = f"plc-{id(self):x}"

@@ -407,7 +407,7 @@ _BIG = 1 << 200
 
 
 def _is_big(code: Code) -> bool:
-    """Whether a value that has not been wrapped could grow without an end."""
+    """True if a value that has not been wrapped could grow without an end."""
     return code.low < -_BIG or code.high > _BIG
 
 

@@ -1,4 +1,4 @@
-"""What names and paths mean in translated programs: variables with their place, and things that are no values."""
+"""Meanings of names and paths in translated programs: variables with their place, and things that are no values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What translated programs call while they run."""
+"""Functions that translated programs call while they run."""
 
 from __future__ import annotations
 

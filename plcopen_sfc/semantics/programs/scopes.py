@@ -1,4 +1,4 @@
-"""What is visible in a POU, and the translation of the texts in it."""
+"""Names visible in a POU, and the translation of the texts in it."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Scope:
         self._late: Layout | None = None
         self._late_slot = -1
         self.is_open = True
-        """Whether slots can still be added: later ones are in a frame of their own."""
+        """True if slots can still be added: later ones are in a frame of their own."""
 
     # -- declaring
 
@@ -137,7 +137,7 @@ class Scope:
         return self.library.names.outer(self.place)
 
     def resolve(self, name: n.Name, *, called: bool = False) -> Any:
-        """What a name on its own means: a `Place`, a `Code`, a `Space`, a `Unit`, a type, or `Unknown`."""
+        """Meaning of a name on its own: a `Place`, a `Code`, a `Space`, a `Unit`, a type, or `Unknown`."""
         key = name.identifier.casefold()
         if name.quoting is not Quoting.GLOBAL:
             found = self._local(key, "v")
@@ -197,7 +197,7 @@ class Scope:
     # -- translating
 
     def translator(self, writer: Writer) -> Translator:
-        """What translates expressions in this scope."""
+        """Translator of expressions in this scope."""
         from plcopen_sfc.semantics.programs.expressions import Translator  # noqa: PLC0415  # they need each other
 
         return Translator(self, writer)
@@ -238,7 +238,7 @@ class Scope:
         return Bodies(self).body(body, path, function)
 
     def chart_logic(self, chart: SfcNetwork, path: str) -> Callable[[Frame], None]:
-        """What the logic drawn in a chart does besides feeding its conditions."""
+        """Effects of the logic drawn in a chart besides feeding its conditions."""
         from plcopen_sfc.semantics.programs.bodies import Bodies  # noqa: PLC0415
 
         return Bodies(self).chart_logic(chart, path)

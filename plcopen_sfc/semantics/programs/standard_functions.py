@@ -136,7 +136,7 @@ class StandardFunctions:
     # -- groups
 
     def _special(self, key: str, arguments: Sequence[n.Argument]) -> Code | None:
-        """What is no function, but looks like one."""
+        """Translate what looks like a function and is none."""
         if key in ("ADR", "REF", "__NEW", "__DELETE", "__QUERYINTERFACE", "BITADR", "__ISVALIDREF"):
             value = arguments[0].value if len(arguments) == 1 else None
             if value is not None and key in ("ADR", "REF"):

@@ -116,7 +116,7 @@ class StatementTranslator:
             self._fail(error)
 
     def _fail(self, error: SimulationError, *, at_line: bool = False) -> None:
-        """What cannot be translated is an error where it is reached."""
+        """Translate a statement; one that cannot be translated is an error where it is reached."""
         if error.location.path is None:
             known = at_line or self._lines is not None
             error.location = Location(path=self._path, line=self._writer.origin if known else None)

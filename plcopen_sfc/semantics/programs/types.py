@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Family(Enum):
-    """What values of an elementary type are."""
+    """Kinds of values of elementary types."""
 
     BOOL = "bool"
     INTEGER = "integer"
@@ -65,12 +65,12 @@ class ElementaryType(Type):
 
     @property
     def is_ranged(self) -> bool:
-        """Whether values are integers that wrap."""
+        """True if values are integers that wrap."""
         return self.family not in (Family.BOOL, Family.REAL, Family.STRING, Family.SPECIAL)
 
     @property
     def is_number(self) -> bool:
-        """Whether one can calculate with it as with a number."""
+        """True if one can calculate with it as with a number."""
         return self.family in (Family.INTEGER, Family.BITS, Family.REAL)
 
 

@@ -32,7 +32,7 @@ _DIRECTIONS = {
 
 
 class Callee:
-    """What has parameters and a body: a POU or a method."""
+    """POU or method: something with parameters and a body."""
 
     def __init__(self, library: Library, name: str, scope: Scope) -> None:
         self.library = library
@@ -186,12 +186,12 @@ class Unit(Callee):
 
     @property
     def is_function(self) -> bool:
-        """Whether a call of it has variables of its own."""
+        """True if a call of it has variables of its own."""
         return self.pou.kind is PouKind.FUNCTION
 
     @property
     def is_program(self) -> bool:
-        """Whether there is one instance, which has its name."""
+        """True if there is one instance, which has its name."""
         return self.pou.kind in (PouKind.PROGRAM, PouKind.ORGANIZATION_BLOCK)
 
     def declare(self) -> None:

@@ -24,7 +24,7 @@ _SMALL = 12
 
 
 class UnknownCalls:
-    """What calls come to that nobody can execute: values that are derived from all that they may depend on.
+    """Results of calls that cannot be executed: values that are derived from all that they may depend on.
 
     `seed`: other values for another one. `log`: the calls that stand as statements, in the present scan.
     """
@@ -49,11 +49,11 @@ class UnknownCalls:
 
     @property
     def is_exact(self) -> bool:
-        """Whether instances keep what tells different histories apart."""
+        """True if instances keep what tells different histories apart."""
         return True
 
     def kept(self, situation: Hashable) -> int:
-        """What an instance keeps of its calls."""
+        """State that an instance keeps of its calls."""
         return situation if isinstance(situation, int) else 0
 
     def key(self, value: Any) -> Hashable:
@@ -115,7 +115,7 @@ class UnknownBlocks:
         return self._slots[key]
 
     def owns(self, path: str) -> bool:
-        """Whether something that nobody declares is a member of an instance that is called."""
+        """True if something that nobody declares is a member of an instance that is called."""
         key = path.casefold()
         return any(key.startswith(f"{instance}.") for instance in self._slots)
 

@@ -1,1 +1,1 @@
-"""What GRAFCET (IEC 60848) has beyond steps and transitions: its actions, its terms, and its hierarchy of charts."""
+"""GRAFCET (IEC 60848) beyond steps and transitions: its actions, its terms, and its hierarchy of charts."""

@@ -1,4 +1,4 @@
-"""What a chart of GRAFCET does in an evolution besides clearing transitions."""
+"""Evolution of a chart of GRAFCET besides firing transitions."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Grafcet:
 
 
 def has_grafcet(net: Net, owned: Sequence[tuple[Owner, ActionAssociation]], profile: Profile) -> bool:
-    """Whether a chart needs all this."""
+    """True if a chart needs all this."""
     if net.hierarchy or any(model.kind is not None or model.forcing is not None for _, model in owned):
         return True
     return profile.grafcet_terms

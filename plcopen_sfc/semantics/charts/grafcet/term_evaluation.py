@@ -79,12 +79,12 @@ class TermTexts:
 
 
 def is_term(name: str) -> bool:
-    """Whether a name stands for a term in a text that was read."""
+    """True if a name stands for a term in a text that was read."""
     return name.startswith(("GRAFCET_EDGE_", "GRAFCET_TIME_"))
 
 
 def has_edge(text: str) -> bool:
-    """Whether there is an edge in a text."""
+    """True if there is an edge in a text."""
     return _EDGE.search(text) is not None
 
 
@@ -170,7 +170,7 @@ class Terms:
             timer.off_time = self._scope.expression(timer.term.last or "T#0s", self._path, duration)
 
     def start(self, frame: Frame) -> None:
-        """What is TRUE at the start is no edge."""
+        """Begin without edges: a term that is TRUE at the start is none."""
         for edge in self._edges:
             assert edge.value is not None  # noqa: S101  # translated before anything runs
             frame.v[edge.before] = edge.value(frame)

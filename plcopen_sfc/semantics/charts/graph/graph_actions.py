@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})
 SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
-"""What switches steps."""
+"""Qualifiers that switch steps."""
 _COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
 _TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
 _NEED_EVENT = (SWITCHES | _COUNTERS | _TIMERS) - {Qualifier.TF}
@@ -37,7 +37,7 @@ Duration = Callable[[Frame], int]
 
 @dataclass(frozen=True, slots=True)
 class Happening:
-    """What happens in a cycle: steps left and active, steps by their events, and those with a satisfied interlock."""
+    """Changes in a cycle: steps left and active, steps by their events, and those with a satisfied interlock."""
 
     left: int
     active: int

@@ -48,7 +48,7 @@ PARAMETERS = (*_COMMANDS, *MODES, "S_SEL", *_OUTPUTS, *(lamp for _, lamp in MODE
 
 
 class Commands(NamedTuple):
-    """What is wanted in this scan. All commands are rising edges of their parameters."""
+    """Commands of this scan. All commands are rising edges of their parameters."""
 
     off: bool
     init: bool
@@ -89,7 +89,7 @@ class Parameters:
                 self._set[name] = self._scope.setter(f"{mark}{name}")
 
     def commands(self, frame: Frame) -> Commands:
-        """What has changed at the inputs."""
+        """Changes at the inputs."""
         rising = {name for name in self._edges if self._rises(name, frame)}
         if rising and not self._locked:
             for name, (mode, _) in MODES.items():
@@ -119,7 +119,7 @@ class Parameters:
 
     @property
     def has_outputs(self) -> bool:
-        """Whether there is anything to report to."""
+        """True if there is anything to report to."""
         return bool(self._set)
 
     def report(self, frame: Frame, mode: Mode, values: dict[str, Any]) -> None:

@@ -383,7 +383,7 @@ class GraphProgram:
 
 
 def _satisfied(_: Frame) -> bool:
-    """What an empty network of a transition says: its coil is on the power rail."""
+    """Condition of an empty network of a transition: its coil is on the power rail."""
     return True
 
 

@@ -15,10 +15,10 @@ STEP: dict[str, ElementaryType] = {
     **dict.fromkeys(_BITS, BOOL),
     "acknowledged": BOOL,
 }
-"""What is known of a step: active, time, time without disturbance, limits, number, events, state of its conditions."""
+"""Data of a step: active, time, time without disturbance, limits, number, events, state of its conditions."""
 
 TRANSITION: dict[str, ElementaryType] = {"TV": BOOL, "TT": BOOL, "TS": BOOL, "TNO": ELEMENTARY["INT"]}
-"""What is known of a transition: its steps are active, its condition is satisfied, it switches; its number."""
+"""Data of a transition: its steps are active, its condition is satisfied, it switches; its number."""
 
 _STEP_SLOTS = {name: slot for slot, name in enumerate(STEP)}
 U, T_MAX, T_WARN, SNO = (_STEP_SLOTS[name] for name in ("U", "T_MAX", "T_WARN", "SNO"))
