@@ -354,3 +354,16 @@ def test_a_wrong_limit_is_told_before_anything_is_compared(cli: Cli, plant: Path
     assert done.code == 2
     assert "'ten' is no time limit" in done.err
     assert "--no-verify" not in done.err
+
+
+def test_a_comparison_that_is_interrupted_ends_as_interrupted(
+    cli: Cli, plant: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("plcopen_sfc.analysis.equivalence.search", interrupt)
+    done = cli("lower", "plant.xml", "out.st", "--to", "iec-text")
+    assert done.code == 130
+    assert "the comparison was interrupted, so not all was reached" in done.err
+    assert not (plant / "out.st").exists()
