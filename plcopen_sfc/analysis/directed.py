@@ -483,14 +483,14 @@ def _wrapped(number: int, signal: Signal) -> int:
 def _values(domain: Domain, signal: Signal) -> list[Value]:
     """The values that are tried for an input: those that comparisons tell apart, and some of its type.
 
-    Among them are the least and the greatest integer: ``n + 1 > n`` is FALSE for one value only.
+    Among them are the least and the greatest integer or time: ``n + 1 > n`` is FALSE for one value only.
     """
     known = [plain(each) for each in domain.options]
     if signal.kind is SignalKind.BOOL:
         return known
     first, *others = samples(signal)
     bounds: tuple[Value, ...] = ()
-    if signal.kind is SignalKind.INTEGER:
+    if signal.kind in (SignalKind.INTEGER, SignalKind.DURATION):
         bounds = (signal.least, signal.greatest)
     elif signal.kind is SignalKind.REAL:
         most = GREATEST_REAL if signal.type == "REAL" else sys.float_info.max

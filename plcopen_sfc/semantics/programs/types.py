@@ -175,17 +175,21 @@ ELEMENTARY |= {
 INT, DINT, LINT = ELEMENTARY["INT"], ELEMENTARY["DINT"], ELEMENTARY["LINT"]
 
 _1990 = 7305 * _DAY
-_S7_DATES = {name: replace(ELEMENTARY[name], start=str(_1990)) for name in ("DATE", "DT", "DATE_AND_TIME")}
 _DEFAULT_LENGTHS = {Dialect.CODESYS: 80, Dialect.TWINCAT: 80}
-_NARROW_TIMES = {
+_TIMES_OF_DIALECTS = {
     (dialect, "TIME"): ElementaryType("TIME", Family.DURATION, 32, *TIME_RANGES[dialect, "TIME"], unit=_MILLISECOND)
     for dialect in (Dialect.CODESYS, Dialect.TWINCAT, Dialect.SCL)
 }
-_NARROW_TIMES |= {
-    (dialect, name): ElementaryType("DT", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1, unit=unit)
-    for dialect, unit in ((Dialect.CODESYS, SECOND), (Dialect.TWINCAT, SECOND), (Dialect.SCL, _MILLISECOND))
+_TIMES_OF_DIALECTS |= {
+    (dialect, name): replace(ELEMENTARY["DT"], unit=unit, start=start)
+    for dialect, unit, start in (
+        (Dialect.CODESYS, SECOND, ""),
+        (Dialect.TWINCAT, SECOND, ""),
+        (Dialect.SCL, _MILLISECOND, str(_1990)),
+    )
     for name in ("DT", "DATE_AND_TIME")
 }
+_TIMES_OF_DIALECTS[Dialect.SCL, "DATE"] = replace(ELEMENTARY["DATE"], start=str(_1990))
 
 
 def elementary(name: str, dialect: Dialect = Dialect.IEC) -> ElementaryType | None:
@@ -197,10 +201,8 @@ def elementary(name: str, dialect: Dialect = Dialect.IEC) -> ElementaryType | No
     it open. DATE and DATE_AND_TIME start in 1990 in S7.
     """
     key = name.upper()
-    if dialect is Dialect.SCL and key in _S7_DATES:
-        return _S7_DATES[key]
-    if (dialect, key) in _NARROW_TIMES:
-        return _NARROW_TIMES[dialect, key]
+    if (dialect, key) in _TIMES_OF_DIALECTS:
+        return _TIMES_OF_DIALECTS[dialect, key]
     if key in ("STRING", "WSTRING"):
         return string(key, _DEFAULT_LENGTHS.get(dialect, 254))
     return ELEMENTARY.get(key)
