@@ -227,7 +227,11 @@ class Comparison:
             values = self.left.observed(), self.right.observed()
             if values[0] is not None and values[1] is not None:
                 differences = [
-                    Difference(self.names[i], plain(values[0][i]), plain(values[1][i]), delay=self._delay.queued)
+                    Difference(
+                        *(self.names[i], plain(values[0][i]), plain(values[1][i])),
+                        delay=self._delay.queued,
+                        signal=traces[0][self.names[i]].signal if self.names[i] in traces[0] else None,
+                    )
                     for i in compare(*values)
                 ]
         given_rows = [{name: row[name] for name in shown} for row in rows]

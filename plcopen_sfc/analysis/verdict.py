@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -11,7 +11,7 @@ from plcopen_sfc.analysis.coverage import Coverage, any_untested, listed
 from plcopen_sfc.analysis.delay import NO_DELAY, Delay
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st.literals import time_literal
-from plcopen_sfc.semantics.signals import Value
+from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.trace import Trace
 
 __all__ = ["Counterexample", "Difference", "Verdict", "VerdictKind"]
@@ -42,13 +42,14 @@ class Difference:
     right: Value | None
     error: str = ""
     delay: int = 0
+    signal: Signal | None = field(default=None, compare=False, repr=False)
 
     def __str__(self) -> str:
         if self.error:
             return self.error
         before = f" {abs(self.delay)} scan{'' if abs(self.delay) == 1 else 's'} before"
         sides = before if self.delay > 0 else "", before if self.delay < 0 else ""
-        left, right = _shown(self.left), _shown(self.right)
+        left, right = _shown(self.left, self.signal), _shown(self.right, self.signal)
         return f"{self.name} is {left} in the first{sides[0]} and {right} in the second{sides[1]}"
 
 
@@ -248,8 +249,12 @@ class Verdict:
         return data | ({} if self.counterexample is None else {"counterexample": self.counterexample.as_dict()})
 
 
-def _shown(value: Value | None) -> str:
-    return {True: "TRUE", False: "FALSE"}[value] if isinstance(value, bool) else str(value)
+def _shown(value: Value | None, signal: Signal | None) -> str:
+    if isinstance(value, bool):
+        return {True: "TRUE", False: "FALSE"}[value]
+    if signal is None or signal.kind not in (SignalKind.DURATION, SignalKind.INTEGER) or not isinstance(value, int):
+        return str(value)
+    return signal.text(value)
 
 
 class UntestedError(LoweringError):

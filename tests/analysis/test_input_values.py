@@ -118,3 +118,16 @@ def test_a_proof_says_that_real_inputs_are_numbers() -> None:
     verdict = compare("q := x <> x;", "q := FALSE;")
     assert verdict.proven
     assert "REAL inputs are finite numbers" in str(verdict)
+
+
+def test_differences_show_times_as_literals() -> None:
+    pair = [
+        sfc.loads(
+            f"PROGRAM Main VAR_OUTPUT t : TIME; d : DATE; END_VAR {body} END_PROGRAM".encode(),
+            format="iec-text",
+        )
+        for body in ("t := T#2s; d := D#2024-02-28;", "t := T#1s; d := D#2024-02-29;")
+    ]
+    shown = str(equivalent(*pair, "iec"))
+    assert "t is T#2s in the first and T#1s in the second" in shown
+    assert "d is D#2024-02-28 in the first and D#2024-02-29 in the second" in shown
