@@ -37,6 +37,7 @@ ACTION Add: {} END_ACTION"""
 EDGE = "VAR edge : R_TRIG; count : CTU; END_VAR"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("one", "other", "named"),
     [
@@ -123,6 +124,7 @@ def test_outcomes_that_are_impossible_are_not_demanded(body: str) -> None:
     assert verdict.equal, str(verdict)
 
 
+@pytest.mark.slow
 def test_an_index_that_is_an_input_goes_through_all_elements() -> None:
     table = "VAR CONSTANT t : ARRAY[0..199] OF INT := [137({0}), {1}, 62({0})]; END_VAR"
     left, right = (project("r := t[n];", declarations=table.format(0, value)) for value in (1, 2))

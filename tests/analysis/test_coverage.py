@@ -290,6 +290,7 @@ def test_outcomes_count_in_actions_of_charts() -> None:
     assert [str(each) for each in verdict.coverage[0].untested] == ["assignment `q := n * n = 1000003;` was never TRUE"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("body", "impossible"),
     [

@@ -68,6 +68,7 @@ def mutated(text: str, random: Random) -> str:
     return "\n".join(lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["iec", "codesys"])
 def test_random_charts_and_programs_with_mistakes(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     outcomes: Counter[tuple[VerdictKind, bool]] = Counter()

@@ -46,6 +46,7 @@ ALIKE = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_chart", [True, False])
 @pytest.mark.parametrize(("dialect", "one", "other"), ALIKE)
 def test_times_have_the_resolution_of_their_type(dialect: str, one: str, other: str, *, is_chart: bool) -> None:

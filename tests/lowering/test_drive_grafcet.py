@@ -84,6 +84,7 @@ def test_stored_actions(kind: str, step: str) -> None:
     assert compare(pou_with(chart, "a b", "Q n:INT")) >= 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("event", ["↑a", "a AND b", "↓(a AND X2)"])
 def test_events_are_seen_before_the_transitions(event: str) -> None:
     chart = chain("1", "2", conditions="a;b")

@@ -104,6 +104,7 @@ def test_several_times_of_one_step(second: str, minimum: str | None) -> None:
     compare(pou_with(chart, "c1 c2", "Q R"), profiles)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["onActivation", "onDeactivation"])
 @pytest.mark.parametrize("step", ["1", "2"])
 def test_stored_actions(kind: str, step: str) -> None:

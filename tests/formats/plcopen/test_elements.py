@@ -408,6 +408,7 @@ HOLDERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", ["preserve", "discard", "implementation"])
 @pytest.mark.parametrize("holder", HOLDERS)
 def test_foreign_data_with_each_rule_on_each_element(holder: str, rule: str) -> None:

@@ -137,6 +137,7 @@ EXACT: dict[str, list[Row]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("rows", EXACT.values(), ids=EXACT.keys())
 def test_events_values_and_calls_run_as_in_the_source(rows: list[Row], target: str) -> None:
@@ -157,6 +158,7 @@ LOCKED: dict[str, list[Row]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rows", LOCKED.values(), ids=LOCKED.keys())
 def test_nothing_runs_without_its_interlock(rows: list[Row]) -> None:
     source = block(rows)
@@ -196,6 +198,7 @@ UNSAID: dict[str, Row] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("row", UNSAID.values(), ids=UNSAID.keys())
 def test_what_cannot_be_said_is_left_out_and_reported(row: Row, target: str) -> None:

@@ -63,6 +63,7 @@ def project_of(condition: str = "go", action: str = "q := TRUE;", target: str = 
     return project
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [

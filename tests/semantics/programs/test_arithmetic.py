@@ -108,6 +108,7 @@ def programs(draw: s.DrawFn, dialect: Dialect) -> tuple[dict[str, tuple[str, int
     return variables, draw(sums(variables, dialect)), draw(s.sampled_from(ORDER))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dialect", [Dialect.IEC, Dialect.CODESYS, Dialect.SCL])
 @settings(deadline=None, max_examples=80)
 @given(s.data())
