@@ -519,15 +519,15 @@ def _truth(operator: Operator, left: Expression, right: Expression) -> Expressio
     """A comparison of BOOL as logic: S7 has no order of them, and no box that compares them."""
     left, right = (n.Parenthesized(each) if isinstance(each, n.Operation) else each for each in (left, right))
     if operator in (Operator.EQUAL, Operator.UNEQUAL):
+        constant = right.text.upper() if isinstance(right, n.Literal) else ""
+        if constant in ("TRUE", "FALSE"):
+            return left if (constant == "TRUE") is (operator is Operator.EQUAL) else n.Unary(Operator.NOT, left)
         different = n.Operation(Operator.XOR, (left, right))
-        found = n.Unary(Operator.NOT, n.Parenthesized(different)) if operator is Operator.EQUAL else different
-    elif operator in (Operator.GREATER, Operator.LESS):
-        more, less = (left, right) if operator is Operator.GREATER else (right, left)
-        found = n.Operation(Operator.AND, (more, n.Unary(Operator.NOT, less)))
-    else:
-        more, less = (left, right) if operator is Operator.GREATER_OR_EQUAL else (right, left)
-        found = n.Operation(Operator.OR, (more, n.Unary(Operator.NOT, less)))
-    return n.Parenthesized(found)
+        return n.Unary(Operator.NOT, n.Parenthesized(different)) if operator is Operator.EQUAL else different
+    is_greater = operator in (Operator.GREATER, Operator.GREATER_OR_EQUAL)
+    more, less = (left, right) if is_greater else (right, left)
+    joined = Operator.AND if operator in (Operator.GREATER, Operator.LESS) else Operator.OR
+    return n.Operation(joined, (more, n.Unary(Operator.NOT, less)))
 
 
 _TOOLS = {Dialect.SCL: "S7"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 
 import pytest
@@ -44,6 +45,7 @@ SAID = {
     "x = y": [],
     "x <> y": [],
     "x > y OR x <= y": [],
+    "x = TRUE AND y <> TRUE AND FALSE = x": [],
 }
 """Conditions, and the boxes that say them, each with its types."""
 REFUSED = ["d > r", "u > i", "ABS(i) > 3", "SEL(x, i, 3) = 1", "(NOT w) = 1", "w = i", "DINT_TO_REAL(u) > r"]
@@ -100,3 +102,19 @@ def test_conversions_come_back() -> None:
     seen = sfc.loads(data, as_tool=True)
     back = convert(seen, "iec-text", partial=True)[0].decode()
     assert "INT_TO_REAL(" in back
+
+
+@pytest.mark.parametrize(
+    "condition",
+    [
+        "x <> y AND NOT (y >= x)",
+        "x = y OR x > y AND (y = FALSE)",
+        "(x AND y) = (x OR y)",
+        "(x < y) <> (y <= x)",
+        "NOT (x = y)",
+    ],
+)
+def test_comparisons_of_bool_give_the_same_as_logic(condition: str) -> None:
+    project = sfc.loads(CHART.format(condition=condition).encode(), format="iec-text")
+    report = sfc.save(project, io.BytesIO(), format="simaticml", strict=True, limit=20)
+    assert report.compared["POU Chart"].startswith("equal")
