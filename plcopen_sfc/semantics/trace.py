@@ -15,6 +15,7 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.files import write_atomic
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.semantics.signals import Signal, Value
+from plcopen_sfc.semantics.vcd import Recording, dump
 
 __all__ = ["ACTIVE_COLUMN", "SCAN_COLUMN", "TIME_COLUMN", "Change", "Column", "Trace"]
 
@@ -25,6 +26,7 @@ ACTIVE_COLUMN = "active steps"
 
 _Item = TypeVar("_Item")
 _MILLISECOND = 1_000_000
+_BOOL = Signal.elementary("BOOL")
 
 
 class _Runs(Sequence[_Item]):
@@ -290,9 +292,22 @@ class Trace:
 
     def vcd(self) -> str:
         """The trace as value change dump (IEEE 1364-2005, 18), for GTKWave and the like."""
-        from plcopen_sfc.semantics.vcd import dump  # noqa: PLC0415  # only where somebody wants one
+        return dump(self.name, self._recordings(), scans=len(self), scan_time=self.scan_time)
 
-        return dump(self)
+    def _recordings(self) -> Iterator[Recording]:
+        """The variables and the steps, which are ``steps.Fill`` there."""
+        for column in self.columns:
+            yield column.name, column.signal, column.runs()
+        for bit, path in enumerate(self.steps):
+            yield f"steps.{path}", _BOOL, self._step_runs(bit)
+
+    def _step_runs(self, bit: int) -> Iterator[tuple[int, Value]]:
+        before: bool | None = None
+        for scan, marking in self.markings():
+            active = bool(marking >> bit & 1)
+            if active is not before:
+                yield scan, active
+            before = active
 
     def save_vcd(self, path: str | os.PathLike[str]) -> None:
         """Write `vcd`. Raises `FileAccessError`."""

@@ -10,25 +10,22 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.version import __version__
-
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.trace import Trace
 
 __all__ = ["dump"]
 
 _SCALES = ((10**9, "1 s"), (10**6, "1 ms"), (10**3, "1 us"), (1, "1 ns"))
 _FIRST, _CODES = 33, 94  # printable ASCII makes the identifier codes
-_STEPS = "steps"
 _SECOND = 1e9
 _UNSAFE = re.compile(r"[^\x21-\x5b\x5d-\x7e]")  # blanks, control characters, backslashes, what is not ASCII
 _GERMAN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})
-_BOOL = Signal.elementary("BOOL")
+Recording: TypeAlias = tuple[str, Signal, Iterable[tuple[int, Value]]]
+"""The path of a variable, its signal, and its values by the scans in which they begin."""
 
 
 @dataclass
@@ -44,31 +41,22 @@ class _Scope:
         yield "$upscope $end"
 
 
-def dump(trace: Trace) -> str:
-    """The text of a VCD file. The same trace always gives the same text: it has no date."""
-    scale, unit = next(each for each in _SCALES if trace.scan_time % each[0] == 0)
+def dump(name: str, recordings: Iterable[Recording], *, scans: int, scan_time: int) -> str:
+    """The text of a VCD file of `scans` scans, `scan_time` nanoseconds each. It has no date: the same every time."""
+    scale, unit = next(each for each in _SCALES if scan_time % each[0] == 0)
     top = _Scope()
     events: dict[int, list[str]] = defaultdict(list)
-    for number, column in enumerate(trace.columns):
+    for number, (path, signal, changes) in enumerate(recordings):
         code = _code(number)
-        _declare(top, column.name, column.signal, code)
-        for scan, value in column.runs():
-            events[scan].append(_change(column.signal, value, code))
-    first = len(trace.columns)
-    for bit, path in enumerate(trace.steps):
-        _declare(top, f"{_STEPS}.{path}", _BOOL, _code(first + bit))
-    before = None
-    for scan, marking in trace.markings():
-        for bit in range(len(trace.steps)):
-            if before is None or (marking ^ before) >> bit & 1:
-                events[scan].append(f"{marking >> bit & 1}{_code(first + bit)}")
-        before = marking
-    lines = [f"$version plcopen_sfc {__version__} $end", f"$timescale {unit} $end", *top.lines(_safe(trace.name))]
+        _declare(top, path, signal, code)
+        for scan, value in changes:
+            events[scan].append(_change(signal, value, code))
+    lines = [f"$version plcopen_sfc {__version__} $end", f"$timescale {unit} $end", *top.lines(_safe(name))]
     lines.append("$enddefinitions $end")
     for scan in sorted(events):
-        lines.append(f"#{scan * trace.scan_time // scale}")
+        lines.append(f"#{scan * scan_time // scale}")
         lines += ["$dumpvars", *events[scan], "$end"] if scan == 0 else events[scan]
-    lines.append(f"#{len(trace) * trace.scan_time // scale}")
+    lines.append(f"#{scans * scan_time // scale}")
     return "\n".join(lines) + "\n"
 
 
