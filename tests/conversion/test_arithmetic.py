@@ -95,6 +95,7 @@ def edges(type_: str) -> list[int]:
     return sorted({low, low + 1, max(low, -1), 0, 1, 2, 3, 100, high - 1, high})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("operator", OPERATORS)
 @pytest.mark.parametrize("type_", NARROW)
 @pytest.mark.parametrize(("tool", "target", "flavour"), ROUTES)
@@ -132,6 +133,7 @@ END_FUNCTION_BLOCK
 CONDITIONS = ["x * y > d", "x + 1 > y", "x / y * 100 > d", "-x > y", "(x + y) / 2 > 100", "x * y = 16#FFFF"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("type_", "condition"), [("INT", each) for each in CONDITIONS] + [("SINT", "x * y > 100")])
 def test_transitions_give_the_same_in_boxes(type_: str, condition: str) -> None:
     project = sfc.loads(CHART.format(type_=type_, condition=condition).encode(), format="iec-text")
@@ -173,6 +175,7 @@ def test_logic_of_integers_of_two_widths_is_refused() -> None:
     assert [item.outcome for item in report.losses] == [Outcome.NOT_EXECUTED]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("tool", "target"), [("codesys", "simaticml"), ("codesys", "scl"), ("scl", "codesys")])
 @pytest.mark.parametrize("draw", [draw_fbd, draw_ld])
 @pytest.mark.parametrize(

@@ -26,6 +26,7 @@ def losses(project: sfc.Project, target: str, flavour: str = "") -> list[tuple[O
     return [(item.outcome, item.why) for item in report.losses]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("call", ["REAL_TO_{}(r)", "TO_{}(r)", "LREAL_TO_{}(p)", "TO_{}(p)", "TO_{}(r * 2.0)"])
 @pytest.mark.parametrize("whole", WHOLE)
 @pytest.mark.parametrize(("target", "flavour"), [("scl", ""), ("simaticml", ""), ("iec-text", "matiec")])

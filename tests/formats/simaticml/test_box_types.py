@@ -104,6 +104,7 @@ def test_conversions_come_back() -> None:
     assert "INT_TO_REAL(" in back
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "condition",
     [
