@@ -47,7 +47,7 @@ _MOST_PATTERNS = 96
 """Of an input whose bits may matter."""
 
 _CHANGED_BIT = 0.5
-_ANY_VALUE = 0.3
+_ANY_VALUE = 0.1
 _CHANCES = 12
 _LOOKED_BACK = 40
 _REPEATED = 2_000
@@ -335,6 +335,7 @@ class DirectedSearch:
         enabled = self._goals.enabled(state.key[0]) if state.key is not None else []
         wanted = [goal for goal in self._goals.branches if goal in self._frontier]
         rows: list[Row] = []
+        bounds: list[Row] = []
 
         def add(values: Row | None, around: Row = state.row) -> bool:
             if values is not None:
@@ -361,11 +362,7 @@ class DirectedSearch:
                 if goal.tries < _TRIES and add(goals.solve_part(goal)):
                     goal.tries += 1
             for goal in goals.open_bounds(_BOUND_TRIES):
-                found = goals.solve([goal], [])
-                if add(found) and found is not None:
-                    for name, value in found.items():
-                        for near in _neighbours(self._signals[name], value):
-                            add({**found, name: near})
+                bounds += self._at_bound(goals.solve([goal], []))
             for goal in goals.open_outcomes():
                 if goal.tries < _TRIES and add(goals.solve([goal], [])):
                     goal.tries += 1
@@ -373,6 +370,18 @@ class DirectedSearch:
             self._begin(number)
             if self._scan(row):
                 self._wait(row)
+        for values in bounds:
+            self._begin(number)
+            self._scan({**state.row, **values})
+
+    def _at_bound(self, found: Row | None) -> list[Row]:
+        """Return values of inputs at which a comparison changes, and with the real numbers beside them."""
+        if not found:
+            return []
+        near = [
+            {**found, name: each} for name, value in found.items() for each in _neighbours(self._signals[name], value)
+        ]
+        return [found, *near]
 
     def _wait(self, row: Row) -> None:
         """Hold the inputs until the situation changes, over times in which nothing but clocks goes on."""
