@@ -81,4 +81,6 @@ def test_comments_of_sequencers_stand_in_their_code(construction: str, language:
     lowered = lower(project, construction, pou="FB_Drilling", language=language, verify=False)
     paths = {item.path for item in lowered.losses if item.why.startswith("not in the code")}
     assert not {path for path in paths if " / step " in path or " / transition " in path}
-    assert "remark 0." in "\n".join(plain(v.comment) for v in lowered.pou.variables()) + str(lowered.pou.body)
+    comments = "\n".join(plain(v.comment) for v in lowered.pou.variables())
+    assert lowered.pou.body is not None
+    assert "remark 0." in comments + lowered.pou.body.model_dump_json()
