@@ -191,9 +191,11 @@ class Instance:
         return moving[1].type if moving is not None else self._cell(path).type
 
     def reader(self, paths: Sequence[str]) -> Callable[[], tuple[Any, ...]]:
-        """A function that gives the values of some variables."""
-        if any(self._moving(path) is not None or self._cell(path).bits is not None for path in paths):
+        """A function that gives the values of some variables; `UNREAD` for free inputs that nothing has asked for."""
+        if any(self._cell(path).bits is not None for path in paths):
             return lambda: tuple(self[path] for path in paths)
+        if any(self._moving(path) is not None for path in paths):
+            return lambda: tuple(cell.cells[cell.index] for cell in map(self._cell, paths))
         cells = [self.cell(path) for path in paths]
         return lambda: tuple([values[index] for values, index in cells])
 
