@@ -162,9 +162,9 @@ STR01 = Rule(
 STR04 = Rule(
     code="STR04",
     title="Branches begin and end with the right element",
-    why="The legs of a selection begin and end with transitions, those of a simultaneous branch with steps (IEC "
+    why="Branches of a selection begin and end with transitions, branches of simultaneous sequences with steps (IEC "
     "61131-3 ed. 3, 6.7.5; S7-GRAPH refuses to connect anything else). A bar of the wrong kind is read as the other "
-    "kind by some tools, which makes another chart of it.",
+    "kind by some tools, which changes the chart.",
     hint="Use the other kind of bar, or insert a step or a transition before or behind it.",
     example="a simultaneous divergence (double line) below a step, with transitions below it",
     check=_bars,

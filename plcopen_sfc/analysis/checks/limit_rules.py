@@ -48,7 +48,7 @@ LOW02 = Rule(
     title="No transition leads back to its own step",
     why="The step is left and entered at once. Whether its time starts again, its pulses come again and its flip-flop "
     "stays set differs between tools and lowerings.",
-    hint="Insert a step, if the step shall be entered anew; remove the transition, if not.",
+    hint="Insert a step, if the step shall be entered again; remove the transition, if not.",
     example="""
 INITIAL_STEP S1: END_STEP
 STEP S2: END_STEP

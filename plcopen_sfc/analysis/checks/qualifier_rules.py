@@ -165,7 +165,7 @@ ACT01 = Rule(
 ACT05 = Rule(
     code="ACT05",
     title="A qualifier without time has none",
-    why="The time has no effect, though whoever wrote it expected one.",
+    why="The time has no effect, although one was probably expected.",
     hint="Remove the time, or use the qualifier that was meant.",
     example=_ring("q(N, T#5s);"),
     check=_with_time,
@@ -193,8 +193,8 @@ ACT07 = Rule(
     code="ACT07",
     title="The qualifier exists in the tool",
     why="S7-GRAPH has no P, P0, P1, SD, DS and SL; IEC 61131-3 has no CALL, no ON and OFF, no counters and timers; "
-    "no tool says what DL of TC6 does.",
-    hint="Say it in another way: P1 is the event S1 of S7-GRAPH, SD a set action and a timer.",
+    "no tool documents what DL of TC6 does.",
+    hint="Express it in another way: P1 is the event S1 of S7-GRAPH, SD a set action and a timer.",
     example="""
 INITIAL_STEP S1: q(P1); END_STEP
 STEP S2: END_STEP
@@ -207,7 +207,7 @@ TRANSITION FROM S2 TO S1 := b; END_TRANSITION
 
 ACT08 = Rule(
     code="ACT08",
-    title="An association says what is done",
+    title="An association names what it executes",
     why="An association without an action, a variable or code does nothing.",
     hint="Name the action, or remove the line.",
     example="a line of an action block with the qualifier N and nothing else",
@@ -250,7 +250,7 @@ ACT15 = Rule(
 
 ACT16 = Rule(
     code="ACT16",
-    title="Events of S7-GRAPH stand where they belong",
+    title="Events of S7-GRAPH are at the actions that need them",
     why="ON, OFF, counters and all timers but TF act on an event only, and ON and OFF switch steps of their own block "
     "(S7-GRAPH manual, actions).",
     hint="Add the event (S1: when the step becomes active), or name a step of this block.",

@@ -184,7 +184,7 @@ STR07 = Rule(
     code="STR07",
     title="No step is activated twice",
     why="A branch that is left by a jump, or simultaneous branches that end in a selection, leave tokens behind. The "
-    "next round meets them: steps are active that nobody expects together (IEC 61131-3 ed. 3, 6.7.5, unsafe network). "
+    "next round meets them: steps are active together that never should be (IEC 61131-3 ed. 3, 6.7.5, unsafe network). "
     "In GRAFCET the step stays active, which may be meant.",
     hint="Let simultaneous branches meet in a simultaneous convergence, without jumps into them or out of them.",
     example="""
@@ -205,9 +205,9 @@ TRANSITION FROM S2 TO S1 := d; END_TRANSITION
 STR08 = Rule(
     code="STR08",
     title="A simultaneous convergence can be enabled",
-    why="Where the legs of a selection meet in a simultaneous convergence, all of its steps are never active "
+    why="Where branches of a selection meet in a simultaneous convergence, all of its steps are never active "
     "together: the chart is locked (IEC 61131-3 ed. 3, 6.7.5).",
-    hint="Let the legs of a selection meet in a selection convergence.",
+    hint="Let the branches of a selection meet in a selection convergence.",
     example="""
 INITIAL_STEP S1: END_STEP
 STEP A: END_STEP
@@ -224,7 +224,7 @@ STR10 = Rule(
     code="STR10",
     title="Nothing locks the chart",
     why="In a deadlock steps are active, each of them has a transition, and none of these can ever be enabled: the "
-    "chart stands still until it is reset.",
+    "chart is locked until it is reset.",
     hint="Look which branch the convergence waits for, and how that was left.",
     example="""
 INITIAL_STEP S1: END_STEP

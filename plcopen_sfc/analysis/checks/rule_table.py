@@ -115,7 +115,7 @@ is made from the rules (`plcopen-sfc rules --markdown > docs/checks.md`).
 
 How severe a breach is depends on how the chart is executed: on the profile. Where a rule gives several severities,
 those are for the profiles that they name; a dash means that the rule is not for them. Findings of elements that are
-excluded from the program are left out, and so are those that a comment lets be: `plcopen-sfc: ignore STR09` in the
+excluded from the program are left out, and so are those that a comment suppresses: `plcopen-sfc: ignore STR09` in the
 comment of a step, a transition, a chart or a POU. Reachability is that of the chart with all conditions free: what is
 found impossible is impossible, whatever the inputs do.
 

@@ -91,8 +91,8 @@ def _same_priority(chart: CheckedChart) -> Iterator[Finding]:
 
 SEL01 = Rule(
     code="SEL01",
-    title="The legs of a selection exclude each other",
-    why="When two conditions are true at once, GRAFCET and matiec clear both transitions: two steps are active where "
+    title="The branches of a selection exclude each other",
+    why="When two conditions are true at once, GRAFCET and matiec fire both transitions: two steps are active where "
     "one was (IEC 60848:2013, evolution rule 4). IEC 61131-3 takes the left one where no priorities are given, and "
     "older implementations did not. CODESYS and S7-GRAPH always take the left one.",
     hint="Make the conditions exclude each other (a, NOT a AND b), or give the transitions priorities.",
@@ -112,7 +112,7 @@ TRANSITION FROM S3 TO S1 := d; END_TRANSITION
 
 SEL02 = Rule(
     code="SEL02",
-    title="It can be decided whether the legs of a selection exclude each other",
+    title="It can be decided whether the branches of a selection exclude each other",
     why="Conditions with calls or arithmetic are not decided: whether they exclude each other is left to the author.",
     hint="Look at the conditions; write them as comparisons with constants, or give the transitions priorities.",
     example="""
@@ -131,9 +131,9 @@ TRANSITION FROM S3 TO S1 := d; END_TRANSITION
 
 SEL03 = Rule(
     code="SEL03",
-    title="No leg of a selection hides another",
-    why="Whenever its condition is true, that of a leg which is tried before it is true as well: this leg is never "
-    "taken.",
+    title="No branch of a selection hides another",
+    why="Whenever its condition is true, that of a branch which is tried before it is true as well: this branch is "
+    "never taken.",
     hint="Change the order, or the condition of the first.",
     example="""
 INITIAL_STEP S1: END_STEP

@@ -152,8 +152,8 @@ TRANSITION FROM S1 TO S2 := a; END_TRANSITION
 STR11 = Rule(
     code="STR11",
     title="A step leads to every transition",
-    why="Without one a transition is never enabled; CODESYS leaves such remains behind branches whose legs all end in "
-    "jumps. In GRAFCET it is a source transition, which is always enabled, and legal.",
+    why="Without one a transition is never enabled; CODESYS leaves such remains behind divergences whose branches all "
+    "end in jumps. In GRAFCET it is a source transition, which is always enabled, and legal.",
     hint="Connect it to a step, or remove it with what follows it.",
     example="a transition with no wire above it",
     check=_sources,
