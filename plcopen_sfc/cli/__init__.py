@@ -1,7 +1,9 @@
 """The command line ``plcopen-sfc``: calls the library and prints.
 
-`app` declares the commands with their options, `commands` has one module for what each does. Everything else here is
-presentation. Exit codes: 0 fine, 1 findings or differences, 2 wrong usage or unreadable input.
+`app` declares the commands, `options` their options, `commands` has one module for what each does. `configuration`
+reads pyproject.toml, `reading` finds and loads files, `guard` turns errors into messages and exit codes. `screen`
+prints, with `tables`, `outline` and `wording` of charts, `summary` of files, and `sarif`. Exit codes: 0 fine, 1
+findings or differences, 2 wrong usage or unreadable input.
 """
 
 from __future__ import annotations

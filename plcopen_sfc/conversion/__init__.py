@@ -1,11 +1,14 @@
 """Conversion between tools: what the target executes of the source, and the report on it.
 
-`meaning`      program text, conditions and values in a form that can be compared
-`parts`        a project as a tree of what a controller executes
-`execution`    reads that tree: declarations, types, tasks, bodies; `charts` reads the charts
-`comparison`   what differs between two such trees
-`reporting`    the differences as items of a `ConversionReport`, in an engineer's words
-`running`      source and result run against each other
+`executed_parts`          a project as a tree of what a controller executes
+`executed_projects`       reads that tree: declarations, types, tasks, bodies
+`executed_charts`         reads the charts in it
+`kept_declarations`       declarations that the model keeps as text
+`compared_start_values`   the start value of every elementary member
+`meaning`                 program text, conditions and values in a form that can be compared
+`comparison`              differences between two such trees
+`reporting`               differences as items of a `ConversionReport`
+`compared_runs`           source and result run against each other
 """
 
 from plcopen_sfc.conversion.comparison import Difference, compare

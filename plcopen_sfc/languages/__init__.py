@@ -1,4 +1,12 @@
-"""What stands inside bodies: structured text, instruction lists, networks, and the names that they use."""
+"""Program text: structured text, instruction lists, networks, declarations, and the names in them.
+
+* `st`: structured text. `il`: instruction lists. `networks`: FBD and LD. `declarations`: to the model and back.
+* `binding`: name sites, scopes and effects. `pragmas`: the remainder of the model in texts.
+* `translation`: between `dialects`, with `arithmetic` (types of calculations), `standard_blocks`, `start_values` and
+  `words` (keywords).
+* S7 has its own `s7_boxes`, `s7_flip_flops`, `s7_globals`, `s7_results` and `s7_types`.
+* `edits` of a text; `problems` of one, `syntax_problems` of those in a file.
+"""
 
 from plcopen_sfc.languages.dialects import Dialect
 

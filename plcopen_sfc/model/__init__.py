@@ -1,6 +1,11 @@
 """The typed model. Knows no file format, no XML and no I/O.
 
 `plcopen_sfc.model.project.Project` is the root; `plcopen_sfc.model.sfc.SfcNetwork` is a chart.
+
+* Projects: `project`, `project_object`, `pou`, `variables`, `types`, `body`, `network`, `dialect`.
+* Charts: `sfc`, `actions`, `conditions`, `times`; `drawing`, and `wiring`, which interprets its wires.
+* Every object: `base`, `checked` (fields are checked), `owners` (what it is in), `text` (comments), `late` (read at the
+  first access), `copying`, `compare`, `numbering`.
 """
 
 from __future__ import annotations

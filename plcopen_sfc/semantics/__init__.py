@@ -1,1 +1,7 @@
-"""Behaviour of charts and programs: execution profiles, nets, the interpreters and the simulation."""
+"""Behaviour of charts and programs: execution profiles, nets, the interpreters and the simulation.
+
+* `profile`: the choices in which tools differ. `net`: steps and transitions as bits and indexes.
+* `charts`: the interpreter of charts, with `drawn_charts` for logic drawn in them. `programs`: that of programs.
+* `simulation` of `subjects`, with `inputs` and `system_inputs`; `watched_instances` and `signals` are what it records.
+* `trace`: a record of it; `vcd` writes one for wave viewers.
+"""
