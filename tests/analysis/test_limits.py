@@ -9,7 +9,8 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.analysis.search_limits import seconds
-from plcopen_sfc.errors import InputError, UntestedError
+from plcopen_sfc.analysis.verdict import UntestedError
+from plcopen_sfc.errors import InputError
 from plcopen_sfc.model import Project
 
 _LATE = 4.0

@@ -26,7 +26,7 @@ SAME = {
     "waiting_constant",
     "init_input",
     "remark",
-    "said",
+    "captions",
     "described_flag",
     "with_suffix",
     "step_numbers",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import gc
 import pickle
+from weakref import ref
 
 import pytest
 
@@ -350,14 +351,16 @@ def test_a_shallow_copy_has_the_same_pous() -> None:
     assert text_of(made, "Other") == text_of(shallow, "Other") == "y := Main.Neu.x;"
 
 
-def test_projects_that_nobody_holds_are_forgotten() -> None:
+def test_a_project_is_forgotten_with_the_last_of_its_parts() -> None:
     made = project(sfc("Main", "S1 S2"))
-    own = made.pou("Main").sfc
-    assert own is not None
-    assert own.project is made
+    own, seen = made.pou("Main").sfc, ref(made)
     del made
     gc.collect()
-    assert own.project is None
+    assert own is not None
+    assert own.project is seen()
+    del own
+    gc.collect()
+    assert seen() is None
 
 
 def test_looking_for_the_project_reads_no_chart() -> None:

@@ -1,4 +1,4 @@
-"""SourceMarks by which the source comes back where something else is written instead of it.
+"""Marks by which the source comes back where something else is written instead of it.
 
 A chart of another tool may hold what TC6 has no element for: an interlock, an event, a value. Where statements do the
 same, they are written in place of it, and the element keeps the source in extension data, with a digest of what was
