@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import gc
 import pickle
 from collections.abc import Callable
 from pathlib import Path
@@ -110,6 +109,5 @@ def test_what_is_read_late(name: str) -> None:
 def test_a_part_keeps_the_project_that_nothing_else_keeps() -> None:
     source = b"FUNCTION Twice : INT VAR_INPUT n : INT; END_VAR Twice := 2 * n; END_FUNCTION\nPROGRAM Main END_PROGRAM"
     pou = sfc.loads(source, format="iec-text").pou("Main")
-    gc.collect()
     assert pou.project is not None
     assert [each.name for each in pou.project.pous] == ["Twice", "Main"]
