@@ -15,9 +15,16 @@ from plcopen_sfc.analysis.sole_bodies import sole_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.effects import plain_path
 from plcopen_sfc.languages.st.walking import children
-from plcopen_sfc.semantics.programs.instances import Instance
-from plcopen_sfc.semantics.programs.layouts import Direction, Layout, leaves
-from plcopen_sfc.semantics.programs.types import ElementaryType, Family, StructureType, default
+from plcopen_sfc.semantics.programs.controller import Instance
+from plcopen_sfc.semantics.programs.types import (
+    Direction,
+    ElementaryType,
+    Family,
+    Layout,
+    StructureType,
+    default,
+    leaves,
+)
 from plcopen_sfc.semantics.signals import Value
 
 __all__ = ["dead_cells"]

@@ -22,7 +22,7 @@ from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.decisions import deciding_booleans, deciding_parts, may_act
-from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import Frame
 
 __all__ = ["ConditionPart", "ConditionParts"]
 

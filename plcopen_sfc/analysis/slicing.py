@@ -26,7 +26,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.programs.addresses import address_of
-from plcopen_sfc.semantics.programs.instances import Instance
+from plcopen_sfc.semantics.programs.controller import Instance
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family, StructureType, Type
 
 __all__ = ["NotDivisibleError", "Parts", "cone", "parts_of"]

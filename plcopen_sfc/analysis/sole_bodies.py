@@ -14,7 +14,7 @@ from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.model.body import IlBody
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.semantics.programs.instances import Instance
+from plcopen_sfc.semantics.programs.controller import Instance
 
 __all__ = ["all_nodes", "sole_statements"]
 

@@ -23,12 +23,10 @@ from plcopen_sfc.semantics.charts.chart_coverage import Reached
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.profile import Profile
-from plcopen_sfc.semantics.programs.controller import Controller
-from plcopen_sfc.semantics.programs.instances import Instance
-from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.controller import Controller, Instance
 from plcopen_sfc.semantics.programs.marks import Marks
 from plcopen_sfc.semantics.programs.runtime import UNREAD
-from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT
+from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT, Frame
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import Subject
 from plcopen_sfc.semantics.watched_instances import Watched, is_written, step_marking, watched, watched_members

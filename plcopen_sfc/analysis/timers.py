@@ -18,9 +18,8 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.effects import plain_path
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.walking import children
-from plcopen_sfc.semantics.programs.instances import Instance
-from plcopen_sfc.semantics.programs.layouts import Frame, Layout
-from plcopen_sfc.semantics.programs.types import INSTANT, StructureType
+from plcopen_sfc.semantics.programs.controller import Instance
+from plcopen_sfc.semantics.programs.types import INSTANT, Frame, Layout, StructureType
 
 __all__ = ["RunningClocks", "WaitingTimer", "waiting_timers"]
 

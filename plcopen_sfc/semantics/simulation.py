@@ -18,9 +18,8 @@ from plcopen_sfc.semantics.drawn_charts import as_executed
 from plcopen_sfc.semantics.inputs import BoundInputs, CsvInputs, InputFunction, InputSource, TraceInputs, Variables
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
-from plcopen_sfc.semantics.programs.controller import Controller
-from plcopen_sfc.semantics.programs.instances import Instance
-from plcopen_sfc.semantics.programs.layouts import Direction
+from plcopen_sfc.semantics.programs.controller import Controller, Instance
+from plcopen_sfc.semantics.programs.types import Direction
 from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.subjects import Subject, resolve
 from plcopen_sfc.semantics.system_inputs import system_inputs

@@ -13,9 +13,17 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import EnumType
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
-from plcopen_sfc.semantics.programs.instances import Instance
-from plcopen_sfc.semantics.programs.layouts import MOST_ELEMENTS, Direction, Frame, Layout
-from plcopen_sfc.semantics.programs.types import ArrayType, ElementaryType, Family, Type
+from plcopen_sfc.semantics.programs.controller import Instance
+from plcopen_sfc.semantics.programs.types import (
+    MOST_ELEMENTS,
+    ArrayType,
+    Direction,
+    ElementaryType,
+    Family,
+    Frame,
+    Layout,
+    Type,
+)
 from plcopen_sfc.semantics.signals import Signal, SignalKind
 
 __all__ = ["MOST_ELEMENTS", "Watched", "is_written", "signal_of", "step_marking", "watched", "watched_members"]

@@ -12,7 +12,7 @@ from plcopen_sfc.analysis.slicing import NotDivisibleError, cone, parts_of
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.model import ActionAssociation, Pou, Qualifier, SfcNetwork, StBody
 from plcopen_sfc.semantics.profile import profile
-from plcopen_sfc.semantics.programs.instances import Instance
+from plcopen_sfc.semantics.programs.controller import Instance
 from plcopen_sfc.semantics.subjects import resolve
 from tests.analysis.schemes import program
 

@@ -26,8 +26,7 @@ from plcopen_sfc.semantics.charts.qualifier_control import (
 from plcopen_sfc.semantics.charts.situation_plans import MOST_PLANS, Run, Write, execution
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
-from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, ElementaryType, default
+from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, ElementaryType, Frame, default
 
 if TYPE_CHECKING:
     from plcopen_sfc.model import Body

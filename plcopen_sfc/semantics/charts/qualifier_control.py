@@ -17,8 +17,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from plcopen_sfc.model import Qualifier
-from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType
+from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType, Frame
 
 ON = 1
 """The output Q of an action control."""

@@ -12,8 +12,7 @@ from plcopen_sfc.model import Expression, SfcFlag, SfcNetwork
 from plcopen_sfc.semantics.charts.step_state import override
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
-from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, ArrayType, ElementaryType
+from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, ArrayType, ElementaryType, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

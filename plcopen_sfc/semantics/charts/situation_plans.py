@@ -13,8 +13,7 @@ from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.model import PouKind
 from plcopen_sfc.semantics.charts.sfc_flags import Analysis
 from plcopen_sfc.semantics.charts.transition_firing import Move
-from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import ElementaryType, Family, StructureType
+from plcopen_sfc.semantics.programs.types import ElementaryType, Family, Frame, StructureType
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

@@ -10,8 +10,7 @@ from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
-from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType, StructureType, Type
+from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType, Frame, StructureType, Type
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from plcopen_sfc.errors import CompetingTransitionsError
 from plcopen_sfc.semantics.net import Competing, Net, NetTransition
 from plcopen_sfc.semantics.profile import Profile
-from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import Frame
 
 
 class Move(NamedTuple):

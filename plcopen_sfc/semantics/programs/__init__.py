@@ -4,13 +4,11 @@
 """
 
 from plcopen_sfc.semantics.programs import types
-from plcopen_sfc.semantics.programs.controller import Controller
-from plcopen_sfc.semantics.programs.instances import Instance, Variable
-from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame, Layout
+from plcopen_sfc.semantics.programs.controller import Controller, Instance, Variable
 from plcopen_sfc.semantics.programs.library import ChartCompiler, CompiledChart
 from plcopen_sfc.semantics.programs.runtime import Processor
 from plcopen_sfc.semantics.programs.scopes import Scope
-from plcopen_sfc.semantics.programs.types import Type
+from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout, Type
 
 __all__ = [
     "ChartCompiler",

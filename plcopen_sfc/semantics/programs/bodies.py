@@ -16,10 +16,10 @@ from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code import settled, truth
-from plcopen_sfc.semantics.programs.layouts import Direction, Frame
 from plcopen_sfc.semantics.programs.linking import Writer
 from plcopen_sfc.semantics.programs.places import Unknown
 from plcopen_sfc.semantics.programs.statements import StatementTranslator
+from plcopen_sfc.semantics.programs.types import Direction, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

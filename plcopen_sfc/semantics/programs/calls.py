@@ -12,9 +12,9 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code import Code, ranged, settled
-from plcopen_sfc.semantics.programs.layouts import Direction, Field
 from plcopen_sfc.semantics.programs.places import Place, Space, Unknown
 from plcopen_sfc.semantics.programs.standard_functions import StandardFunctions
+from plcopen_sfc.semantics.programs.types import Direction, Field
 from plcopen_sfc.semantics.programs.units import Callee, MethodUnit, Unit
 
 if TYPE_CHECKING:

@@ -1,20 +1,26 @@
-"""A controller that runs a project, and the instances of its POUs."""
+"""A controller that runs a project, and the instances of its POUs: scans, variables by path, snapshots."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
-from plcopen_sfc.errors import Location, SimulationError
+from plcopen_sfc.errors import Location, ModelError, SimulationError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_of
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.instances import Instance
+from plcopen_sfc.semantics.programs.addresses import Address
 from plcopen_sfc.semantics.programs.keeping import Keeper
-from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.library import ChartCompiler, Library
+from plcopen_sfc.semantics.programs.library import ChartCompiler, CompiledChart, Library
+from plcopen_sfc.semantics.programs.linking import Writer
+from plcopen_sfc.semantics.programs.places import Place, Unknown
+from plcopen_sfc.semantics.programs.runtime import UNREAD, bits_set, coerced
+from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, leaves
 from plcopen_sfc.semantics.programs.units import Unit
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 
@@ -124,3 +130,331 @@ class Controller:
             for item in value:
                 if isinstance(item, Frame | list):
                     self._initialise(item)
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable that a user can look at: its path, type and direction. `preset`: its declaration gives it a value.
+
+    `is_member`: it is a part of a structure or of an instance.
+    """
+
+    path: str
+    type: t.Type
+    direction: Direction
+    preset: bool = False
+    is_member: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Cell:
+    cells: list[Any]
+    index: int
+    type: t.Type
+    bits: tuple[int, int] | None = None
+
+
+_Moving: TypeAlias = tuple[Callable[[Frame], tuple[list[Any], int]], Place]
+"""Function that finds the value of a variable such as ``fill[i]`` in a frame, and its place as far as it is known."""
+
+
+class Instance:
+    """A program or function block that is executed scan by scan."""
+
+    def __init__(self, controller: Controller, unit: Unit, frame: Frame) -> None:
+        self.controller = controller
+        self.unit = unit
+        self.frame = frame
+        self.scans = 0
+        """Scans that were executed so far."""
+        self._library = controller.library
+        self._processor = controller.library.processor
+        self._cells: dict[str, _Cell] = {}
+        self._movings: dict[str, _Moving] = {}
+        self._run = unit.run
+        self._free: list[tuple[list[Any], int, Any]] = []
+        self._inner: list[tuple[list[Any], int]] = []
+        self._left_out: tuple[frozenset[int], frozenset[int]] = (frozenset(), frozenset())
+        self._unseen: frozenset[int] = frozenset()
+        self._known = -1
+        self._find_free()
+
+    # -- scans
+
+    def scan(self) -> None:
+        """Execute the body once. Raises `SimulationError`, which tells the scan, the POU and the line."""
+        self.scans += 1
+        self._processor.left = self.controller.max_steps
+        if self._library.read_input is not None:
+            self._find_free()
+            for cells, index, _ in self._free:
+                cells[index] = UNREAD
+        try:
+            if self.unit.is_function:
+                self._renew()
+            self._run(self.frame)
+        except SimulationError as error:
+            self._say_where(error, error.__traceback__)
+            raise
+        except ZeroDivisionError as error:
+            raise self._said("division by zero", error) from None
+        except RecursionError as error:
+            raise self._said("functions call each other too deeply (recursion)", error) from None
+        except OverflowError as error:
+            raise self._said(f"a value is out of range: {error}", error) from None
+        except (AttributeError, TypeError) as error:
+            if "NoneType" not in str(error):
+                raise
+            raise self._said("a reference or VAR_IN_OUT that leads to nothing is used", error) from None
+
+    def _renew(self) -> None:
+        fresh = self.unit.layout.new().v
+        for field in self.unit.parameters:
+            fresh[field.slot] = self.frame.v[field.slot]
+        self.frame.v[:] = fresh
+
+    def _say_where(self, error: SimulationError, traceback: Any) -> None:
+        if error.scan is None:
+            error.scan = self.scans
+        if error.location.path is None:
+            error.location = self._library.linker.place(traceback) or Location(path=self.unit.pou.name)
+
+    def _said(self, message: str, error: Exception) -> SimulationError:
+        said = SimulationError(message)
+        self._say_where(said, error.__traceback__)
+        return said
+
+    def _find_free(self) -> None:
+        """The cells of free inputs; more may have become known, or some written."""
+        library = self._library
+        if self._known == library.version:
+            return
+        self._known = library.version
+        for known, slot, value in self._free:
+            if known[slot] is UNREAD:
+                known[slot] = value
+        self._free = []
+        library.free_cells.clear()
+        own: set[int] = set()
+        outer = {slot for slot, value in enumerate(library.frame.v) if value is self.frame}  # it is stored on its own
+        for key, path, type_ in library.given() if library.read_input is not None else ():
+            parts = key.split(".")
+            if parts[0] == "g":
+                cells: Any = library.frame.v
+            elif library.is_key_of(self.unit.layout, key):
+                cells = self.frame.v
+            else:
+                continue
+            if len(parts) == 2:
+                (outer if parts[0] == "g" else own).add(int(parts[1]))
+            for part in parts[1:-1]:
+                inner = cells[int(part)]
+                cells = inner.v if isinstance(inner, Frame) else inner
+            index = int(parts[-1])
+            self._free.append((cells, index, t.default(type_)))
+            library.free_cells[id(cells), index] = path
+        outermost = id(library.frame.v), id(self.frame.v)
+        self._inner = [(cells, index) for cells, index, _ in self._free if id(cells) not in outermost]
+        self._left_out = (self._unseen | own, frozenset(outer))
+
+    # -- variables
+
+    def __getitem__(self, path: str) -> Any:
+        cell = self._cell(path)
+        value = cell.cells[cell.index]
+        if value is UNREAD and isinstance(cell.type, t.ElementaryType):
+            return t.default(cell.type)
+        if cell.bits is not None:
+            start, width = cell.bits
+            part = value >> start & (1 << width) - 1
+            return bool(part) if width == 1 else part
+        return value
+
+    def __setitem__(self, path: str, value: Any) -> None:
+        cell = self._cell(path)
+        if not isinstance(cell.type, t.ElementaryType):
+            raise ModelError(f"{path} is a {cell.type.name}: only values of elementary types can be given")
+        given = coerced(value, cell.type)
+        if cell.bits is not None:
+            given = bits_set(cell.cells[cell.index], *cell.bits, int(given))
+        cell.cells[cell.index] = given
+
+    def __contains__(self, path: object) -> bool:
+        try:
+            self._cell(str(path))
+        except (ModelError, SimulationError):
+            return False
+        return True
+
+    def cell(self, path: str) -> tuple[list[Any], int]:
+        """A list and the index in it where the value of a variable is, for quick access. Raises `ModelError`."""
+        if self._moving(path) is not None:
+            raise ModelError(f"{path} is another variable whenever its index or reference changes")
+        cell = self._cell(path)
+        if cell.bits is not None:
+            raise ModelError(f"{path} is a part of a variable")
+        return cell.cells, cell.index
+
+    def type_of(self, path: str) -> t.Type:
+        """The type of a variable, which that of `fill[i]` has whatever `i` is now. Raises `ModelError`."""
+        moving = self._moving(path)
+        return moving[1].type if moving is not None else self._cell(path).type
+
+    def reader(self, paths: Sequence[str]) -> Callable[[], tuple[Any, ...]]:
+        """A function that gives the values of some variables; `UNREAD` for free inputs that nothing has asked for."""
+        if any(self._cell(path).bits is not None for path in paths):
+            return lambda: tuple(self[path] for path in paths)
+        if any(self._moving(path) is not None for path in paths):
+            return lambda: tuple(cell.cells[cell.index] for cell in map(self._cell, paths))
+        cells = [self.cell(path) for path in paths]
+        return lambda: tuple([values[index] for values, index in cells])
+
+    def inputs(self) -> Mapping[str, t.Type]:
+        """Variables that a user gives a value, by path, with their types: see `Library.given`."""
+        return {path: type_ for _, path, type_ in self._library.given()}
+
+    def variables(self) -> Mapping[str, Variable]:
+        """All variables that a user sees, by path: those of the instance, then global ones that are used."""
+        found: dict[str, Variable] = {}
+
+        def add(path: str, field: Field, direction: Direction, cells: list[Any], index: int, *, member: bool) -> None:
+            if path not in found:
+                found[path] = Variable(path, field.type, direction, field.preset, member)
+                if field.direction is not Direction.IN_OUT:  # there is a pointer in its place
+                    self._cells.setdefault(path.casefold(), _Cell(cells, index, field.type))
+
+        for path, field, cells, index in leaves(self.frame):
+            member = "." in path
+            add(path, field, Direction.LOCAL if member else field.direction, cells, index, member=member)
+        outer = self._library.frame.v
+        for field in [field for field in self._library.globals.fields if not field.hidden]:
+            value = outer[field.slot]
+            if isinstance(value, Frame) and value is not self.frame:
+                for path, inner, cells, index in leaves(value, f"{field.name}."):
+                    add(path, inner, Direction.EXTERNAL, cells, index, member=True)
+            elif value is not self.frame:
+                add(field.name, field, field.direction, outer, field.slot, member=False)
+        return found
+
+    def addresses(self) -> Mapping[str, Address]:
+        """The direct addresses of variables, by their paths."""
+        return self._library.image.addresses()
+
+    def charts(self) -> list[tuple[str, CompiledChart, Frame]]:
+        """The charts of the instance and of instances in it: path, chart, and the frame that it works on."""
+        return list(self._charts(self.frame, ""))
+
+    def _charts(self, frame: Frame, path: str) -> Iterator[tuple[str, CompiledChart, Frame]]:
+        unit = self._library.unit_of_layout(frame.layout)
+        while unit is not None:
+            for name, chart in unit.charts:
+                yield f"{path}{name.partition('.')[2]}".rstrip("."), chart, frame
+            unit = unit.base
+        for field in frame.layout.fields:
+            inner = frame.v[field.slot]
+            if isinstance(inner, Frame) and not field.hidden and field.direction is not Direction.IN_OUT:
+                yield from self._charts(inner, f"{path}{field.name}.")
+
+    def _cell(self, path: str) -> _Cell:
+        """Where the value of a variable is now. Raises `ModelError`."""
+        moving = self._moving(path)
+        if moving is None:
+            return self._cells[path.casefold()]
+        find, place = moving
+        try:
+            cells, index = find(self.frame)
+        except (SimulationError, AttributeError, TypeError) as error:
+            raise ModelError(f"{path} cannot be reached: {error}") from None
+        return _Cell(cells, index, place.type, place.bits)
+
+    def _moving(self, path: str) -> _Moving | None:
+        """Finder of a variable whose place depends on an index or a reference; None for one that stays in its cell."""
+        key = path.casefold()
+        if key in self._cells:
+            return None
+        if key not in self._movings:
+            found = self._find(path)
+            if isinstance(found, _Cell):
+                self._cells[key] = found
+                return None
+            self._movings[key] = found
+        return self._movings[key]
+
+    def _find(self, path: str) -> _Cell | _Moving:
+        if self._library.implicit_type(path) is not None:
+            field = self._library.globals.by_name[path.casefold()]
+            return _Cell(self._library.frame.v, field.slot, field.type)
+        parsed = parse_expression(path, self._library.dialect)
+        if parsed.problems:
+            own = self.unit.layout.find(path)
+            if own is None:
+                raise ModelError(f"{path!r} is no path of a variable: {parsed.problems[0].message}")
+            return _Cell(self.frame.v, own.slot, own.type)
+        try:
+            place = self._place(parsed.tree)
+            if len(self._library.globals.fields) > len(self._library.frame.v):
+                self._library.grow()
+            return self._fixed(place) if place.key else (self._finder(place), place)
+        except SimulationError as error:
+            raise ModelError(error.message, hint=error.hint) from None
+        except (AttributeError, TypeError) as error:
+            raise ModelError(f"{path} cannot be reached: {error}") from None
+
+    def _place(self, tree: n.Expression) -> Place:
+        translator = self.unit.scope.translator(Writer())
+        found = translator.meaning(tree)
+        if isinstance(found, Unknown):
+            field = self._library.globals.find(found.path)
+            if field is None:
+                raise SimulationError(f"there is no variable {found.path}", hint=self._similar(found.path))
+            return self._library.place(field, found.path)
+        return translator.place(tree)
+
+    def _similar(self, name: str) -> str:
+        from difflib import get_close_matches  # noqa: PLC0415  # only for a message
+
+        near = get_close_matches(name, [*self.variables()], 3)
+        return f"close to it: {', '.join(near)}" if near else ""
+
+    def _fixed(self, place: Place) -> _Cell:
+        start, *slots = place.key.split(".")
+        cells: Any = self._library.frame.v if start == "g" else self.frame.v
+        for slot in slots[:-1]:
+            inner = cells[int(slot)]
+            cells = inner.v if isinstance(inner, Frame) else inner
+        return _Cell(cells, int(slots[-1]), place.type, place.bits)
+
+    def _finder(self, place: Place) -> Callable[[Frame], tuple[list[Any], int]]:
+        writer = Writer()
+        writer.write("v = f.v")
+        writer.write(f"return {place.cells}, {place.index}")
+        finder: Callable[[Frame], tuple[list[Any], int]] = self._library.linker.routine("f", writer, self.unit.pou.name)
+        self._library.link()
+        return finder
+
+    # -- snapshots
+
+    def leave_out(self, slots: frozenset[int]) -> None:
+        """Have snapshots from now on without some variables of the instance, whose values no later scan sees."""
+        self._unseen = slots
+        self._known = -1
+
+    def snapshot(self, limit: int | None = None) -> Hashable:
+        """All that a later scan can see: of the instance and of global variables, but not the values of free inputs.
+
+        Times are relative to `controller.now`, so that equal situations at different times have equal snapshots; those
+        that go on growing are not stored beyond `limit` nanoseconds.
+        """
+        self._find_free()
+        for cells, index in self._inner:
+            cells[index] = UNREAD
+        keeper, now = self.controller.keeper, self._processor.now
+        own, outer = self._left_out
+        return keeper.store(self._library.frame, now, limit, outer), keeper.store(self.frame, now, limit, own)
+
+    def restore(self, snapshot: Any) -> None:
+        """Put back what `snapshot` gave; times go on from `controller.now`."""
+        keeper, now = self.controller.keeper, self._processor.now
+        own, outer = self._left_out
+        keeper.load(self._library.frame, snapshot[0], now, outer)
+        keeper.load(self.frame, snapshot[1], now, own)

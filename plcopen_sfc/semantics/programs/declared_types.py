@@ -15,8 +15,8 @@ from plcopen_sfc.model import types as m
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code import Code
-from plcopen_sfc.semantics.programs.layouts import Direction, Field, Layout
 from plcopen_sfc.semantics.programs.linking import Writer
+from plcopen_sfc.semantics.programs.types import Direction, Field, Layout
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.library import Library

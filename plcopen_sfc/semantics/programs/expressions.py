@@ -14,10 +14,10 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.literals import SHORT_TYPES, LiteralError, LiteralKind, literal_value
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code import Code, constant, ranged, settled, wrapping
-from plcopen_sfc.semantics.programs.layouts import Direction
 from plcopen_sfc.semantics.programs.linking import Writer
 from plcopen_sfc.semantics.programs.operators import Operators
 from plcopen_sfc.semantics.programs.places import Place, Space, Unknown
+from plcopen_sfc.semantics.programs.types import Direction
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

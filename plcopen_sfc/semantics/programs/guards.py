@@ -11,9 +11,8 @@ from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.semantics.programs.expressions import Translator
-from plcopen_sfc.semantics.programs.layouts import Direction
 from plcopen_sfc.semantics.programs.places import Place
-from plcopen_sfc.semantics.programs.types import StructureType
+from plcopen_sfc.semantics.programs.types import Direction, StructureType
 
 __all__ = ["Guards", "case_condition"]
 

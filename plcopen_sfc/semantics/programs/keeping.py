@@ -11,8 +11,7 @@ from functools import lru_cache
 from typing import Any
 
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame, Layout
-from plcopen_sfc.semantics.programs.types import Type
+from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout, Type
 
 _Store = Callable[[list[Any], int, int | None], tuple[Hashable, ...]]
 _Load = Callable[[list[Any], Any, int], None]

@@ -20,12 +20,12 @@ from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.addresses import Image
 from plcopen_sfc.semantics.programs.code import Code, Converter
 from plcopen_sfc.semantics.programs.declared_types import Initials, TypeReader
-from plcopen_sfc.semantics.programs.layouts import MOST_ELEMENTS, Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.linking import Linker, Writer
 from plcopen_sfc.semantics.programs.marks import UNSEEN, Marks
 from plcopen_sfc.semantics.programs.places import ANYWHERE, Place, Space
 from plcopen_sfc.semantics.programs.scopes import Scope
 from plcopen_sfc.semantics.programs.standard_blocks import BlockType, BlockTypes
+from plcopen_sfc.semantics.programs.types import MOST_ELEMENTS, Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.units import MethodUnit, Unit
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownBlocks, UnknownCalls
 

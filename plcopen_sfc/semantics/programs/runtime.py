@@ -9,8 +9,7 @@ from functools import wraps
 from typing import Any
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import ElementaryType, Family
+from plcopen_sfc.semantics.programs.types import ElementaryType, Family, Frame
 
 
 class Processor:

@@ -16,9 +16,9 @@ from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.linking import Writer
 from plcopen_sfc.semantics.programs.places import Broken, Place, Unknown
+from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.code import Code

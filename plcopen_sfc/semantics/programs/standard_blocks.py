@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.semantics.programs.layouts import Direction, Frame, Layout
 from plcopen_sfc.semantics.programs.runtime import Processor
-from plcopen_sfc.semantics.programs.types import BOOL, INSTANT, ElementaryType, elementary
+from plcopen_sfc.semantics.programs.types import BOOL, INSTANT, Direction, ElementaryType, Frame, Layout, elementary
 
 Run = Callable[[Frame], None]
 

@@ -21,8 +21,8 @@ from plcopen_sfc.semantics.programs.decisions import decided_arguments, deciding
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.guards import Guards, case_condition
 from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslator
-from plcopen_sfc.semantics.programs.layouts import MOST_ELEMENTS
 from plcopen_sfc.semantics.programs.places import Place
+from plcopen_sfc.semantics.programs.types import MOST_ELEMENTS
 
 _MANY_LABELS = 6
 _MOST_LABELS = 64

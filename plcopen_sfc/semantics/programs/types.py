@@ -1,22 +1,23 @@
-"""The types of values while a program runs, and how Python holds them (IEC 61131-3 ed. 3, 6.4).
+"""Types of values while a program runs, how Python holds them, and the frames of variables (IEC 61131-3 ed. 3, 6.4).
 
 BOOL is a `bool`; integers and bit strings are an `int` in the range of their type; REAL and LREAL a `float`, REAL
 rounded to single precision; durations an `int` of nanoseconds, dates and times of day an `int` of nanoseconds since
-1970-01-01 or midnight; strings and characters a `str`; arrays a flat `list`; structures and instances a `Frame`.
+1970-01-01 or midnight; strings and characters a `str`; arrays a flat `list`; structures and instances a `Frame`, whose
+slots a `Layout` names.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from enum import Enum
-from typing import TYPE_CHECKING
+from enum import Enum, StrEnum
+from typing import Any
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.literals import SECOND, TIME_RANGES
 
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs.layouts import Layout
+MOST_ELEMENTS = 256
+"""Of an array: the time of a comparison grows with them."""
 
 
 class Family(Enum):
@@ -108,6 +109,86 @@ class ReferenceType(Type):
 @dataclass(frozen=True, slots=True)
 class OpaqueType(Type):
     """A type that the project does not declare. Members of its variables are implicit externals."""
+
+
+class Direction(StrEnum):
+    """How a variable is connected with the outside of its POU."""
+
+    INPUT = "input"
+    OUTPUT = "output"
+    IN_OUT = "in_out"
+    LOCAL = "local"
+    TEMP = "temp"
+    CONSTANT = "constant"
+    EXTERNAL = "external"
+
+
+class Frame:
+    """The values of a structure, of an instance or of a call. `v` are its slots, as `layout` says."""
+
+    __slots__ = ("layout", "v")
+
+    def __init__(self, layout: Layout, v: list[Any]) -> None:
+        self.layout = layout
+        self.v = v
+
+
+@dataclass(slots=True, eq=False)
+class Field:
+    """A variable of a layout.
+
+    `initial` is Python source of its first value; `late`: it needs other variables of the frame, which are there
+    before. `value` is that of a constant. `hidden`: it is not among the variables that a user sees. `name` may be a
+    path for what has no name of its own.
+    """
+
+    name: str
+    slot: int
+    type: Type
+    direction: Direction = Direction.LOCAL
+    initial: str = "None"
+    late: bool = False
+    value: Any = None
+    hidden: bool = False
+    preset: bool = False
+    """True if the declaration gives it another value than that of its type."""
+    declared: bool = False
+    """True if the project declares it: not what charts and the simulator bring with them."""
+    retained: bool = True
+    """True if a later call can see the value: not of what is temporary."""
+
+
+class Layout:
+    """The variables of a structure or POU by their names."""
+
+    def __init__(self, name: str, base: Layout | None = None) -> None:
+        self.name = name
+        self.base = base
+        self.inherited = len(base.fields) if base is not None else 0
+        self.fields: list[Field] = [*base.fields] if base is not None else []
+        self.by_name: dict[str, Field] = dict(base.by_name) if base is not None else {}
+        self.new: Callable[[], Frame] = self._unlinked
+        self.new_name = ""
+        self.is_instance = False
+        """True if it is of a POU: a call writes its variables."""
+
+    def _unlinked(self) -> Frame:
+        raise AssertionError(f"{self.name} is used before it is linked")
+
+    def add(self, name: str, type_: Type, direction: Direction = Direction.LOCAL, *, hidden: bool = False) -> Field:
+        """A new variable. Of several of one name the last one is found."""
+        made = Field(name, len(self.fields), type_, direction, hidden=hidden)
+        self.fields.append(made)
+        self.by_name[name.casefold()] = made
+        return made
+
+    def owner(self, slot: int) -> Layout:
+        """The layout that declares the variable in a slot: this one, or one that it extends."""
+        return self.base.owner(slot) if self.base is not None and slot < self.inherited else self
+
+    def find(self, name: str) -> Field | None:
+        """The variable of this name; case does not matter."""
+        return self.by_name.get(name.casefold())
 
 
 def _integers() -> dict[str, ElementaryType]:
@@ -227,3 +308,16 @@ def default(type_: ElementaryType) -> bool | int | float | str | None:
     if type_.names:
         return next(iter(type_.names.values()))
     return 0 if least <= 0 <= greatest else least
+
+
+def leaves(frame: Frame, path: str = "") -> Iterator[tuple[str, Field, list[Any], int]]:
+    """Every variable of a frame that a user sees with its path, and where its value is; structures are opened."""
+    for variable in frame.layout.fields:
+        if variable.hidden or frame.layout.by_name.get(variable.name.casefold()) is not variable:
+            continue
+        name = f"{path}{variable.name}"
+        value = frame.v[variable.slot]
+        if isinstance(variable.type, StructureType) and isinstance(value, Frame):
+            yield from leaves(value, f"{name}.")
+        else:
+            yield name, variable, frame.v, variable.slot

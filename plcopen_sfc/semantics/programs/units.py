@@ -13,10 +13,10 @@ from plcopen_sfc.model.body import Body, OpaqueBody, SfcBody
 from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.linking import Writer
 from plcopen_sfc.semantics.programs.places import Broken, Place
 from plcopen_sfc.semantics.programs.scopes import Scope
+from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.library import CompiledChart, Library

@@ -10,9 +10,8 @@ from collections.abc import Hashable
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Any
 
-from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.runtime import Pointer
-from plcopen_sfc.semantics.programs.types import INSTANT, LINT, ElementaryType, Family
+from plcopen_sfc.semantics.programs.types import INSTANT, LINT, ElementaryType, Family, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.library import Library

@@ -12,8 +12,8 @@ from plcopen_sfc.errors import ModelError, SimulationError
 from plcopen_sfc.model import Expression, Project
 from plcopen_sfc.semantics.programs import Controller, Direction, Instance
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.scopes import Scope
+from plcopen_sfc.semantics.programs.types import Frame
 from tests.semantics.programs.running import MS, project_of, start
 
 MIXED = """

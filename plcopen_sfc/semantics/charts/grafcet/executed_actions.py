@@ -17,7 +17,7 @@ from plcopen_sfc.semantics.charts.grafcet.term_evaluation import Terms
 from plcopen_sfc.semantics.charts.qualifier_control import Change
 from plcopen_sfc.semantics.charts.situation_plans import Run
 from plcopen_sfc.semantics.profile import Profile
-from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import Frame
 
 if TYPE_CHECKING:
     from collections.abc import Callable

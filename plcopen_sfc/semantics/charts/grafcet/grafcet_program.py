@@ -14,7 +14,7 @@ from plcopen_sfc.semantics.charts.grafcet.term_evaluation import Terms
 from plcopen_sfc.semantics.charts.transition_firing import Cleared, Move
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
-from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

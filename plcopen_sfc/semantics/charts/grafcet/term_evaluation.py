@@ -14,8 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.model import Condition, Expression
-from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT
+from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

@@ -17,8 +17,7 @@ from plcopen_sfc.semantics.charts.chart_actions import Owner, missing_time
 from plcopen_sfc.semantics.charts.chart_coverage import Origin, Reached
 from plcopen_sfc.semantics.charts.situation_plans import Run, Write, execution
 from plcopen_sfc.semantics.net import Net, indexes
-from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import ELAPSED, ELEMENTARY, INSTANT
+from plcopen_sfc.semantics.programs.types import ELAPSED, ELEMENTARY, INSTANT, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

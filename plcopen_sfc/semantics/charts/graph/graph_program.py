@@ -22,9 +22,8 @@ from plcopen_sfc.semantics.charts.step_state import Steps, T, X, override, tick
 from plcopen_sfc.semantics.charts.transition_firing import NOTHING, Move, choice, watched
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Profile
-from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.runtime import fail
-from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT
+from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

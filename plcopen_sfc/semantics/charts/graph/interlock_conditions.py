@@ -16,7 +16,7 @@ from plcopen_sfc.model import BodyCondition, Coil, FbdBody, InputPin, LdBody
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile
-from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.model import Condition as ModelCondition
