@@ -37,7 +37,7 @@ from plcopen_sfc.errors import SfcError
 from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.semantics.profile import default_profile
-from plcopen_sfc.semantics.programs.library import ALL_FREE
+from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
 
 FIXTURES = Path(__file__).resolve().parents[1] / "fixtures"

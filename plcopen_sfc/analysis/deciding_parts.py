@@ -22,6 +22,7 @@ from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.decisions import deciding_booleans, deciding_parts, may_act
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import Frame
 
 __all__ = ["ConditionPart", "ConditionParts"]
@@ -123,7 +124,7 @@ class ConditionParts:
         prepared = []
         for part in parts:
             before = len(library.problems)
-            function = instance.unit.scope.expression(part.deciding, part.owner)
+            function = Routines(instance.unit.scope).expression(part.deciding, part.owner)
             part.is_readable = len(library.problems) == before
             if part.is_readable:
                 prepared.append((part, function))

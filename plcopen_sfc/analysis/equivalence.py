@@ -39,7 +39,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.drawn_charts import as_executed
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
-from plcopen_sfc.semantics.programs.library import ALL_FREE
+from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.simulation import nanoseconds
 from plcopen_sfc.semantics.subjects import Subject, resolve

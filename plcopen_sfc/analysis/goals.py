@@ -29,6 +29,7 @@ from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.decisions import COMPARING, bounds
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
@@ -322,7 +323,7 @@ class Goals:
                 return None
         instance = self._system.instance
         try:
-            function = instance.unit.scope.expression(print_node(tree), instance.unit.pou.name)
+            function = Routines(instance.unit.scope).expression(print_node(tree), instance.unit.pou.name)
         except SfcError:
             return None
         frame = instance.frame

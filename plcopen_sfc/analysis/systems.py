@@ -155,7 +155,7 @@ class ProgramSystem:
 
     def frozen(self) -> list[str]:
         """The variables that it reads, that nothing writes, and that are no inputs."""
-        return sorted(set(self._controller.library.frozen()) - {*self._fixed, *self._not_free}, key=str.casefold)
+        return sorted(set(self._controller.library.use.frozen()) - {*self._fixed, *self._not_free}, key=str.casefold)
 
     def bit_patterns(self, signal: Signal) -> Iterator[int]:
         """The integers of a type by which its bits may be told apart; none where it looks at no bits.
@@ -163,25 +163,25 @@ class ProgramSystem:
         Those are single bits and masks, and what gives a number of the texts when it is shifted.
         """
         library = self._controller.library
-        if signal.kind is not SignalKind.INTEGER or not (library.masks or library.shifts):
+        if signal.kind is not SignalKind.INTEGER or not (library.use.masks or library.use.shifts):
             return
         width = (signal.greatest - signal.least).bit_length()
-        for mask in library.masks:
+        for mask in library.use.masks:
             yield from (mask, ~mask)
-        for number in library.numbers:
-            for shift in (0, *(each for each in library.shifts if 0 < each < width)):
+        for number in library.use.numbers:
+            for shift in (0, *(each for each in library.use.shifts if 0 < each < width)):
                 low = (1 << shift) - 1
                 yield from (number << shift, number << shift | low, number >> shift | (number & low) << width - shift)
 
     def text_lengths(self, signal: Signal) -> Iterator[int]:
         """Yield lengths that tell texts of a type apart: those of other texts, and numbers in the programs."""
         lengths = {each.signal.length for each in (*self.variables.values(), *self.members.values())}
-        around = {length + more for length in (*self._controller.library.numbers, *lengths) for more in (-1, 0, 1)}
+        around = {length + more for length in (*self._controller.library.use.numbers, *lengths) for more in (-1, 0, 1)}
         yield from sorted(length for length in {*around, signal.length} if 0 < length <= signal.length)
 
     def not_driven(self) -> list[str]:
         """The inputs that it reads and that keep their values, because no few values stand for them."""
-        return self._controller.library.not_given()
+        return self._controller.library.use.not_given()
 
     def writes(self, path: str) -> bool:
         """Whether it may write a variable. What unknown blocks put out is known from their calls."""
@@ -193,7 +193,7 @@ class ProgramSystem:
     @property
     def writes_anything(self) -> bool:
         """Whether it has a chart, or any statement that writes."""
-        return bool(self.instance.charts() or self._controller.library.written)
+        return bool(self.instance.charts() or self._controller.library.use.written)
 
     @property
     def size(self) -> int:

@@ -12,7 +12,7 @@ from plcopen_sfc.errors import SfcError
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.report import LOSSES, ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import Profile, default_profile
-from plcopen_sfc.semantics.programs.library import ALL_FREE
+from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
 
 __all__ = ["report_running"]

@@ -141,7 +141,7 @@ def is_written(instance: Instance, path: str) -> bool:
     library = instance.controller.library
     placed = library.frame.layout.find(path)  # what is at an address has its path as its name
     if placed is not None:
-        return library.is_written_inside(f"g.{placed.slot}")
+        return library.use.is_written_inside(f"g.{placed.slot}")
     names = [name.partition("[")[0] for name in path.split(".")]
     own = instance.frame
     starts: tuple[tuple[list[str], Layout | None, Frame], ...] = (([], own.layout, own), (["g"], None, library.frame))
@@ -153,13 +153,13 @@ def is_written(instance: Instance, path: str) -> bool:
             if field is None:
                 break
             keys = [f"{key}.{field.slot}" for key in keys]
-            keys += [library.key(pou, field.slot)] if pou is not None else []
+            keys += [library.use.key(pou, field.slot)] if pou is not None else []
             value = value.v[field.slot]
             if isinstance(value, list):
-                return any(map(library.is_written_inside, keys))
+                return any(map(library.use.is_written_inside, keys))
             pou = value.layout if isinstance(value, Frame) and value.layout.is_instance else None
         else:
-            return any(map(library.is_written_inside, keys))
+            return any(map(library.use.is_written_inside, keys))
     return True  # at an address, or where a chart keeps it
 
 

@@ -26,6 +26,7 @@ from plcopen_sfc.semantics.charts.qualifier_control import (
 from plcopen_sfc.semantics.charts.situation_plans import MOST_PLANS, Run, Write, execution
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, ElementaryType, Frame, default
 
 if TYPE_CHECKING:
@@ -190,9 +191,9 @@ class Actions:
             where = f"{self._path} / step {action.model[0][0].path}"
             if action.name == "":
                 if model.body is not None:
-                    action.run = self._scope.body(model.body, where)
+                    action.run = Routines(self._scope).body(model.body, where)
             elif model.target is not None and model.value is not None:
-                action.run = self._scope.statements(f"{model.target} := {model.value};", where)
+                action.run = Routines(self._scope).statements(f"{model.target} := {model.value};", where)
             elif model.target is not None:
                 action.run, action.write = execution(model.target, self._scope, where)
                 if isinstance(action.control, SequentialControl):
@@ -201,7 +202,7 @@ class Actions:
     def _translate(self, owner: Owner, model: ActionAssociation, association: Association) -> None:
         where = f"{self._path} / step {owner.path}"
         if model.condition is not None:
-            condition = self._scope.condition(model.condition, where)
+            condition = Routines(self._scope).condition(model.condition, where)
             if isinstance(model.condition, Expression):
                 association.condition = condition
             else:
@@ -209,7 +210,7 @@ class Actions:
                 self._drawn.append(_Drawn(association, condition, slot))
                 association.condition = partial(_kept, slot)
         if model.duration:
-            association.duration = self._scope.expression(model.duration, where, ELEMENTARY["TIME"])
+            association.duration = Routines(self._scope).expression(model.duration, where, ELEMENTARY["TIME"])
         elif model.qualifier.needs_duration:
             association.duration = missing_time(
                 f"{model.target or 'an action'} has no time for {model.qualifier}", where
@@ -415,5 +416,5 @@ class StepActions:
 
 def _run(action: str | Body, scope: Scope, where: str) -> Run:
     if not isinstance(action, str):
-        return scope.body(action, where)
-    return scope.action(action) or scope.statements(f"{action}();", where)
+        return Routines(scope).body(action, where)
+    return scope.action(action) or Routines(scope).statements(f"{action}();", where)

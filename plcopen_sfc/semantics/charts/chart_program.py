@@ -24,6 +24,7 @@ from plcopen_sfc.semantics.charts.step_state import Steps, forgetting, tick
 from plcopen_sfc.semantics.charts.transition_firing import NOTHING, Cleared, Move, choice, testing_order, watched
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime import fail
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT, Frame
 
@@ -120,14 +121,14 @@ class ChartProgram:
         self._flags.translate()
         self._step_actions.translate(self._scope, self.path)
         if self._chart.logic:
-            self._logic = self._scope.chart_logic(self._chart, self.path)
+            self._logic = Routines(self._scope).chart_logic(self._chart, self.path)
         self._moves = tuple(self._move(transition) for transition in self.net.transitions)
         for step in self.net.steps:
             where = f"{self.path} / step {step.path}"
             if self._profile.minimum_times and step.step.min_time:
                 self._waits[step.index] = self._wait(step.index, step.step.min_time, where)
             if self._profile.maximum_times and step.step.max_time and SfcFlag.ERROR in self._flags.used:
-                time = self._scope.expression(step.step.max_time, where, ELEMENTARY["TIME"])
+                time = Routines(self._scope).expression(step.step.max_time, where, ELEMENTARY["TIME"])
                 reasons = analysis(self.net, step.index, self._scope, where)
                 self._watches[step.index] = Watch(step.step.name, self._steps.since[step.index], time, reasons)
 
@@ -138,12 +139,12 @@ class ChartProgram:
         if stated is None:
             condition = _missing_condition(where)
         else:
-            condition = self._scope.condition(stated, where, chart=transition.chart)
+            condition = Routines(self._scope).condition(stated, where, chart=transition.chart)
         numbered = model.priority is not None
         return Move(transition.pre, transition.post, transition.bit, condition, numbered, transition.path)
 
     def _wait(self, index: int, text: str, where: str) -> Condition:
-        time = self._scope.expression(text, where, ELEMENTARY["TIME"])
+        time = Routines(self._scope).expression(text, where, ELEMENTARY["TIME"])
         since = self._steps.since[index]
         clock = self._clock
 

@@ -12,6 +12,7 @@ from plcopen_sfc.model import Expression, SfcFlag, SfcNetwork
 from plcopen_sfc.semantics.charts.step_state import override
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, ArrayType, ElementaryType, Frame
 
 if TYPE_CHECKING:
@@ -63,13 +64,13 @@ class Flags:
         self._scope = scope
         self._get: dict[SfcFlag, Callable[[Frame], Any]] = {}
         self._set: dict[SfcFlag, Callable[[Frame, Any], None]] = {}
-        self.used = flags_in_use(chart, profile, lambda name: scope.type_of(name) is not None)
+        self.used = flags_in_use(chart, profile, lambda name: Routines(scope).type_of(name) is not None)
         self._table: int | None = None
         if SfcFlag.ERROR_ANALYZATION_TABLE in self.used:
             self._table = _declare_table(scope)
             self.used -= {SfcFlag.ERROR_ANALYZATION_TABLE}
         for flag in sorted(self.used):
-            if scope.type_of(flag.variable) is None:
+            if Routines(scope).type_of(flag.variable) is None:
                 scope.declare(flag.variable, _type(flag))
         self._quitted = self._reserve(path, SfcFlag.QUIT_ERROR)
         self._reset = self._reserve(path, SfcFlag.RESET)
@@ -81,9 +82,9 @@ class Flags:
     def translate(self) -> None:
         """Find the variables."""
         for flag in sorted(self.used):
-            self._get[flag] = self._scope.getter(flag.variable)
+            self._get[flag] = Routines(self._scope).getter(flag.variable)
         for flag in sorted(self.used & _REPORTS):  # all others stay inputs, where they are
-            self._set[flag] = self._scope.setter(flag.variable)
+            self._set[flag] = Routines(self._scope).setter(flag.variable)
 
     def is_on(self, flag: SfcFlag, frame: Frame) -> bool:
         """True if a flag is in use and TRUE."""
@@ -232,7 +233,7 @@ class _Texts:
     def _leaf(self, node: n.Expression, wanted: bool) -> Analysis:
         start, end = node.span or (0, len(self._text))
         text = self._text[start:end]
-        value = self._scope.condition(Expression(text=text), self._where)
+        value = Routines(self._scope).condition(Expression(text=text), self._where)
 
         def explain(frame: Frame) -> list[Reason]:
             return [] if bool(value(frame)) is wanted else [Reason(text, not wanted)]

@@ -13,6 +13,7 @@ from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.model import PouKind
 from plcopen_sfc.semantics.charts.sfc_flags import Analysis
 from plcopen_sfc.semantics.charts.transition_firing import Move
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family, Frame, StructureType
 
 if TYPE_CHECKING:
@@ -79,15 +80,15 @@ def execution(target: str, scope: Scope, where: str) -> tuple[Run | None, Write 
     if action is not None:
         return action, None
     try:
-        type_ = scope.type_of(target)
+        type_ = Routines(scope).type_of(target)
     except SimulationError:  # a member that is no variable: an action of the instance, or nothing that could be called
-        return scope.statements(f"{target}();", where), None
+        return Routines(scope).statements(f"{target}();", where), None
     is_called = isinstance(type_, StructureType) or (type_ is None and _is_program(target, scope))
     if is_called:
-        return scope.statements(f"{target}();", where), None
+        return Routines(scope).statements(f"{target}();", where), None
     if type_ is not None and not (isinstance(type_, ElementaryType) and type_.family is Family.BOOL):
         return None, _refusing(f"{target} is of type {type_.name}: only a Boolean variable can be an action", where)
-    return None, scope.setter(target)
+    return None, Routines(scope).setter(target)
 
 
 def _is_program(target: str, scope: Scope) -> bool:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def override(scope: Scope, name: str, type_: Type) -> int:
     """A variable of this type, also where the POU declares the name with a type of the tool that nobody knows."""
     made = scope.layout.add(name, type_)
-    made.initial = scope.library.initials.default(type_)
+    made.initial = scope.library.default(type_)
     return made.slot
 
 

@@ -1,13 +1,23 @@
 """Programs in ST, FBD, LD and IL, translated to Python once and executed scan by scan.
 
-`Controller` runs the POUs of a project, `Instance` is one of them.
+`Controller` runs the POUs of a project, `Instance` is one of them. The modules, each using only those before it:
+
+* values: `types` (types and frames), `runtime`, `function_runtime`, `standard_blocks` (what runs), `code_generation`
+  (lines of Python, compiled and linked), `value_code` (values as Python), `places` (variables), `addresses`
+* notes about texts: `variable_use` (reads and writes), `decisions` and `marks` (what directed runs look at),
+  `unknown_calls`
+* names: `scopes` (`TranslatedProject`, `Scope`, `Unit`)
+* translation: `paths`, `operators`, `standard_functions`, `calls`, `expressions`; `guards`, `statements`,
+  `instruction_list`; `routines` (any text as a function); `declared_types`, `pou_translation`
+* the whole: `project_library`, `snapshots`, `controller`
 """
 
 from plcopen_sfc.semantics.programs import types
 from plcopen_sfc.semantics.programs.controller import Controller, Instance, Variable
-from plcopen_sfc.semantics.programs.library import ChartCompiler, CompiledChart
+from plcopen_sfc.semantics.programs.pou_translation import ChartCompiler
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime import Processor
-from plcopen_sfc.semantics.programs.scopes import Scope
+from plcopen_sfc.semantics.programs.scopes import CompiledChart, Scope
 from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout, Type
 
 __all__ = [
@@ -20,6 +30,7 @@ __all__ = [
     "Instance",
     "Layout",
     "Processor",
+    "Routines",
     "Scope",
     "Type",
     "Variable",

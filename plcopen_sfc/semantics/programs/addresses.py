@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.model import types as m
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.places import Place
-
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs.library import Library
 
 _ADDRESS = re.compile(r"%?(?P<area>[A-Z]|DB\d+\.DB)(?P<size>[XBWDL]?)(?P<numbers>\d+(?:\.\d+)*)(?::P)?", re.IGNORECASE)
 _WIDTHS = {"": 1, "X": 1, "B": 8, "W": 16, "D": 32, "L": 64}
@@ -51,12 +47,13 @@ def address_of(text: str, *, by_bytes: bool) -> Address:
 class Image:
     """The variables at direct addresses. Each address is a variable; those that overlap in part are refused.
 
-    Words are numbered as words in IEC 61131-3 and CODESYS (``%MW1`` lies behind ``%MW0``), as bytes in TwinCAT and S7.
+    Words are numbered as words in IEC 61131-3 and CODESYS (``%MW1`` lies behind ``%MW0``), as bytes in TwinCAT and S7:
+    `by_bytes`. `add` makes a new global variable.
     """
 
-    def __init__(self, library: Library) -> None:
-        self._library = library
-        self._bytes = library.dialect in (Dialect.TWINCAT, Dialect.SCL)
+    def __init__(self, add: Callable[[str, t.Type, m.Value | None], Place], *, by_bytes: bool) -> None:
+        self._add = add
+        self._bytes = by_bytes
         self._places: dict[Address, Place] = {}
         self._bits: dict[tuple[str, int], Address] = {}
 
@@ -79,7 +76,7 @@ class Image:
                         f"{address} overlaps {self._places[other].path}, which the simulator keeps apart",
                         hint="use one of them with .%Xn for its bits",
                     )
-            found = self._places[key] = self._library.add(path, type_, initial)
+            found = self._places[key] = self._add(path, type_, initial)
         elif found.type != type_ and isinstance(found.type, t.ElementaryType):
             same = {found.type.family, type_.family} <= {t.Family.INTEGER, t.Family.BITS}
             if not same or found.type.least != type_.least:

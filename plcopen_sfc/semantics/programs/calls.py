@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import Any
 
 from plcopen_sfc.errors import SimulationError, UnknownFunctionError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.code import Code, ranged, settled
+from plcopen_sfc.semantics.programs.paths import PathTranslator
 from plcopen_sfc.semantics.programs.places import Place, Space, Unknown
+from plcopen_sfc.semantics.programs.scopes import Callee, MethodUnit, Unit
 from plcopen_sfc.semantics.programs.standard_functions import StandardFunctions
 from plcopen_sfc.semantics.programs.types import Direction, Field
-from plcopen_sfc.semantics.programs.units import Callee, MethodUnit, Unit
-
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs.expressions import Translator
+from plcopen_sfc.semantics.programs.value_code import Code, ranged, settled
 
 _Given = tuple[Field, n.Argument]
 
@@ -26,16 +24,11 @@ _Given = tuple[Field, n.Argument]
 class Calls:
     """Translates calls."""
 
-    def __init__(self, translator: Translator) -> None:
+    def __init__(self, translator: PathTranslator) -> None:
         self._translator = translator
         self._library = translator.library
         self._scope = translator.scope
         self._functions = StandardFunctions(translator)
-
-    @staticmethod
-    def is_unit(meaning: Any) -> TypeGuard[Unit]:
-        """True if a name means a POU."""
-        return isinstance(meaning, Unit)
 
     # -- in expressions
 
@@ -76,7 +69,7 @@ class Calls:
             return self._uninterpreted(f"{place.path}.{name}", node, expected, self._path_of(place))
         if method is None:
             raise self._unknown(f"{place.path}.{name}")
-        self._library.written.add(place.root)
+        self._library.use.written.add(place.root)
         if place.path == "SUPER":
             return self._function(method, node, [place.text])
         return self._method(method, node, place.text)
@@ -197,7 +190,7 @@ class Calls:
             elif field.direction is Direction.IN_OUT:
                 raise SimulationError(f"{callee.name} is called without its parameter {field.name}")
             else:
-                texts.append(self._translator.library.initials.default(field.type) if field.late else field.initial)
+                texts.append(self._translator.library.default(field.type) if field.late else field.initial)
         call = f"{self._library.linker.name(enter or callee.enter)}({', '.join(texts)})"
         result = callee.result
         type_: t.Type = result.type if result is not None else t.ANY
@@ -248,9 +241,9 @@ class Calls:
             raise SimulationError(f"{place.path}, a {place.type.name}, is passed to {field.name}: {field.type.name}")
         self._translator.note_read(place)
         if field.declared and not isinstance(field.type, t.OpaqueType):
-            self._library.passed.setdefault(place.root, {}).setdefault(id(field), field)
+            self._library.use.passed.setdefault(place.root, {}).setdefault(id(field), field)
         else:
-            self._library.written.add(place.root)
+            self._library.use.written.add(place.root)
         if isinstance(field.type, t.ElementaryType | t.ReferenceType | t.OpaqueType):
             return f"Pointer({place.cells}, {place.index})"
         of_any_length = isinstance(field.type, t.ArrayType) and not field.type.dimensions
@@ -399,7 +392,7 @@ class Calls:
     def _call(self, place: Place, layout: Any, run: str, arguments: tuple[n.Argument, ...]) -> None:
         parameters = [f for f in layout.fields if f.direction in (Direction.INPUT, Direction.IN_OUT) and not f.hidden]
         inputs, outputs, enable, enabled = self._sorted(layout, parameters, arguments)
-        self._library.written.add(place.root)
+        self._library.use.written.add(place.root)
         if enable is None and enabled is None:
             self._call_now(place, run, inputs, outputs)
             return

@@ -15,13 +15,15 @@ from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_of
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.addresses import Address
-from plcopen_sfc.semantics.programs.keeping import Keeper
-from plcopen_sfc.semantics.programs.library import ChartCompiler, CompiledChart, Library
-from plcopen_sfc.semantics.programs.linking import Writer
+from plcopen_sfc.semantics.programs.code_generation import Writer
+from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.places import Place, Unknown
+from plcopen_sfc.semantics.programs.pou_translation import ChartCompiler
+from plcopen_sfc.semantics.programs.project_library import Library
 from plcopen_sfc.semantics.programs.runtime import UNREAD, bits_set, coerced
+from plcopen_sfc.semantics.programs.scopes import CompiledChart, Unit
+from plcopen_sfc.semantics.programs.snapshots import Snapshots
 from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, leaves
-from plcopen_sfc.semantics.programs.units import Unit
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 
 _MOST_STEPS = 1_000_000
@@ -69,7 +71,7 @@ class Controller:
             marking=marking,
             unknown_calls=unknown_calls,
         )
-        self.keeper = Keeper()
+        self.snapshots = Snapshots()
         self._initialised: dict[int, Frame] = {}
 
     @property
@@ -103,7 +105,7 @@ class Controller:
         try:
             unit = library.unit(found)
             place = library.program(unit) if unit.is_program else None
-            library.roots.add(unit)
+            library.use.roots.add(unit.layout)
             library.finish()
             frame = library.frame.v[int(place.index)] if place is not None else unit.layout.new()
             library.give_in_outs(unit, frame)
@@ -237,11 +239,11 @@ class Instance:
         library.free_cells.clear()
         own: set[int] = set()
         outer = {slot for slot, value in enumerate(library.frame.v) if value is self.frame}  # it is stored on its own
-        for key, path, type_ in library.given() if library.read_input is not None else ():
+        for key, path, type_ in library.use.given() if library.read_input is not None else ():
             parts = key.split(".")
             if parts[0] == "g":
                 cells: Any = library.frame.v
-            elif library.is_key_of(self.unit.layout, key):
+            elif library.use.is_key_of(self.unit.layout, key):
                 cells = self.frame.v
             else:
                 continue
@@ -310,8 +312,8 @@ class Instance:
         return lambda: tuple([values[index] for values, index in cells])
 
     def inputs(self) -> Mapping[str, t.Type]:
-        """Variables that a user gives a value, by path, with their types: see `Library.given`."""
-        return {path: type_ for _, path, type_ in self._library.given()}
+        """Variables that a user gives a value, by path, with their types: see `VariableUse.given`."""
+        return {path: type_ for _, path, type_ in self._library.use.given()}
 
     def variables(self) -> Mapping[str, Variable]:
         """All variables that a user sees, by path: those of the instance, then global ones that are used."""
@@ -401,7 +403,7 @@ class Instance:
             raise ModelError(f"{path} cannot be reached: {error}") from None
 
     def _place(self, tree: n.Expression) -> Place:
-        translator = self.unit.scope.translator(Writer())
+        translator = Translator(self.unit.scope, Writer())
         found = translator.meaning(tree)
         if isinstance(found, Unknown):
             field = self._library.globals.find(found.path)
@@ -448,13 +450,13 @@ class Instance:
         self._find_free()
         for cells, index in self._inner:
             cells[index] = UNREAD
-        keeper, now = self.controller.keeper, self._processor.now
+        snapshots, now = self.controller.snapshots, self._processor.now
         own, outer = self._left_out
-        return keeper.store(self._library.frame, now, limit, outer), keeper.store(self.frame, now, limit, own)
+        return snapshots.store(self._library.frame, now, limit, outer), snapshots.store(self.frame, now, limit, own)
 
     def restore(self, snapshot: Any) -> None:
         """Put back what `snapshot` gave; times go on from `controller.now`."""
-        keeper, now = self.controller.keeper, self._processor.now
+        snapshots, now = self.controller.snapshots, self._processor.now
         own, outer = self._left_out
-        keeper.load(self._library.frame, snapshot[0], now, outer)
-        keeper.load(self.frame, snapshot[1], now, own)
+        snapshots.load(self._library.frame, snapshot[0], now, outer)
+        snapshots.load(self.frame, snapshot[1], now, own)

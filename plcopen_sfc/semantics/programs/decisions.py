@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.values import inverted, joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.standard_blocks import standard_block
 
-__all__ = ["COMPARING", "bounds", "compares", "decided_arguments", "deciding_booleans", "deciding_parts", "may_act"]
+Decision = tuple[str, bool | None, n.Expression]
+"""A part of a condition, or empty the whole; the value it is to have, None: it is to decide; and what is TRUE then."""
 
 _AND = (Operator.AND, Operator.AND_THEN)
 _OR = (Operator.OR, Operator.OR_ELSE)
@@ -76,6 +78,24 @@ def deciding_booleans(tree: Expression | None) -> Iterator[Expression]:
         if not inner and not isinstance(node, n.Literal) and not any(map(compares, walk(node))):
             found.setdefault(print_node(node).casefold(), node)
     return iter(found.values())
+
+
+def decisions(condition: n.Expression, before: Sequence[n.Expression] = ()) -> Iterator[Decision]:
+    """Yield the outcomes and parts of a condition; `before` are conditions that must be TRUE for it to be tested."""
+    tree = normal_form(condition)
+    yield "", True, joined(Operator.AND, [*before, tree])
+    yield "", False, joined(Operator.AND, [*before, inverted(tree)])
+    for part, value, deciding in parts_that_decide(tree):
+        yield part, value, joined(Operator.AND, [*before, deciding])
+    for leaf in deciding_booleans(tree):
+        for value in (True, False):
+            yield print_node(leaf), value, joined(Operator.AND, [*before, leaf if value else inverted(leaf)])
+
+
+def parts_that_decide(condition: n.Expression) -> Iterator[Decision]:
+    """Yield the parts of a condition that decide it."""
+    for part, deciding in deciding_parts(normal_form(condition)):
+        yield print_node(part), None, deciding
 
 
 def decided_arguments(node: n.Node) -> Iterator[Expression]:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.declarations.kept_texts import kept
@@ -14,13 +13,11 @@ from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model import types as m
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.code import Code
-from plcopen_sfc.semantics.programs.linking import Writer
+from plcopen_sfc.semantics.programs.code_generation import Writer
+from plcopen_sfc.semantics.programs.expressions import Translator
+from plcopen_sfc.semantics.programs.scopes import Scope, TranslatedProject
 from plcopen_sfc.semantics.programs.types import Direction, Field, Layout
-
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs.library import Library
-    from plcopen_sfc.semantics.programs.scopes import Scope
+from plcopen_sfc.semantics.programs.value_code import Code
 
 _MOST_ELEMENTS = 1_000_000
 
@@ -28,8 +25,9 @@ _MOST_ELEMENTS = 1_000_000
 class TypeReader:
     """Makes types; those with a name once."""
 
-    def __init__(self, library: Library) -> None:
+    def __init__(self, library: TranslatedProject, initials: Initials) -> None:
         self._library = library
+        self._initials = initials
         self._named: dict[int, t.Type] = {}
         self._open: set[int] = set()
 
@@ -45,14 +43,14 @@ class TypeReader:
                 name_ = "WSTRING" if wide else "STRING"
                 if length is None:
                     return t.elementary(name_, self._library.dialect) or t.OpaqueType(name_)
-                return t.string(name_, scope.constant_integer(length))
+                return t.string(name_, _constant(scope, length))
             case m.DerivedType(name=name):
                 return self.named(name, scope)
             case m.ArrayType(dimensions=dimensions, base=base):
                 inner = self.read(base, scope)
                 if any(d.lower.strip() == "*" for d in dimensions):
                     return t.ArrayType(f"ARRAY OF {inner.name}", inner, ())
-                bounds = tuple((scope.constant_integer(d.lower), scope.constant_integer(d.upper)) for d in dimensions)
+                bounds = tuple((_constant(scope, d.lower), _constant(scope, d.upper)) for d in dimensions)
                 shown = ", ".join(f"{lower}..{upper}" for lower, upper in bounds)
                 made = t.ArrayType(f"ARRAY [{shown}] OF {inner.name}", inner, bounds)
                 if _cells(made) > _MOST_ELEMENTS:
@@ -66,7 +64,7 @@ class TypeReader:
                 inner = self.read(base, scope)
                 if not isinstance(inner, t.ElementaryType):
                     raise SimulationError(f"a subrange of {inner.name}")
-                ends = (scope.constant_integer(bounds_.lower), scope.constant_integer(bounds_.upper))
+                ends = (_constant(scope, bounds_.lower), _constant(scope, bounds_.upper))
                 return replace(inner, name=f"{inner.name}({ends[0]}..{ends[1]})", narrowed=ends)
             case m.PointerType(base=base, reference=reference):
                 inner = self.read(base, scope)
@@ -111,10 +109,13 @@ class TypeReader:
                 raise SimulationError(f"the type {holder.name} contains itself")
             self._open.add(key)
             try:
-                own = self._library.scope_of_type(holder)
+                library = self._library
+                own = library.scope
+                if holder.place:
+                    own = Scope(library, holder.name, library.globals, place=holder.place)
                 found = self._named[key] = self._make(holder, own)
                 if holder.initial is not None:  # the name of a value of an enumeration is of the type itself
-                    start = self._library.initials.source(found, holder.initial, own).text
+                    start = self._initials.source(found, holder.initial, own).text
                     self._named[key] = replace(found, start=start)
             finally:
                 self._open.discard(key)
@@ -135,8 +136,8 @@ class TypeReader:
         layout = Layout(name, inherited.layout if isinstance(inherited, t.StructureType) else None)
         for member in type_.members:
             made = layout.add(member.name, self.read(member.type, scope))
-            self._library.initials.give(made, member.initial, scope)
-        self._library.initials.link(layout)
+            self._initials.give(made, member.initial, scope)
+        self._library.write_new(layout)
         return t.StructureType(name, layout)
 
     def _enumeration(self, name: str, type_: m.EnumType, scope: Scope) -> t.ElementaryType:
@@ -148,10 +149,20 @@ class TypeReader:
         for value in type_.values:
             if value.value is not None and value.value.strip():
                 text = value.value.strip()
-                following = names[text.casefold()] if text.casefold() in names else scope.constant_integer(text)
+                following = names[text.casefold()] if text.casefold() in names else _constant(scope, text)
             names[value.name.casefold()] = following
             following += 1
         return replace(base, name=name, names=names)
+
+
+def _constant(scope: Scope, text: str) -> int:
+    """Return the value of a constant expression. Raises `SimulationError`."""
+    parsed = parse_expression(text, scope.library.dialect)
+    if not parsed.problems:
+        code = Translator(scope, Writer()).value(parsed.tree, t.DINT)
+        if code.constant and isinstance(code.value, int):
+            return int(code.value)
+    raise SimulationError(f"{text!r} is no constant", location=Location(path=scope.path))
 
 
 def _cells(type_: t.Type) -> int:
@@ -166,36 +177,21 @@ def _cells(type_: t.Type) -> int:
 class Initials:
     """First values of variables."""
 
-    def __init__(self, library: Library) -> None:
+    def __init__(self, library: TranslatedProject) -> None:
         self._library = library
 
     def give(self, field: Field, value: m.Value | None, scope: Scope) -> None:
         """Give a variable the value of its declaration, or that of its type."""
         if value is None or (isinstance(value, m.SimpleValue) and not (value.text or "").strip()):
-            field.initial = self.default(field.type)
+            field.initial = self._library.default(field.type)
             return
         code = self.source(field.type, value, scope)
         field.initial = code.text
-        field.preset = code.text != self.default(field.type)
+        field.preset = code.text != self._library.default(field.type)
         if code.constant:
             field.value = code.value if field.direction is Direction.CONSTANT else None
         elif isinstance(field.type, t.ElementaryType):
             field.late = True
-
-    def default(self, type_: t.Type) -> str:
-        """The value of a variable whose declaration gives none."""
-        if type_.start:
-            return type_.start
-        if isinstance(type_, t.ElementaryType):
-            return repr(t.default(type_))
-        if isinstance(type_, t.StructureType):
-            return f"{self._library.new_name(type_.layout)}()"
-        if isinstance(type_, t.ArrayType):
-            inner = self.default(type_.base)
-            if isinstance(type_.base, t.ElementaryType | t.ReferenceType | t.OpaqueType):
-                return f"[{inner}] * {type_.size}"
-            return f"[{inner} for _ in range({type_.size})]"
-        return "None"
 
     def source(self, type_: t.Type, value: m.Value, scope: Scope) -> Code:
         """Source of a value of `type_`."""
@@ -214,13 +210,13 @@ class Initials:
     def _simple(self, type_: t.Type, value: m.SimpleValue, scope: Scope) -> Code:
         text = (value.text or "").strip()
         if not text:
-            return Code(self.default(type_), type_)
+            return Code(self._library.default(type_), type_)
         parsed = parse_expression(text, self._library.dialect)
         plain = isinstance(type_, t.ElementaryType | t.ReferenceType | t.OpaqueType)
         if plain and not parsed.problems:
             if isinstance(type_, t.OpaqueType):
                 return Code("None", type_)
-            translator = scope.translator(Writer())
+            translator = Translator(scope, Writer())
             return translator.fitted(translator.value(parsed.tree, type_), type_)
         declared = read_declarations(f"VAR x : INT := {text}; END_VAR", self._library.dialect)
         variables = [v for section in declared.sections for v in section.variables]
@@ -229,7 +225,7 @@ class Initials:
             if isinstance(type_, t.ArrayType) and not parsed.problems:
                 return Code(self._array(type_, m.ArrayValue(items=[m.RepeatedValue(value=value)]), scope), type_)
             if not parsed.problems and isinstance(n.bare(parsed.tree), n.Name):
-                return Code(f"cloned({scope.translator(Writer()).value(parsed.tree, type_).text})", type_)
+                return Code(f"cloned({Translator(scope, Writer()).value(parsed.tree, type_).text})", type_)
             raise SimulationError(f"{text!r} is no value of {type_.name}")
         return self.source(type_, inner, scope)
 
@@ -238,7 +234,7 @@ class Initials:
         parts: list[str] = []
         count = 0
         for item in value.items:
-            times = scope.constant_integer(item.repetitions) if item.repetitions is not None else 1
+            times = _constant(scope, item.repetitions) if item.repetitions is not None else 1
             nested = type_.base
             if isinstance(item.value, m.ArrayValue) and not isinstance(nested, t.ArrayType):
                 raise SimulationError("an array of values is given to one element")
@@ -250,7 +246,7 @@ class Initials:
         if count > type_.size:
             raise SimulationError(f"{count} values are given to {type_.name}")
         if count < type_.size:
-            parts.append(f"*[{self.default(type_.base)} for _ in range({type_.size - count})]")
+            parts.append(f"*[{self._library.default(type_.base)} for _ in range({type_.size - count})]")
         return f"[{', '.join(parts)}]"
 
     def _structure(self, type_: t.StructureType, value: m.StructValue, scope: Scope) -> str:
@@ -260,15 +256,4 @@ class Initials:
             if field is None:
                 raise SimulationError(f"{type_.name} has no member {member.member}")
             values.append(f"({field.slot}, {self.source(field.type, member.value, scope).text})")
-        return f"preset({', '.join([self.default(type_), *values])})"
-
-    def link(self, layout: Layout) -> None:
-        """Write the function that makes a new frame of a layout."""
-        writer = Writer()
-        items = ", ".join("None" if field.late else field.initial for field in layout.fields)
-        writer.write(f"v = [{items}]")
-        for field in layout.fields:
-            if field.late:
-                writer.write(f"v[{field.slot}] = {field.initial}")
-        writer.write(f"return Frame({self._library.linker.name(layout, 'l')}, v)")
-        self._library.maker(layout, writer)
+        return f"preset({', '.join([self._library.default(type_), *values])})"

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.il import Instruction, instructions
@@ -17,12 +16,10 @@ from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.code import Code, ranged, settled, truth
+from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.operators import Operators
-
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs.expressions import Translator
-    from plcopen_sfc.semantics.programs.statements import StatementTranslator
+from plcopen_sfc.semantics.programs.statements import StatementTranslator
+from plcopen_sfc.semantics.programs.value_code import Code, ranged, settled, truth
 
 _LOGIC = {"AND": Operator.AND, "&": Operator.AND, "OR": Operator.OR, "XOR": Operator.XOR}
 _ARITHMETIC = {
@@ -54,7 +51,7 @@ class _Open:
 
 
 class InstructionTranslator:
-    """Writes the instructions of a body."""
+    """Writes the instructions of a body, with the jumps, marks and calls of `statements`."""
 
     def __init__(self, translator: Translator, statements: StatementTranslator) -> None:
         self._translator = translator
@@ -66,8 +63,17 @@ class InstructionTranslator:
         self._text = ""
         self._at_labels: dict[str, list[Code]] = {}
 
-    def body(self, text: str, translate_labels: Callable[[list[str], list[Callable[[], None]]], None]) -> None:
-        """All instructions. `translate_labels` writes parts between which labels stand."""
+    def body(self, text: str) -> None:
+        """Write all instructions. What cannot be translated becomes an error where the body is executed."""
+        self._statements.enter("")
+        mark = self._writer.mark()
+        try:
+            self._instructions(text)
+        except SimulationError as error:
+            self._writer.rollback(mark)
+            self._statements.fail(error, at_line=True)
+
+    def _instructions(self, text: str) -> None:
         self._text = text
         lines = Lines(text)
         labels: list[str] = []
@@ -79,7 +85,7 @@ class InstructionTranslator:
             if instruction.operator or instruction.operands:
                 parts[-1].append(instruction)
 
-        translate_labels(
+        self._statements.parts(
             labels, [partial(self._part, label, part, lines) for label, part in zip(["", *labels], parts, strict=True)]
         )
 

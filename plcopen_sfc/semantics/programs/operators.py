@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.arithmetic import ORDER, calculated_type, common_type
@@ -11,11 +10,9 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.code import Code, constant, settled, wrapping
+from plcopen_sfc.semantics.programs.paths import PathTranslator
 from plcopen_sfc.semantics.programs.places import Unknown
-
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs.expressions import Translator
+from plcopen_sfc.semantics.programs.value_code import Code, constant, settled, wrapping
 
 _COMPARISONS = {
     Operator.EQUAL: "==",
@@ -39,7 +36,7 @@ _LAZY = (Operator.AND_THEN, Operator.OR_ELSE)
 class Operators:
     """Translates operations."""
 
-    def __init__(self, translator: Translator) -> None:
+    def __init__(self, translator: PathTranslator) -> None:
         self._translator = translator
         self._converter = translator.library.converter
 
@@ -145,7 +142,7 @@ class Operators:
             else:
                 for each in (left, right):
                     if each.constant:
-                        self._translator.library.masks.setdefault(each.value)
+                        self._translator.library.use.masks.setdefault(each.value)
                 low, high = (0, type_.greatest) if type_.least >= 0 else (type_.least, type_.greatest)
                 result = Code(f"({left.text} {sign} {right.text})", type_, low, high, acts=acts)
         return result
@@ -243,7 +240,7 @@ class Operators:
         acts, loose = left.acts or right.acts, left.loose and right.loose
         if operator in (Operator.DIVIDE, Operator.MODULO):
             if operator is Operator.MODULO:
-                self._translator.library.shifts.setdefault(0)
+                self._translator.library.use.shifts.setdefault(0)
             return self._quotient(operator, settled(left), settled(right), type_)
         if _is_big(left) or _is_big(right):
             left, right = settled(left), settled(right)

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.binding.symbols import Level
-from plcopen_sfc.semantics.programs.code import Code, ranged
-from plcopen_sfc.semantics.programs.linking import free_token
+from plcopen_sfc.semantics.programs.code_generation import free_token
 from plcopen_sfc.semantics.programs.types import ArrayType, Direction, ElementaryType, Field, StructureType, Type
+from plcopen_sfc.semantics.programs.value_code import Code, ranged
 
 ANYWHERE = "*"
 """The key of what a reference leads to: it may be a free input."""

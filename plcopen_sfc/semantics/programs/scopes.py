@@ -1,31 +1,33 @@
-"""Names visible in a POU, and the translation of the texts in it."""
+"""A project while it is translated: what all its texts share, the names visible in a POU, and the POUs themselves."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, Protocol
 
-from plcopen_sfc.errors import Location, SimulationError
+from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.binding.name_resolution import preferred
+from plcopen_sfc.languages.binding.name_scopes import Scopes
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level
 from plcopen_sfc.languages.binding.text_sites import Role
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.nodes import Quoting
-from plcopen_sfc.model.body import Body
-from plcopen_sfc.model.conditions import Condition
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model import types as m
+from plcopen_sfc.model.pou import Method, Pou, PouKind
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.linking import Writer
+from plcopen_sfc.semantics.programs.code_generation import Linker, Writer
+from plcopen_sfc.semantics.programs.marks import Marks
 from plcopen_sfc.semantics.programs.places import Broken, Place, Unknown
+from plcopen_sfc.semantics.programs.runtime import Processor
+from plcopen_sfc.semantics.programs.standard_blocks import BlockType, BlockTypes
 from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout
-
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs.code import Code
-    from plcopen_sfc.semantics.programs.expressions import Translator
-    from plcopen_sfc.semantics.programs.library import Library
-    from plcopen_sfc.semantics.programs.runtime import Processor
-    from plcopen_sfc.semantics.programs.units import Unit
+from plcopen_sfc.semantics.programs.unknown_calls import UnknownBlocks, UnknownCalls
+from plcopen_sfc.semantics.programs.value_code import Code, Converter
+from plcopen_sfc.semantics.programs.variable_use import VariableUse
 
 _GLOBAL = frozenset(
     {
@@ -42,6 +44,195 @@ _GLOBAL = frozenset(
 _VALUES = frozenset({Kind.VARIABLE, Kind.DATA_BLOCK, Kind.INSTANCE, Kind.ENUM_VALUE})
 
 
+class TranslatedProject(ABC):
+    """What the translations of all texts of a project share.
+
+    The abstract methods give declarations a meaning, which needs translated constants; `Library` has them.
+    """
+
+    def __init__(
+        self,
+        project: Project,
+        profile: Profile,
+        functions: Mapping[str, Callable[..., Any]],
+        *,
+        asks: bool,
+        free_inputs: Iterable[str],
+        not_free: Iterable[str],
+        marking: bool,
+        unknown_calls: UnknownCalls | None,
+    ) -> None:
+        self.project = project
+        self.profile = profile
+        """For charts: how they are executed. The controller sets it."""
+        self.dialect = project.dialect
+        self.is_codesys = self.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
+        self.functions = {name.casefold(): function for name, function in functions.items()}
+        self.names = Scopes(project)
+        self.processor = Processor()
+        self.linker = Linker()
+        self.converter = Converter(self.dialect, self.linker)
+        self.blocks = BlockTypes(self.dialect, self.processor)
+        self.globals = Layout("global variables")
+        self.frame = Frame(self.globals, [])
+        self.undeclared: dict[str, t.Type] = {}
+        self.missing: dict[str, str] = {}
+        self.problems: list[SimulationError] = []
+        self.marks = Marks() if marking else None
+        self.implicits: dict[str, Place] = {}
+        """External variables that the project does not declare, by their paths in lower case."""
+        self.units: dict[int, Unit] = {}
+        """The POUs that were needed so far, by the identity of their models."""
+        self.unknown: UnknownBlocks | None = None
+        if unknown_calls is not None:
+            self.unknown = UnknownBlocks(self.globals, self.frame, self.processor, self._members_of, unknown_calls)
+        self.use = VariableUse(
+            self.linker,
+            self.globals,
+            asks=asks,
+            owned=self.unknown.owns if self.unknown is not None else lambda _: False,
+            free_inputs=free_inputs,
+            not_free=not_free,
+        )
+        self.scope = Scope(self, "", self.globals)
+        """The scope of the global variables."""
+        self._dispatching: dict[str, Callable[..., Frame]] = {}
+        self._news: dict[Layout, Callable[..., Any]] = {}
+
+    # -- meanings of declarations
+
+    @abstractmethod
+    def meaning(self, declaration: Declaration) -> Any:
+        """Return the meaning of a global declaration: a `Place`, a `Code`, a `Space`, a `Unit` or a type."""
+
+    @abstractmethod
+    def variable(self, declaration: Declaration) -> Place:
+        """Return the place of a global variable, a tag, a data block or a program instance."""
+
+    @abstractmethod
+    def implicit(self, path: str, type_: t.Type) -> Place:
+        """Return the external variable for a path that the project does not declare."""
+
+    @abstractmethod
+    def at_address(self, address: str, type_: t.ElementaryType | None, path: str, initial: m.Value | None) -> Place:
+        """Return the variable at a direct address."""
+
+    @abstractmethod
+    def program(self, unit: Unit) -> Place:
+        """Return the only instance of a program."""
+
+    @abstractmethod
+    def unit(self, pou: Pou) -> Unit:
+        """Return a POU, declared and waiting to be translated."""
+
+    @abstractmethod
+    def read_type(self, type_: m.DataType, scope: Scope) -> t.Type:
+        """Return the type as it is seen in a scope."""
+
+    @abstractmethod
+    def named_type(self, name: str, scope: Scope) -> t.Type:
+        """Return the type of a name: of the project, a standard block, an elementary one; else an opaque one."""
+
+    @abstractmethod
+    def give_initial(self, field: Field, value: m.Value | None, scope: Scope) -> None:
+        """Give a variable the value of its declaration, or that of its type."""
+
+    def implicit_type(self, path: str) -> t.Type | None:
+        """Return the type of an implicit external variable, if it is known already."""
+        found = self.implicits.get(path.casefold())
+        return found.type if found is not None else None
+
+    def _members_of(self, path: str) -> Iterator[tuple[str, int, t.ElementaryType, bool]]:
+        """Members that programs use of an instance of an unknown type: name, slot, type, and whether they write it."""
+        start = f"{path.casefold()}."
+        for key, place in sorted(self.implicits.items()):
+            if key.startswith(start) and isinstance(place.type, t.ElementaryType) and place.field is not None:
+                yield key.removeprefix(start), place.field.slot, place.type, self.use.is_written(place.key)
+
+    # -- POUs
+
+    def unit_of_layout(self, layout: Layout) -> Unit | None:
+        """Return the POU whose variables a layout has."""
+        return next((unit for unit in self.units.values() if unit.layout is layout), None)
+
+    def block_of(self, layout: Layout) -> BlockType | None:
+        """Return the standard function block whose variables a layout has."""
+        return self.blocks.of_layout(layout)
+
+    def is_overridden(self, method: MethodUnit) -> bool:
+        """True if a POU that extends the one of a method has another one of its name."""
+        key, owner = method.name.casefold(), method.pou
+        others = (
+            pou for pou in self.project.pous if pou is not owner and any(m.name.casefold() == key for m in pou.methods)
+        )
+        return any(self._extends(pou, owner) for pou in others)
+
+    def _extends(self, pou: Pou, owner: Pou) -> bool:
+        seen: list[Pou] = []
+        base = self.names.base(pou)
+        while base is not None and base is not owner and base not in seen:
+            seen.append(base)
+            base = self.names.base(base)
+        return base is owner
+
+    def dispatching(self, name: str) -> Callable[..., Frame]:
+        """Return a function that enters the method of this name that the POU of a frame has."""
+        found = self._dispatching.get(name.casefold())
+        if found is None:
+            known: dict[Layout, Callable[..., Frame]] = {}
+
+            def enter(frame: Frame, *arguments: Any) -> Frame:
+                if frame.layout not in known:
+                    unit = self.unit_of_layout(frame.layout)
+                    method = unit.method(name) if unit is not None else None
+                    assert method is not None  # noqa: S101  # what is derived has it
+                    known[frame.layout] = method.enter
+                return known[frame.layout](frame, *arguments)
+
+            found = self._dispatching[name.casefold()] = enter
+        return found
+
+    # -- new frames
+
+    def default(self, type_: t.Type) -> str:
+        """Return Python source of the value of a variable whose declaration gives none."""
+        if type_.start:
+            return type_.start
+        if isinstance(type_, t.ElementaryType):
+            return repr(t.default(type_))
+        if isinstance(type_, t.StructureType):
+            return f"{self.new_name(type_.layout)}()"
+        if isinstance(type_, t.ArrayType):
+            inner = self.default(type_.base)
+            if isinstance(type_.base, t.ElementaryType | t.ReferenceType | t.OpaqueType):
+                return f"[{inner}] * {type_.size}"
+            return f"[{inner} for _ in range({type_.size})]"
+        return "None"
+
+    def new_name(self, layout: Layout) -> str:
+        """Return the name of the function that makes frames of a layout."""
+        found = self._news.get(layout)
+        if found is None:
+            found = self._news[layout] = self.linker.reserve("new")
+            layout.new = found
+            layout.new_name = self.linker.name(found)
+            if self.block_of(layout) is not None:  # nothing else will write it
+                self.write_new(layout)
+        return layout.new_name
+
+    def write_new(self, layout: Layout) -> None:
+        """Write the function that makes frames of a layout."""
+        writer = Writer()
+        items = ", ".join("None" if field.late else field.initial for field in layout.fields)
+        writer.write(f"v = [{items}]")
+        for field in layout.fields:
+            if field.late:
+                writer.write(f"v[{field.slot}] = {field.initial}")
+        writer.write(f"return Frame({self.linker.name(layout, 'l')}, v)")
+        self.new_name(layout)
+        self.linker.routine("", writer, layout.name, self._news[layout])
+
+
 class Scope:
     """The names that are visible in a POU or method, and where their variables are.
 
@@ -50,7 +241,7 @@ class Scope:
     """
 
     def __init__(
-        self, library: Library, path: str, layout: Layout, *, place: str = "", around: Scope | None = None
+        self, library: TranslatedProject, path: str, layout: Layout, *, place: str = "", around: Scope | None = None
     ) -> None:
         self.library = library
         self.path = path
@@ -70,15 +261,15 @@ class Scope:
 
     @property
     def clock(self) -> Processor:
-        """The clock of the controller."""
+        """Clock of the controller."""
         return self.library.processor
 
     def structure(self, name: str, members: Mapping[str, t.Type]) -> t.StructureType:
         """A new type of structure."""
         layout = Layout(name)
         for member, type_ in members.items():
-            layout.add(member, type_).initial = self.library.initials.default(type_)
-        self.library.initials.link(layout)
+            layout.add(member, type_).initial = self.library.default(type_)
+        self.library.write_new(layout)
         return t.StructureType(name, layout)
 
     def declare(self, name: str, type_: t.Type, *, hidden: bool = False, direction: Direction = Direction.LOCAL) -> int:
@@ -92,7 +283,7 @@ class Scope:
         if not self.is_open:
             raise AssertionError(f"{name} is declared too late")
         made = self.layout.add(name, type_, direction, hidden=hidden)
-        made.initial = self.library.initials.default(type_)
+        made.initial = self.library.default(type_)
         return made.slot
 
     def lookup(self, name: str) -> Field | None:
@@ -109,7 +300,7 @@ class Scope:
         if self._late is None:
             raise AssertionError("the scope was never closed")
         made = self._late.add(name, type_)
-        made.initial = self.library.initials.default(type_)
+        made.initial = self.library.default(type_)
         made.hidden = True
         cells = f"v[{self._late_slot}].v"
         self.aliases[name.casefold()] = Place(cells, str(made.slot), type_, name, field=made)
@@ -124,11 +315,11 @@ class Scope:
     def finish(self) -> None:
         """Nothing more will be translated: write what makes new frames."""
         if self._late is not None and self._late.fields:
-            self.library.initials.link(self._late)
+            self.library.write_new(self._late)
         elif self._late is not None:
             unused = self.layout.fields[self._late_slot]
             unused.type, unused.initial = t.OpaqueType("nothing"), "None"
-        self.library.initials.link(self.layout)
+        self.library.write_new(self.layout)
 
     # -- names
 
@@ -168,17 +359,17 @@ class Scope:
 
     def local_place(self, field: Field, cells: str = "v") -> Place:
         """The place of a variable of the POU."""
-        key = self.library.key(self.layout, field.slot)
+        key = self.library.use.key(self.layout, field.slot)
         if field.direction is Direction.IN_OUT and isinstance(field.type, t.ElementaryType | t.ReferenceType):
             pointer = f"{cells}[{field.slot}]"
-            self.library.parameters[id(field)] = key
+            self.library.use.parameters[id(field)] = key
             return Place(f"{pointer}.cells", f"{pointer}.index", field.type, field.name, root=key, field=field)
         own = self.unit is not None and self.around is None
-        is_input = own and (field.direction is Direction.INPUT or self.library.is_freed(field))
+        is_input = own and (field.direction is Direction.INPUT or self.library.use.is_freed(field))
         if field.direction is Direction.IN_OUT:
             is_input = True
-            self.library.references.add(key)
-            self.library.parameters[id(field)] = key
+            self.library.use.references.add(key)
+            self.library.use.parameters[id(field)] = key
         return Place(cells, str(field.slot), field.type, field.name, key, key, field=field, input=is_input)
 
     def _global(self, declarations: list[Declaration], role: Role, name: str) -> Any:
@@ -194,73 +385,99 @@ class Scope:
             chosen = near
         return self.library.meaning(chosen[0])
 
-    # -- translating
-
-    def translator(self, writer: Writer) -> Translator:
-        """Translator of expressions in this scope."""
-        from plcopen_sfc.semantics.programs.expressions import Translator  # noqa: PLC0415  # they need each other
-
-        return Translator(self, writer)
-
-    def constant_integer(self, text: str) -> int:
-        """The value of a constant expression. Raises `SimulationError`."""
-        parsed = parse_expression(text, self.library.dialect)
-        if not parsed.problems:
-            code = self.translator(Writer()).value(parsed.tree, t.DINT)
-            if code.constant and isinstance(code.value, int):
-                return int(code.value)
-        raise SimulationError(f"{text!r} is no constant", location=Location(path=self.path))
-
-    def condition(self, condition: Condition, path: str, *, chart: SfcNetwork | None = None) -> Callable[[Frame], bool]:
-        """Any condition of the model as a function. It can be called when the controller is linked."""
-        from plcopen_sfc.semantics.programs.bodies import Bodies  # noqa: PLC0415  # they need each other
-
-        return Bodies(self).condition(condition, path, chart)
-
-    def expression(
-        self, given: str | n.Expression, path: str, expected: t.Type | None = None
-    ) -> Callable[[Frame], Any]:
-        """An expression, a text or a tree, as a function; its value is of type `expected` where that is given."""
-        from plcopen_sfc.semantics.programs.bodies import Bodies  # noqa: PLC0415
-
-        return Bodies(self).expression(given, path, expected)
-
-    def statements(self, text: str, path: str) -> Callable[[Frame], None]:
-        """Structured text as a function."""
-        from plcopen_sfc.semantics.programs.bodies import Bodies  # noqa: PLC0415
-
-        return Bodies(self).text(text, path)
-
-    def body(self, body: Body, path: str, function: Callable[..., Any] | None = None) -> Callable[[Frame], None]:
-        """A body in any language as a function."""
-        from plcopen_sfc.semantics.programs.bodies import Bodies  # noqa: PLC0415
-
-        return Bodies(self).body(body, path, function)
-
-    def chart_logic(self, chart: SfcNetwork, path: str) -> Callable[[Frame], None]:
-        """Effects of the logic drawn in a chart besides feeding its conditions."""
-        from plcopen_sfc.semantics.programs.bodies import Bodies  # noqa: PLC0415
-
-        return Bodies(self).chart_logic(chart, path)
-
     def action(self, name: str) -> Callable[[Frame], None] | None:
-        """The action of this name of the POU, or of one that it extends; None if there is none."""
+        """Return the action of this name of the POU, or of one that it extends; None if there is none."""
         return self.unit.action(name) if self.unit is not None else None
 
-    def getter(self, text: str, expected: t.Type | None = None) -> Callable[[Frame], Any]:
-        """Reads a variable, of any path. One that nobody declares is an external of type `expected`, else BOOL."""
-        return self.expression(text, self.path, expected)
 
-    def setter(self, text: str, type_: t.Type = t.BOOL) -> Callable[[Frame, Any], None]:
-        """Writes a variable, of any path. One that nobody declares gets `type_`; values are of the variable's type."""
-        from plcopen_sfc.semantics.programs.bodies import Bodies  # noqa: PLC0415
+class CompiledChart(Protocol):
+    """A chart as a chart compiler makes it."""
 
-        return Bodies(self).setter(text, type_)
+    def translate(self) -> None:
+        """Translate conditions and actions: all POUs are declared now."""
 
-    def type_of(self, text: str) -> t.Type | None:
-        """The type of a variable, of any path; None if nobody declares it."""
-        parsed = parse_expression(text, self.library.dialect)
-        if parsed.problems:
-            return None
-        found = self.translator(Writer()).meaning(parsed.tree)
-        return found.type if isinstance(found, Place) else None
+    def initialise(self, frame: Frame) -> None:
+        """Bring a new frame of the POU into the initial situation."""
+
+    def execute(self, frame: Frame) -> None:
+        """One call of the body."""
+
+
+class Callee:
+    """POU or method: something with parameters and a body."""
+
+    def __init__(self, library: TranslatedProject, name: str, scope: Scope) -> None:
+        self.library = library
+        self.name = name
+        self.scope = scope
+        self.layout = scope.layout
+        self.result: Field | None = None
+        self.run: Callable[..., None] = library.linker.reserve()
+        self.enter: Callable[..., Frame] = library.linker.reserve("enter")
+        """Makes a frame, gives it arguments, runs it, and returns it."""
+
+    @property
+    def parameters(self) -> list[Field]:
+        """Inputs and in-outs in their order."""
+        return [f for f in self.layout.fields if f.direction in (Direction.INPUT, Direction.IN_OUT)]
+
+
+class MethodUnit(Callee):
+    """A method of a function block: it has variables of its own for each call."""
+
+    def __init__(self, unit: Unit, method: Method) -> None:
+        path = f"{unit.pou.name}.{method.name}"
+        scope = Scope(unit.library, path, Layout(path), place=unit.pou.place, around=unit.scope)
+        super().__init__(unit.library, method.name, scope)
+        self.method = method
+        self.pou = unit.pou
+
+
+class Unit(Callee):
+    """A program, function block or function; `declarations` fill it, `unit_bodies` translate it."""
+
+    def __init__(self, library: TranslatedProject, pou: Pou, base: Unit | None) -> None:
+        layout = Layout(pou.name, base.layout if base is not None else None)
+        layout.is_instance = True
+        super().__init__(library, pou.name, Scope(library, pou.name, layout, place=pou.place))
+        self.scope.unit = self
+        self.pou = pou
+        self.base = base
+        self.methods: dict[str, MethodUnit] = {}
+        self.charts: list[tuple[str, CompiledChart]] = []
+        self.executions: dict[int, Callable[[Frame], None]] = {}
+        """What executes the charts, by the identity of their bodies."""
+        self.actions: dict[str, Callable[[Frame], None]] = {}
+
+    @property
+    def is_function(self) -> bool:
+        """True if a call of it has variables of its own."""
+        return self.pou.kind is PouKind.FUNCTION
+
+    @property
+    def is_program(self) -> bool:
+        """True if there is one instance, which has its name."""
+        return self.pou.kind in (PouKind.PROGRAM, PouKind.ORGANIZATION_BLOCK)
+
+    def action(self, name: str) -> Callable[[Frame], None] | None:
+        """Return the function of an action, its own or of a POU that it extends."""
+        found = self.actions.get(name.casefold())
+        return found if found is not None or self.base is None else self.base.action(name)
+
+    def method(self, name: str) -> MethodUnit | None:
+        """Return a method, its own or of a POU that it extends."""
+        found = self.methods.get(name.casefold())
+        return found if found is not None or self.base is None else self.base.method(name)
+
+    def finish(self) -> None:
+        """Write what makes new frames: nothing more will be declared in it."""
+        self.scope.finish()
+        for method in self.methods.values():
+            method.scope.finish()
+
+    def initialise(self, frame: Frame) -> None:
+        """Bring the charts of a new frame into their initial situation."""
+        if self.base is not None:
+            self.base.initialise(frame)
+        for _, chart in self.charts:
+            chart.initialise(frame)

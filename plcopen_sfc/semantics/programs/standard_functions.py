@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.dialects import Dialect
@@ -17,12 +16,10 @@ from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.languages.standard_blocks import BlockKind, StandardBlock, standard_block
 from plcopen_sfc.semantics.programs import function_runtime
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.code import Code, constant, ranged, settled
 from plcopen_sfc.semantics.programs.operators import Operators
+from plcopen_sfc.semantics.programs.paths import PathTranslator
 from plcopen_sfc.semantics.programs.places import Place
-
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs.expressions import Translator
+from plcopen_sfc.semantics.programs.value_code import Code, constant, ranged, settled
 
 _REAL_FUNCTIONS = frozenset("SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN".split())
 _CONVERSION = re.compile(r"(?:(?P<source>\w+?)_)?TO_(?P<target>\w+)")
@@ -55,7 +52,7 @@ _ORDINARY = {
 class StandardFunctions:
     """Translates calls of functions that the project does not have."""
 
-    def __init__(self, translator: Translator) -> None:
+    def __init__(self, translator: PathTranslator) -> None:
         self._translator = translator
         self._library = translator.library
         self._converter = translator.library.converter
@@ -255,7 +252,7 @@ class StandardFunctions:
             raise SimulationError(f"{name} of {type_.name}")
         shift = count.value if count.constant else 0
         turned = type_.bits - shift if name in ("ROL", "ROR") else shift
-        self._translator.library.shifts.update(dict.fromkeys((shift, turned)))
+        self._translator.library.use.shifts.update(dict.fromkeys((shift, turned)))
         return self._call(name.lower(), [code, count], type_, type_.least, type_.greatest)
 
     def _text(self, name: str, nodes: list[n.Expression], _: t.Type | None) -> Code:

@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import partial
 
 from plcopen_sfc.errors import Location, SimulationError
-from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.values import inverted, joined
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import nodes as n
@@ -16,19 +15,15 @@ from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Operator, Statement
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.calls import Calls
-from plcopen_sfc.semantics.programs.code import Code, constant, settled, truth
-from plcopen_sfc.semantics.programs.decisions import decided_arguments, deciding_booleans, deciding_parts, may_act
+from plcopen_sfc.semantics.programs.decisions import Decision, decided_arguments, decisions, may_act, parts_that_decide
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.guards import Guards, case_condition
-from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslator
 from plcopen_sfc.semantics.programs.places import Place
 from plcopen_sfc.semantics.programs.types import MOST_ELEMENTS
+from plcopen_sfc.semantics.programs.value_code import Code, constant, settled, truth
 
 _MANY_LABELS = 6
 _MOST_LABELS = 64
-_Decision = tuple[str, bool | None, n.Expression]
-"""A part of a condition, or empty the whole; the value it is to have, None: it is to decide; and what is TRUE then."""
-
 _Branch = tuple[str, Sequence[n.Expression], Sequence[Statement]]
 """A branch of CASE: what leads to it, as text and as what is TRUE in it, and its statements."""
 _CALCULATING = {
@@ -63,7 +58,7 @@ class StatementTranslator:
         """A whole body: labels may stand between its statements. `returns` is what RETURN becomes."""
         self._returns = returns
         if statements:
-            self._enter("")
+            self.enter("")
         labels = [s.label.identifier for s in statements if isinstance(s, n.Label)]
         parts: list[list[Statement]] = [[]]
         for statement in statements:
@@ -88,16 +83,6 @@ class StatementTranslator:
                     part()
             self._writer.write("break")
 
-    def instructions(self, text: str) -> None:
-        """A body in instruction list."""
-        self._enter("")
-        mark = self._writer.mark()
-        try:
-            InstructionTranslator(self._translator, self).body(text, self.parts)
-        except SimulationError as error:
-            self._writer.rollback(mark)
-            self._fail(error, at_line=True)
-
     def all(self, statements: Sequence[Statement]) -> None:
         """Statements behind each other."""
         for statement in statements:
@@ -113,9 +98,9 @@ class StatementTranslator:
             self._translate(statement)
         except SimulationError as error:
             self._writer.rollback(mark)
-            self._fail(error)
+            self.fail(error)
 
-    def _fail(self, error: SimulationError, *, at_line: bool = False) -> None:
+    def fail(self, error: SimulationError, *, at_line: bool = False) -> None:
         """Translate a statement; one that cannot be translated is an error where it is reached."""
         if error.location.path is None:
             known = at_line or self._lines is not None
@@ -212,7 +197,7 @@ class StatementTranslator:
         before = translator.comparisons
         code = settled(translator.fitted(translator.value(assigned, place.type), place.type))
         if self._marks is not None and code.type is t.BOOL and not code.constant and translator.comparisons > before:
-            self._watch([(print_node(node.value), _parts(assigned))])
+            self._watch([(print_node(node.value), parts_that_decide(assigned))])
             held = self._writer.temporary()
             first = self._marks.outcomes(self._branch, print_node(node), assigned, self._guards.holding)
             self._writer.write(f"{held} = {code.text}; m[{first} + (1 if {held} else 0)] = True")
@@ -229,13 +214,13 @@ class StatementTranslator:
             self._writer.write(f"{held.text} = None")
             return
         target = self._translator.place(node.value)
-        self._library.written.add(held.root)
+        self._library.use.written.add(held.root)
         self._translator.note_pointed(target)
         self._writer.write(f"{held.text} = Pointer({target.cells}, {target.index})")
 
     # -- branches
 
-    def _enter(self, condition: n.Node | str, known: Sequence[n.Expression] = ()) -> None:
+    def enter(self, condition: n.Node | str, known: Sequence[n.Expression] = ()) -> None:
         """Mark what follows as a branch that `condition` leads to, where somebody wants to know what is reached.
 
         `known` is what is TRUE at its beginning.
@@ -249,7 +234,7 @@ class StatementTranslator:
     @contextmanager
     def _within(self, condition: n.Node | str, known: Sequence[n.Expression] = ()) -> Iterator[None]:
         outer, holding = self._branch, self._guards.holding
-        self._enter(condition, known)
+        self.enter(condition, known)
         yield
         self._branch, self._guards.holding = outer, holding
 
@@ -260,12 +245,12 @@ class StatementTranslator:
 
         `inside`: what they lead to; assignments there tell by themselves that they were executed.
         """
-        found: list[tuple[str, Iterable[_Decision]]] = []
+        found: list[tuple[str, Iterable[Decision]]] = []
         before: list[n.Expression] = []
         for number, condition in enumerate(conditions):
             assigns = any(isinstance(each, n.Assignment) for each in (inside[number] if inside else ()))
-            found.append((print_node(condition), list(_decisions(condition, before))[assigns:]))
-            found += [(print_node(each), list(_decisions(each, before))) for each in decided_arguments(condition)]
+            found.append((print_node(condition), list(decisions(condition, before))[assigns:]))
+            found += [(print_node(each), list(decisions(each, before))) for each in decided_arguments(condition)]
             if any(map(may_act, walk(condition))):
                 break  # what follows is only known to be tested when it has been
             before.append(inverted(condition))
@@ -273,10 +258,10 @@ class StatementTranslator:
 
     def _watch_arguments(self, node: n.Node) -> None:
         """Look at the arguments of calls that compare, and at indexes that are inputs."""
-        found = [(print_node(each), _decisions(each)) for each in decided_arguments(node)]
+        found = [(print_node(each), decisions(each)) for each in decided_arguments(node)]
         self._watch([*found, *self._indexes(node)] if self._marks is not None else ())
 
-    def _indexes(self, node: n.Node) -> Iterator[tuple[str, Iterable[_Decision]]]:
+    def _indexes(self, node: n.Node) -> Iterator[tuple[str, Iterable[Decision]]]:
         """Yield the indexes that are inputs, with the values that they can have."""
         for each in walk(node):
             if not isinstance(each, n.Index) or not isinstance(n.bare(each.indices[0]), n.Name):
@@ -298,16 +283,18 @@ class StatementTranslator:
     def _watch_selector(self, node: n.Case) -> None:
         """Look at the labels of CASE, where several lead to a branch; and whether none fits, unless it is a state."""
         conditions = [case_condition(node.selector, branch) for branch in node.branches]
-        found: list[tuple[str, Iterable[_Decision]]] = []
+        found: list[tuple[str, Iterable[Decision]]] = []
         if len(conditions) <= _MOST_LABELS:
             for condition in conditions:
-                found.append((print_node(condition), [("", True, condition), *_parts(condition)][:_MOST_LABELS]))
+                found.append(
+                    (print_node(condition), [("", True, condition), *parts_that_decide(condition)][:_MOST_LABELS])
+                )
         if not isinstance(n.bare(node.selector), n.Name | n.Member):
             whole = joined(Operator.OR, conditions)
             found.append((print_node(node.selector), [("any label", False, inverted(n.Parenthesized(whole)))]))
         self._watch(found)
 
-    def _watch(self, conditions: Sequence[tuple[str, Iterable[_Decision]]]) -> None:
+    def _watch(self, conditions: Sequence[tuple[str, Iterable[Decision]]]) -> None:
         """Write what looks at conditions, as long as something was not seen; those that may act are left alone."""
         known = [
             (shown, each)
@@ -506,24 +493,6 @@ class StatementTranslator:
             raise SimulationError("a jump out of a loop is not known to the simulator")
         self._writer.write(f"_to = {index}")
         self._writer.write("continue")
-
-
-def _decisions(condition: n.Expression, before: Sequence[n.Expression] = ()) -> Iterator[_Decision]:
-    """Yield the outcomes and parts of a condition; `before` are conditions that must be TRUE for it to be tested."""
-    tree = normal_form(condition)
-    yield "", True, joined(Operator.AND, [*before, tree])
-    yield "", False, joined(Operator.AND, [*before, inverted(tree)])
-    for part, value, deciding in _parts(tree):
-        yield part, value, joined(Operator.AND, [*before, deciding])
-    for leaf in deciding_booleans(tree):
-        for value in (True, False):
-            yield print_node(leaf), value, joined(Operator.AND, [*before, leaf if value else inverted(leaf)])
-
-
-def _parts(condition: n.Expression) -> Iterator[_Decision]:
-    """Yield the parts of a condition that decide it."""
-    for part, deciding in deciding_parts(normal_form(condition)):
-        yield print_node(part), None, deciding
 
 
 def _matches(held: str, labels: list[tuple[int, int]]) -> str:

@@ -6,15 +6,12 @@ intervals give equal results. What a call writes is known of its outputs and of 
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable, Iterable
 from hashlib import blake2b
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
-from plcopen_sfc.semantics.programs.runtime import Pointer
-from plcopen_sfc.semantics.programs.types import INSTANT, LINT, ElementaryType, Family, Frame
-
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs.library import Library
+from plcopen_sfc.semantics.programs.runtime import Pointer, Processor
+from plcopen_sfc.semantics.programs.types import INSTANT, LINT, ElementaryType, Family, Frame, Layout
 
 __all__ = ["UnknownBlocks", "UnknownCalls"]
 
@@ -91,13 +88,25 @@ def _of_type(number: int, type_: ElementaryType) -> Any:
     return least + (small - least) % (greatest - least + 1)
 
 
-class UnknownBlocks:
-    """The instances of blocks that a project does not have: their members, and what they keep of their calls."""
+_MembersOf: TypeAlias = Callable[[str], Iterable[tuple[str, int, ElementaryType, bool]]]
 
-    def __init__(self, library: Library, calls: UnknownCalls) -> None:
+
+class UnknownBlocks:
+    """The instances of blocks that a project does not have: their members, and what they keep of their calls.
+
+    The state is in global variables: `globals_` is their layout, `frame` their values. `members_of` gives the members
+    of an instance that programs use: name, slot, type, and whether they write it.
+    """
+
+    def __init__(
+        self, globals_: Layout, frame: Frame, processor: Processor, members_of: _MembersOf, calls: UnknownCalls
+    ) -> None:
         self.names: dict[str, None] = {}
         """The functions and types that are called."""
-        self._library = library
+        self._globals = globals_
+        self._frame = frame
+        self._processor = processor
+        self._members_of = members_of
         self._calls = calls
         self._slots: dict[str, int] = {}
 
@@ -106,15 +115,15 @@ class UnknownBlocks:
         key = path.casefold()
         if key not in self._slots:
             fields = [
-                self._library.globals.add(f"(calls of {path})", LINT, hidden=True),
-                self._library.globals.add(f"(last call of {path})", INSTANT, hidden=True),
+                self._globals.add(f"(calls of {path})", LINT, hidden=True),
+                self._globals.add(f"(last call of {path})", INSTANT, hidden=True),
             ]
             fields[0].initial = "0"
             self._slots[key] = fields[0].slot
         return self._slots[key]
 
     def owns(self, path: str) -> bool:
-        """True if something that nobody declares is a member of an instance that is called."""
+        """True if an undeclared path is a member of an instance that is called."""
         key = path.casefold()
         return any(key.startswith(f"{instance}.") for instance in self._slots)
 
@@ -123,9 +132,9 @@ class UnknownBlocks:
 
     def call(self, name: str, path: str, slot: int, arguments: tuple[Any, ...]) -> Hashable:
         """Call an instance; the situation that its outputs depend on."""
-        library, calls = self._library, self._calls
-        v, now = library.frame.v, library.processor.now
-        members = list(library.members_of(path))
+        calls = self._calls
+        v, now = self._frame.v, self._processor.now
+        members = list(self._members_of(path))
         given = tuple((member, v[at]) for member, at, _, written in members if written)
         last = v[slot + 1]
         situation = calls.called(name, (*arguments, *given), v[slot], None if last is None else now - last)
@@ -137,5 +146,5 @@ class UnknownBlocks:
 
     def value(self, name: str, arguments: Any, type_: ElementaryType, slot: int = -1) -> Any:
         """The result of a function, or of a method of the instance whose history is in `slot`."""
-        history = self._library.frame.v[slot] if slot >= 0 else None
+        history = self._frame.v[slot] if slot >= 0 else None
         return self._calls.value(name, (arguments, history), type_)

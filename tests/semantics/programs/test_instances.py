@@ -12,6 +12,7 @@ from plcopen_sfc.errors import ModelError, SimulationError
 from plcopen_sfc.model import Expression, Project
 from plcopen_sfc.semantics.programs import Controller, Direction, Instance
 from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.scopes import Scope
 from plcopen_sfc.semantics.programs.types import Frame
 from tests.semantics.programs.running import MS, project_of, start
@@ -244,10 +245,10 @@ class Lamp:
         self.scope = scope
 
     def translate(self) -> None:
-        self.condition = self.scope.condition(_expression("Start AND NOT Step1.X"), "Main.T1")
-        self.write = self.scope.setter("Lamp")
-        self.time = self.scope.expression("T#5s", "Main", t.LTIME)
-        self.late = self.scope.condition(_expression("Step1.T > T#20ms"), "Main.T2")
+        self.condition = Routines(self.scope).condition(_expression("Start AND NOT Step1.X"), "Main.T1")
+        self.write = Routines(self.scope).setter("Lamp")
+        self.time = Routines(self.scope).expression("T#5s", "Main", t.LTIME)
+        self.late = Routines(self.scope).condition(_expression("Step1.T > T#20ms"), "Main.T2")
 
     def initialise(self, frame: Frame) -> None:
         frame.v[self.slot].v[2] = self.scope.clock.now

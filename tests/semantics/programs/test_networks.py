@@ -10,6 +10,7 @@ from plcopen_sfc.languages.networks import declared_rules, draw_fbd, draw_ld
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model import FbdBody, LdBody, NamedCondition
 from plcopen_sfc.semantics.programs import Controller, Instance
+from plcopen_sfc.semantics.programs.routines import Routines
 from tests.semantics.programs.running import MS, project_of
 
 VARIABLES = (
@@ -65,7 +66,7 @@ def test_drawn_conditions_and_edges_of_a_fixture() -> None:
     controller = Controller(project)
     unit = controller.library.unit(pou)
     scope = unit.scope
-    condition = scope.condition(NamedCondition(name="EmergencyOff"), "FillingStation.EmergencyOff")
+    condition = Routines(scope).condition(NamedCondition(name="EmergencyOff"), "FillingStation.EmergencyOff")
     instance = controller.instance(pou)
     for door, expected in ((False, False), (True, True), (True, False)):
         instance["S3_Door"] = door

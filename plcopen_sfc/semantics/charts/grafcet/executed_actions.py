@@ -17,6 +17,7 @@ from plcopen_sfc.semantics.charts.grafcet.term_evaluation import Terms
 from plcopen_sfc.semantics.charts.qualifier_control import Change
 from plcopen_sfc.semantics.charts.situation_plans import Run
 from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import Frame
 
 if TYPE_CHECKING:
@@ -118,11 +119,11 @@ class GrafcetActions:
             where = f"{self._path} / step {stored.owner.path}"
             model = stored.model
             if model.body is not None:
-                stored.run = self._scope.body(model.body, where)
+                stored.run = Routines(self._scope).body(model.body, where)
             elif model.target is not None:
-                stored.run = self._scope.statements(f"{model.target} := {model.value or 'TRUE'};", where)
+                stored.run = Routines(self._scope).statements(f"{model.target} := {model.value or 'TRUE'};", where)
             if stored.event is not None:
-                stored.happens = self._scope.condition(stored.event, where)
+                stored.happens = Routines(self._scope).condition(stored.event, where)
 
     def happen(self, frame: Frame, situation: int) -> None:
         """Execute actions on events. `situation`: steps that are active, and were not just activated by the event."""

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.model import Condition, Expression
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, Frame
 
 if TYPE_CHECKING:
@@ -162,11 +163,11 @@ class Terms:
         """Prepare the operands and times."""
         duration = ELEMENTARY["TIME"]
         for edge in self._edges:
-            edge.value = self._scope.condition(Expression(text=edge.operand), self._path)
+            edge.value = Routines(self._scope).condition(Expression(text=edge.operand), self._path)
         for timer in self._timers:
-            timer.value = self._scope.condition(Expression(text=timer.term.operand), self._path)
-            timer.on_time = self._scope.expression(timer.term.first or "T#0s", self._path, duration)
-            timer.off_time = self._scope.expression(timer.term.last or "T#0s", self._path, duration)
+            timer.value = Routines(self._scope).condition(Expression(text=timer.term.operand), self._path)
+            timer.on_time = Routines(self._scope).expression(timer.term.first or "T#0s", self._path, duration)
+            timer.off_time = Routines(self._scope).expression(timer.term.last or "T#0s", self._path, duration)
 
     def start(self, frame: Frame) -> None:
         """Begin without edges: a term that is TRUE at the start is none."""

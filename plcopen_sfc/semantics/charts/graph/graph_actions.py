@@ -17,6 +17,7 @@ from plcopen_sfc.semantics.charts.chart_actions import Owner, missing_time
 from plcopen_sfc.semantics.charts.chart_coverage import Origin, Reached
 from plcopen_sfc.semantics.charts.situation_plans import Run, Write, execution
 from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import ELAPSED, ELEMENTARY, INSTANT, Frame
 
 if TYPE_CHECKING:
@@ -155,23 +156,23 @@ class GraphActions:
 
     def _translate(self, row: _Row, model: ActionAssociation, where: str) -> None:
         if model.duration:
-            row.duration = self._scope.expression(model.duration, where, ELEMENTARY["TIME"])
+            row.duration = Routines(self._scope).expression(model.duration, where, ELEMENTARY["TIME"])
         elif model.qualifier in (Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF):
             row.duration = missing_time(f"{model.target} has no time for {model.qualifier}", where)
         if row.qualifier in SWITCHES:
             return
         if row.qualifier in _COUNTERS and model.target:
             number = ELEMENTARY["INT"]
-            row.read = self._scope.getter(model.target, number)
-            row.write = self._scope.setter(model.target, number)
+            row.read = Routines(self._scope).getter(model.target, number)
+            row.write = Routines(self._scope).setter(model.target, number)
             if model.value:
-                row.duration = self._scope.expression(model.value, where, number)
+                row.duration = Routines(self._scope).expression(model.value, where, number)
         elif model.body is not None:
-            row.run = self._scope.body(model.body, where)
+            row.run = Routines(self._scope).body(model.body, where)
         elif model.target is not None and model.value is not None:
-            row.run = self._scope.statements(f"{model.target} := {model.value};", where)
+            row.run = Routines(self._scope).statements(f"{model.target} := {model.value};", where)
         elif model.target is not None and row.qualifier is Qualifier.CALL:
-            row.run = self._scope.statements(f"{model.target}();", where)
+            row.run = Routines(self._scope).statements(f"{model.target}();", where)
         elif model.target is not None:
             row.run, row.write = execution(model.target, self._scope, where)
             if row.timer is not None:

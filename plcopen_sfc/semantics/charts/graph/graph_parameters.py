@@ -7,6 +7,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, Frame
 
 if TYPE_CHECKING:
@@ -83,9 +84,9 @@ class Parameters:
         mark = "#" if self._scope.library.dialect is Dialect.SCL else ""
         for name in sorted(self._declared):
             if name in self._edges or name == "S_SEL":
-                self._get[name] = self._scope.getter(f"{mark}{name}")
+                self._get[name] = Routines(self._scope).getter(f"{mark}{name}")
             else:
-                self._set[name] = self._scope.setter(f"{mark}{name}")
+                self._set[name] = Routines(self._scope).setter(f"{mark}{name}")
 
     def commands(self, frame: Frame) -> Commands:
         """Changes at the inputs."""

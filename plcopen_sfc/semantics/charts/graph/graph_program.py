@@ -22,6 +22,7 @@ from plcopen_sfc.semantics.charts.step_state import Steps, T, X, override, tick
 from plcopen_sfc.semantics.charts.transition_firing import NOTHING, Move, choice, watched
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime import fail
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT, Frame
 
@@ -137,7 +138,7 @@ class GraphProgram:
         # drawn operations first: they tell the types of instances that others only name
         self._pre = self._bodies([(p.body, "before") for p in self._chart.permanent_pre])
         if self._chart.logic:
-            self._pre += (self._scope.chart_logic(self._chart, self.path),)
+            self._pre += (Routines(self._scope).chart_logic(self._chart, self.path),)
         self._post = self._bodies([(p.body, "after") for p in self._chart.permanent_post])
         self._actions.translate()
         self._parameters.translate()
@@ -147,7 +148,7 @@ class GraphProgram:
             (
                 self._slots[s.index],
                 slot,
-                self._scope.expression(text, f"{self.path} / step {s.path}", ELEMENTARY["TIME"]),
+                Routines(self._scope).expression(text, f"{self.path} / step {s.path}", ELEMENTARY["TIME"]),
             )
             for s in self.net.steps
             for slot, text in ((step_data.T_MAX, s.step.max_time), (step_data.T_WARN, s.step.warning_time))
@@ -158,13 +159,15 @@ class GraphProgram:
         model = transition.transition
         stated = programmed(model.condition)
         where = f"{self.path} / transition {transition.path}"
-        condition = self._scope.condition(stated, where, chart=transition.chart) if stated is not None else _satisfied
+        condition = (
+            Routines(self._scope).condition(stated, where, chart=transition.chart) if stated is not None else _satisfied
+        )
         numbered = model.priority is not None
         return Move(transition.pre, transition.post, transition.bit, condition, numbered, transition.path)
 
     def _bodies(self, bodies: list[tuple[Any, str]]) -> tuple[Run, ...]:
         return tuple(
-            self._scope.body(body, f"{self.path} / permanent operations {when} the sequence")
+            Routines(self._scope).body(body, f"{self.path} / permanent operations {when} the sequence")
             for body, when in bodies
             if body is not None
         )

@@ -16,6 +16,7 @@ from plcopen_sfc.model import BodyCondition, Coil, FbdBody, InputPin, LdBody
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import Frame
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ class StepConditions:
             ):
                 condition = programmed(supervised.condition if supervised is not None else None)
                 if condition is not None:
-                    found[step.index] = scope.condition(condition, where, chart=step.chart)
+                    found[step.index] = Routines(scope).condition(condition, where, chart=step.chart)
 
     def check(self, frame: Frame, active: int, *, acknowledge: bool) -> Checked:
         """Evaluate the conditions of active steps; sets their events."""

@@ -1,9 +1,9 @@
-"""Translation of bodies and conditions, whatever language they are in."""
+"""Bodies, conditions and expressions of any language as functions of the frame that they work on."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.declarations.type_names import is_identifier
@@ -15,18 +15,18 @@ from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, Sf
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.code import settled, truth
-from plcopen_sfc.semantics.programs.linking import Writer
-from plcopen_sfc.semantics.programs.places import Unknown
+from plcopen_sfc.semantics.programs.code_generation import Writer
+from plcopen_sfc.semantics.programs.expressions import Translator
+from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslator
+from plcopen_sfc.semantics.programs.places import Place, Unknown
+from plcopen_sfc.semantics.programs.scopes import Scope
 from plcopen_sfc.semantics.programs.statements import StatementTranslator
 from plcopen_sfc.semantics.programs.types import Direction, Frame
-
-if TYPE_CHECKING:
-    from plcopen_sfc.semantics.programs.scopes import Scope
+from plcopen_sfc.semantics.programs.value_code import Code, settled, truth
 
 
-class Bodies:
-    """Translates the bodies of a scope into functions of its frame."""
+class Routines:
+    """Functions that execute the texts of a scope; they can be called when the controller is linked."""
 
     def __init__(self, scope: Scope) -> None:
         self._scope = scope
@@ -34,7 +34,7 @@ class Bodies:
         self._parameters = "f, this" if scope.around is not None else "f"
 
     def body(self, body: Body, path: str, function: Callable[..., Any] | None = None) -> Callable[..., None]:
-        """A body. What cannot be translated raises a `SimulationError` when it is executed."""
+        """Return a body in any language. What cannot be translated raises a `SimulationError` when it is executed."""
         writer = self._writer()
         try:
             statements, text, instances = self._statements(body) if not isinstance(body, IlBody) else ((), None, {})
@@ -46,20 +46,20 @@ class Bodies:
             for field in self._scope.layout.fields:
                 if field.direction is Direction.TEMP:
                     writer.write(f"v[{field.slot}] = {field.initial}")
-        translator = self._scope.translator(writer)
+        translator = Translator(self._scope, writer)
         translator.instances = instances
         if isinstance(body, IlBody):
-            StatementTranslator(translator, path).instructions(body.text)
+            InstructionTranslator(translator, StatementTranslator(translator, path)).body(body.text)
         else:
             StatementTranslator(translator, path, text).body(statements)
         return self._routine(writer, path, function)
 
-    def text(self, text: str, path: str) -> Callable[[Frame], None]:
-        """Structured text."""
+    def statements(self, text: str, path: str) -> Callable[[Frame], None]:
+        """Return structured text."""
         return self.body(StBody(text=text), path)
 
     def chart_logic(self, chart: SfcNetwork, path: str) -> Callable[[Frame], None]:
-        """Effects of the logic drawn in a chart besides feeding its conditions."""
+        """Return the effects of the logic drawn in a chart besides feeding its conditions."""
         writer = self._writer()
         try:
             read = chart_statements(chart, self._library.dialect, taken=self._taken())
@@ -68,13 +68,13 @@ class Bodies:
             self._refuse(error, path, writer)
             return self._routine(writer, path)
         self._declare(read)
-        translator = self._scope.translator(writer)
+        translator = Translator(self._scope, writer)
         translator.instances = _types(read)
         StatementTranslator(translator, path).body(read.tree.statements)
         return self._routine(writer, path)
 
-    def condition(self, condition: Condition, path: str, chart: SfcNetwork | None) -> Callable[[Frame], bool]:
-        """A condition, as a function that tells whether it is TRUE."""
+    def condition(self, condition: Condition, path: str, *, chart: SfcNetwork | None = None) -> Callable[[Frame], bool]:
+        """Return any condition of the model."""
         writer = self._writer()
         transitions = self._scope.unit.pou.transitions if self._scope.unit is not None else ()
         transition = Transition(id=0, condition=condition)
@@ -90,7 +90,7 @@ class Bodies:
             if read.tree is None:
                 raise SimulationError("the condition has no value")
             self._declare(read)
-            translator = self._scope.translator(writer)
+            translator = Translator(self._scope, writer)
             translator.instances = _types(read)
             StatementTranslator(translator, path).body(read.before)
             code = truth(translator.value(read.tree, t.BOOL))
@@ -99,12 +99,14 @@ class Bodies:
             self._refuse(error, path, writer)
         return self._routine(writer, path)
 
-    def expression(self, given: str | n.Expression, path: str, expected: t.Type | None) -> Callable[[Frame], Any]:
-        """An expression, as a text or a tree, as a function."""
+    def expression(
+        self, given: str | n.Expression, path: str, expected: t.Type | None = None
+    ) -> Callable[[Frame], Any]:
+        """Return an expression, a text or a tree; its value is of type `expected` where that is given."""
         writer = self._writer()
         try:
             tree = given if not isinstance(given, str) else self._parsed(given)
-            translator = self._scope.translator(writer)
+            translator = Translator(self._scope, writer)
             code = translator.value(tree, expected)
             if expected is not None:
                 code = translator.fitted(code, expected)
@@ -113,23 +115,36 @@ class Bodies:
             self._refuse(error, path, writer)
         return self._routine(writer, path)
 
-    def setter(self, text: str, type_: t.Type) -> Callable[[Frame, Any], None]:
-        """A function that writes a variable."""
+    def getter(self, text: str, expected: t.Type | None = None) -> Callable[[Frame], Any]:
+        """Return what reads a variable, of any path; an undeclared one is an external of type `expected`, else BOOL."""
+        return self.expression(text, self._scope.path, expected)
+
+    def setter(self, text: str, type_: t.Type = t.BOOL) -> Callable[[Frame, Any], None]:
+        """Return what writes a variable, of any path; an undeclared one gets `type_`.
+
+        Values are of the variable's type.
+        """
         writer = self._writer()
         path = self._scope.path
         try:
-            translator = self._scope.translator(writer)
+            translator = Translator(self._scope, writer)
             place = translator.place(self._parsed(text), type_)
             translator.note_write(place)
             if place.bits is not None:
-                from plcopen_sfc.semantics.programs.code import Code  # noqa: PLC0415
-
                 translator.write(place, Code("value", place.type))
             else:
                 writer.write(f"{place.text} = value")
         except SimulationError as error:
             self._refuse(error, path, writer)
         return self._library.linker.routine(f"{self._parameters}, value", writer, path)
+
+    def type_of(self, text: str) -> t.Type | None:
+        """Return the type of a variable, of any path; None if it is not declared."""
+        parsed = parse_expression(text, self._library.dialect)
+        if parsed.problems:
+            return None
+        found = Translator(self._scope, Writer()).meaning(parsed.tree)
+        return found.type if isinstance(found, Place) else None
 
     # -- parts
 
@@ -182,17 +197,17 @@ class Bodies:
         for helper in read.helpers:
             type_: t.Type = t.ANY
             if helper.type_name is not None:
-                type_ = self._library.types.named(helper.type_name, self._scope)
+                type_ = self._library.named_type(helper.type_name, self._scope)
             self._scope.helper(helper.name, type_)
         for text, type_name in read.instances.items():
             # the drawing tells the type of an instance that nobody declares
             name = text.strip('"')
             if name != text and isinstance(self._scope.resolve(n.Name(name, n.Quoting.GLOBAL)), Unknown):
-                found = self._library.types.named(type_name, self._scope)
+                found = self._library.named_type(type_name, self._scope)
                 if isinstance(found, t.StructureType):
                     self._library.implicit(name, found)
             elif is_identifier(text) and isinstance(self._scope.resolve(n.Name(text)), Unknown):
-                found = self._library.types.named(type_name, self._scope)
+                found = self._library.named_type(type_name, self._scope)
                 if isinstance(found, t.StructureType):
                     self._scope.helper(name, found)
                     self._library.undeclared[name] = found

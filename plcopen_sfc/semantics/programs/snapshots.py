@@ -35,7 +35,7 @@ class _Plan:
         return True
 
 
-class Keeper:
+class Snapshots:
     """Stores and puts back what a frame holds: all that a later scan can see, relative to the present."""
 
     def __init__(self) -> None:
