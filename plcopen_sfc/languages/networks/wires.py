@@ -11,6 +11,7 @@ from functools import lru_cache
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.networks.network_graph import Graph, Source
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
@@ -48,6 +49,7 @@ class Wires:
         self.problems: list[NetworkProblem] = []
         self.meetings: dict[object, int] = {}
         self._graph = graph
+        self._types = ExpressionTypes(dialect)
         self._taken = {name.casefold() for name in taken}
         self._values: dict[Source, Product | None] = {}
         self._left: dict[Source, int] = {}
@@ -190,7 +192,10 @@ class Wires:
     def _kept(self, source: Source, product: Product, *, retained: bool = False) -> Statement:
         """Let a value go through a variable from here on; the statement that gives it its value."""
         value = expression_of(product)
-        name = self.helper("value", source, self._graph.type_of(source) or _type_of(value), retained=retained)
+        type_name = self._graph.type_of(source)
+        if type_name is None and self._types.value(value).type == "BOOL":
+            type_name = "BOOL"
+        name = self.helper("value", source, type_name, retained=retained)
         self._values[source] = (Factor(source, name),)
         return n.Assignment(name, value)
 
@@ -225,28 +230,3 @@ def _depth(expression: Expression) -> int:
             deepest = max(deepest, level)
             waiting.extend((getattr(item, name), level + 1) for name in item.__dataclass_fields__ if name != "span")
     return deepest
-
-
-_BOOLEAN = frozenset(
-    {
-        n.Operator.EQUAL,
-        n.Operator.UNEQUAL,
-        n.Operator.LESS,
-        n.Operator.GREATER,
-        n.Operator.LESS_OR_EQUAL,
-        n.Operator.GREATER_OR_EQUAL,
-    }
-)
-
-
-def _type_of(expression: Expression) -> str | None:
-    """The type of a value where its form tells it. AND and OR may join bit strings too, so they do not."""
-    inner = n.bare(expression)
-    if isinstance(inner, n.Operation) and inner.operator in _BOOLEAN:
-        return "BOOL"
-    if isinstance(inner, n.Operation | n.Unary) and inner.operator in (n.Operator.AND, n.Operator.OR, n.Operator.XOR):
-        operands = inner.operands if isinstance(inner, n.Operation) else (inner.operand,)
-        return "BOOL" if any(_type_of(operand) == "BOOL" for operand in operands) else None
-    if isinstance(inner, n.Unary) and inner.operator is n.Operator.NOT:
-        return _type_of(inner.operand)
-    return None

@@ -8,225 +8,39 @@ neither arithmetic on bit strings nor logic of integers: their operands are conv
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, replace
-from functools import reduce
+from dataclasses import replace
 from typing import Any, TypeVar, cast
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.arithmetic import ORDER, UNSIGNED, bits_of, calculated_type, common_type
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.expression_types import (
+    BIT_STRINGS,
+    CALCULATING,
+    COMPARING,
+    CONVERSION,
+    INSTANTS,
+    LOGIC,
+    OF_ONE_TYPE,
+    ORDER,
+    REALS,
+    SUMS,
+    UNSIGNED,
+    ElementaryValue,
+    ExpressionTypes,
+    bits_as_wide_as,
+    bits_of,
+    calculated_type,
+    fits,
+    number_of,
+    operand_type,
+)
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.literals import INTEGER_RANGES, LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator
 from plcopen_sfc.languages.st.walking import parts
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, TranslationContext
 
-__all__ = ["ArithmeticTranslator", "ExpressionTypes", "Value"]
-
-_SUMS = frozenset({Operator.ADD, Operator.SUBTRACT, Operator.MULTIPLY})
-_CALCULATING = _SUMS | {Operator.DIVIDE, Operator.MODULO}
-_COMPARING = frozenset(
-    {
-        Operator.EQUAL,
-        Operator.UNEQUAL,
-        Operator.LESS,
-        Operator.GREATER,
-        Operator.LESS_OR_EQUAL,
-        Operator.GREATER_OR_EQUAL,
-    }
-)
-_LOGIC = frozenset({Operator.AND, Operator.OR, Operator.XOR, Operator.AND_THEN, Operator.OR_ELSE})
-_BIT_STRINGS = frozenset({"BYTE", "WORD", "DWORD", "LWORD"})
-_REALS = ("REAL", "LREAL")
-_DURATIONS = ("TIME", "LTIME")
-_INSTANTS = frozenset({"DATE", "LDATE", "TOD", "LTOD", "DT", "LDT"})
-_CONVERSION = re.compile(r"(?:(?P<source>[A-Z]+)_)?TO_(?P<result>[A-Z]+)")
-_OF_ONE_TYPE = {"ABS": 0, "MIN": 0, "MAX": 0, "LIMIT": 0, "SEL": 1, "MUX": 1}
-"""Standard functions whose result has the type of their arguments, and how many others come before these."""
-_RESULTS = {"TRUNC": "DINT", "TRUNC_INT": "INT", "LEN": "INT", "FIND": "INT", "ROUND": "DINT"}
 _SIGN_OF_TIME = "TIME has no sign in CODESYS: a difference below zero is weeks long there, and below zero in {tool}"
 _SIGN_OF_DIFFERENCE = "CODESYS does not document how it compares or divides a difference of {types} below zero"
-
-
-@dataclass(frozen=True, slots=True)
-class Value:
-    """The elementary type of an expression, empty where it is not known, and the integers that it can be.
-
-    `loose`: a number without a type, which takes that of its surroundings.
-    """
-
-    type: str
-    low: int = 0
-    high: int = 0
-    loose: bool = False
-
-    @property
-    def is_whole(self) -> bool:
-        """True for integers and bit strings."""
-        return self.loose or self.type in ORDER
-
-
-UNKNOWN = Value("")
-
-
-def _of_type(name: str) -> Value:
-    return Value(name, *INTEGER_RANGES[name]) if name in ORDER else Value(name)
-
-
-def _fits(value: Value, name: str) -> bool:
-    least, greatest = INTEGER_RANGES[name]
-    return least <= value.low and value.high <= greatest
-
-
-def _range(value: Value) -> tuple[int, int]:
-    """The numbers that an operand can be: what is too great for its type has been cut off."""
-    return (value.low, value.high) if value.loose or _fits(value, value.type) else INTEGER_RANGES[value.type]
-
-
-def _number_of(name: str) -> str:
-    """The integer type with the values of a bit string."""
-    return {"BYTE": "USINT", "WORD": "UINT", "DWORD": "UDINT", "LWORD": "ULINT"}.get(name, name)
-
-
-def _bits_as_wide_as(name: str) -> str:
-    return ORDER[ORDER.index(name) // 3 * 3 + 2]
-
-
-class ExpressionTypes:
-    """The types of expressions of a text under the rules of its tool."""
-
-    def __init__(self, dialect: Dialect, context: TranslationContext) -> None:
-        self._dialect = dialect
-        self._type_of = context.type_of
-        self._known: dict[int, tuple[Node, Value]] = {}
-
-    def value(self, node: Expression) -> Value:
-        """The type of an expression, and the numbers that it can be."""
-        found = self._known.get(id(node))
-        if found is None or found[0] is not node:
-            found = self._known[id(node)] = node, self._value(node)
-        return found[1]
-
-    def _value(self, node: Expression) -> Value:
-        match node:
-            case n.Parenthesized(inner):
-                return self.value(inner)
-            case n.Literal():
-                return self._literal(node)
-            case n.Unary(Operator.NOT, operand):
-                value = self.value(operand)
-                return value if value.loose else _of_type(value.type)
-            case n.Unary(operator, operand):
-                value = self.value(operand)
-                return self.calculated(Operator.SUBTRACT, [Value("", loose=True), value]) if value.is_whole else value
-            case n.Operation(operator, operands) if operator in _COMPARING:
-                return Value("BOOL")
-            case n.Operation(operator, operands) if operator in _LOGIC:
-                return self._joined([self.value(each) for each in operands])
-            case n.Operation(operator, operands) if operator in _CALCULATING:
-                return self.calculated(operator, [self.value(each) for each in operands])
-            case n.Operation():
-                return Value("LREAL")
-            case n.Call(n.Name(name), arguments):
-                return self._result(node, name.upper(), arguments)
-        return _of_type(self._type_of(node)) if self._type_of is not None else UNKNOWN
-
-    def _literal(self, node: n.Literal) -> Value:
-        try:
-            found = literal_value(node, self._dialect)
-        except LiteralError:
-            return UNKNOWN
-        if found.kind is LiteralKind.INTEGER and isinstance(found.value, int):
-            return Value(found.type, found.value, found.value, loose=not found.type)
-        kinds = {LiteralKind.REAL: "REAL", LiteralKind.BOOL: "BOOL", LiteralKind.STRING: "STRING"}
-        return Value(found.type or kinds.get(found.kind, ""))
-
-    def _joined(self, values: list[Value]) -> Value:
-        types = [value.type for value in values if not value.loose]
-        if types and all(each in ORDER for each in types):
-            return _of_type(reduce(lambda a, b: common_type(self._dialect, a, b), types))
-        return Value("BOOL") if "BOOL" in types else UNKNOWN
-
-    def calculated(self, operator: Operator, values: list[Value]) -> Value:
-        """The result of an arithmetic operation: its type, and the numbers that it can be before it is cut off."""
-        types = [value.type for value in values if not value.loose]
-        if not all(value.is_whole for value in values):
-            return Value(_mixed(types))
-        low, high = _range(values[0])
-        for value in values[1:]:
-            low, high = _bounds(operator, (low, high), _range(value))
-        if not types:
-            return Value("", low, high, loose=True)
-        return Value(calculated_type(self._dialect, _common(self._dialect, types, values)), low, high)
-
-    def _result(self, node: n.Call, name: str, arguments: tuple[n.Argument, ...]) -> Value:
-        found = _CONVERSION.fullmatch(name)
-        if found is not None and (found["source"] is None or found["source"] in _ELEMENTARY):
-            return _of_type(found["result"])
-        values = [self.value(each.value) for each in arguments if each.value is not None]
-        if name in _RESULTS:
-            return _of_type(_RESULTS[name])
-        if name in _OF_ONE_TYPE:
-            chosen = values[_OF_ONE_TYPE[name] :]
-            if chosen and all(value.is_whole for value in chosen):
-                low, high = min(value.low for value in chosen), max(value.high for value in chosen)
-                low, high = (0, max(abs(low), abs(high))) if name == "ABS" else (low, high)
-                types = [value.type for value in chosen if not value.loose]
-                kind = reduce(lambda a, b: common_type(self._dialect, a, b), types) if types else ""
-                return Value(kind, low, high, loose=not types)
-            return Value(_mixed([value.type for value in chosen]))
-        if name in ("SHL", "SHR", "ROL", "ROR") and values:
-            return _of_type(values[0].type)
-        return _of_type(self._type_of(node)) if self._type_of is not None else UNKNOWN
-
-
-_ELEMENTARY = frozenset({*ORDER, *_REALS, *_DURATIONS, *_INSTANTS, "BOOL", "STRING", "WSTRING", "CHAR", "WCHAR"})
-
-
-def _mixed(types: list[str]) -> str:
-    """The type of a calculation with others than integers; empty where it is not known."""
-    instants = [each for each in types if each in _INSTANTS]
-    if len(instants) > 1:
-        return "TIME"
-    for among in (instants, _DURATIONS[::-1], _REALS[::-1]):
-        found = next((each for each in among if each in types), "")
-        if found:
-            return found
-    return types[0] if len(set(types)) == 1 else ""
-
-
-def _common(dialect: Dialect, types: list[str], values: list[Value]) -> str:
-    """The type that operands are brought to; those of `values` that have no type take it where they fit."""
-    types = types or [_least_type(value) for value in values]
-    common = reduce(lambda a, b: common_type(dialect, a, b), types)
-    for value in values:
-        if value.loose and not _fits(value, common):
-            common = common_type(dialect, common, _least_type(value))
-    return common
-
-
-def _least_type(value: Value) -> str:
-    """The type of a number without one, where it does not fit its surroundings."""
-    return next((each for each in ("SINT", "INT", "DINT", "LINT") if _fits(value, each)), "ULINT")
-
-
-def _bounds(operator: Operator, left: tuple[int, int], right: tuple[int, int]) -> tuple[int, int]:
-    if operator is Operator.ADD:
-        return left[0] + right[0], left[1] + right[1]
-    if operator is Operator.SUBTRACT:
-        return left[0] - right[1], left[1] - right[0]
-    if operator is Operator.MULTIPLY:
-        products = [a * b for a in left for b in right]
-        return min(products), max(products)
-    if operator is Operator.MODULO:
-        most = max(max(abs(right[0]), abs(right[1])) - 1, 0)
-        return (0 if left[0] >= 0 else max(left[0], -most)), max(min(left[1], most), 0)
-    least = min((abs(each) for each in right), default=1) if right[0] > 0 or right[1] < 0 else 1
-    if right[0] > 0:
-        return min(left[0] // least, 0) if left[0] >= 0 else -(-left[0] // least), max(left[1] // least, 0)
-    most = max(abs(left[0]), abs(left[1])) // least
-    return -most, most
 
 
 NodeT = TypeVar("NodeT", bound=Node)
@@ -239,7 +53,7 @@ class ArithmeticTranslator:
         self._source, self._target = source, target
         self._context = context
         self._notes = notes
-        self.types = ExpressionTypes(source, context)
+        self.types = ExpressionTypes(source, context.type_of)
         self._in_boxes = False
 
     def fitted(self, tree: NodeT) -> NodeT:
@@ -295,19 +109,19 @@ class ArithmeticTranslator:
         """What is assigned to a variable of a type."""
         if kind not in ORDER:
             new, made = self._fit(value, None)
-            if kind in _REALS and made in ORDER and new is not value:
+            if kind in REALS and made in ORDER and new is not value:
                 return _converted(new, made, kind)
             return new
         real = self.types.value(value).type
-        if real in _REALS and self._source is Dialect.SCL and self._target is not Dialect.SCL:
+        if real in REALS and self._source is Dialect.SCL and self._target is not Dialect.SCL:
             call = _converted(self._fit(value, None)[0], real, kind)  # other tools do not convert such values
             return call if isinstance(value, n.Call) else replace(call, span=value.span)
         new, made = self._fit(value, bits_of(kind))
         if made not in ORDER or self._target is Dialect.CODESYS:
             return new
-        is_bits = made in _BIT_STRINGS
+        is_bits = made in BIT_STRINGS
         narrower = bits_of(kind) < bits_of(made)
-        if new is not value and (narrower or is_bits is not (kind in _BIT_STRINGS)) and made != kind:
+        if new is not value and (narrower or is_bits is not (kind in BIT_STRINGS)) and made != kind:
             return _converted(new, made, kind)
         own = self.types.value(value)
         if narrower and isinstance(n.bare(value), n.Operation | n.Unary) and not own.loose:
@@ -327,13 +141,13 @@ class ArithmeticTranslator:
                 if new is inner:
                     return node, made
                 return (new if isinstance(new, n.Call | n.Name) else replace(node, inner=new)), made
-            case n.Operation(operator) if operator in _CALCULATING:
+            case n.Operation(operator) if operator in CALCULATING:
                 return self._calculation(node, operator, node.operands, want)
             case n.Unary(Operator.NEGATE, operand) if not self.types.value(node).loose:
                 return self._calculation(node, Operator.SUBTRACT, (operand,), want)
-            case n.Operation(operator, operands) if operator in _COMPARING and len(operands) == 2:
+            case n.Operation(operator, operands) if operator in COMPARING and len(operands) == 2:
                 return self._comparison(node, operands), "BOOL"
-            case n.Operation(operator) | n.Unary(operator) if operator in _LOGIC or operator is Operator.NOT:
+            case n.Operation(operator) | n.Unary(operator) if operator in LOGIC or operator is Operator.NOT:
                 return self._logic(node)
             case n.Call():
                 return self._call(node), self.types.value(node).type
@@ -352,27 +166,27 @@ class ArithmeticTranslator:
         if value.type not in ORDER:
             return self._other_calculation(node, operator, operands, value)
         source = value.type
-        if operator in _SUMS and not (want == 0 and any(map(self._divides, operands))):
+        if operator in SUMS and not (want == 0 and any(map(self._divides, operands))):
             inner: int | None = bits_of(source) if want is None else want
         else:
             inner = None
         pairs = [self._fit(each, inner) for each in operands]
         values = [self.types.value(each) for each in operands]
         made = self._made(pairs, values)
-        numbers = self._target is Dialect.SCL and any(kind in _BIT_STRINGS for _, kind in pairs)
+        numbers = self._target is Dialect.SCL and any(kind in BIT_STRINGS for _, kind in pairs)
         lost = want is not None and (want <= min(bits_of(made), bits_of(source)))
-        if bits_of(source) > bits_of(made) and not _fits(value, made) and not lost:
+        if bits_of(source) > bits_of(made) and not fits(value, made) and not lost:
             if inner is not None:  # the operands count with more bits now
                 pairs = [self._fit(each, bits_of(source)) for each in operands]
             self._doubt_sign(node, operator, values, value)
-            pairs = [self._wider(new, kind, _number_of(source)) for new, kind in pairs]
+            pairs = [self._wider(new, kind, number_of(source)) for new, kind in pairs]
             return self._with(node, pairs), self._made(pairs, values)
         if numbers:
-            wide = _number_of(made)
-            pairs = [self._number(*each, wide) if each[1] in _BIT_STRINGS else each for each in pairs]
+            wide = number_of(made)
+            pairs = [self._number(*each, wide) if each[1] in BIT_STRINGS else each for each in pairs]
             return self._with(node, pairs), self._made(pairs, values)
         new = self._with(node, pairs)
-        is_cut = bits_of(source) < bits_of(made) and not _fits(value, source) and not lost
+        is_cut = bits_of(source) < bits_of(made) and not fits(value, source) and not lost
         if is_cut and all(bits_of(each.type) <= bits_of(source) for each in values if not each.loose):
             return _converted(new, made, source), source
         return new, made
@@ -381,10 +195,10 @@ class ArithmeticTranslator:
         node = n.bare(node)
         return isinstance(node, n.Operation) and node.operator in (Operator.DIVIDE, Operator.MODULO)
 
-    def _made(self, pairs: list[tuple[Expression, str]], values: list[Value]) -> str:
+    def _made(self, pairs: list[tuple[Expression, str]], values: list[ElementaryValue]) -> str:
         """The type in which the target calculates with these operands."""
         types = [kind for _, kind in pairs if kind in ORDER]
-        return calculated_type(self._target, _common(self._target, types, values))
+        return calculated_type(self._target, operand_type(self._target, types, values))
 
     def _wider(self, node: Expression, kind: str, wide: str) -> tuple[Expression, str]:
         if kind not in ORDER or bits_of(kind) >= bits_of(wide):
@@ -393,7 +207,7 @@ class ArithmeticTranslator:
 
     def _number(self, node: Expression, kind: str, wide: str) -> tuple[Expression, str]:
         """A bit string as an integer: SCL has no arithmetic on bit strings."""
-        number = wide if bits_of(wide) > bits_of(kind) else _number_of(kind)
+        number = wide if bits_of(wide) > bits_of(kind) else number_of(kind)
         return _converted(node, kind, number), number
 
     def _with(self, node: n.Operation | n.Unary, pairs: list[tuple[Expression, str]]) -> Expression:
@@ -405,26 +219,28 @@ class ArithmeticTranslator:
             return node
         return replace(node, operands=new)
 
-    def _doubt_sign(self, node: Node, operator: Operator, values: list[Value], value: Value) -> None:
+    def _doubt_sign(
+        self, node: Node, operator: Operator, values: list[ElementaryValue], value: ElementaryValue
+    ) -> None:
         types = {each.type for each in values if not each.loose}
-        unsigned = types <= UNSIGNED | _BIT_STRINGS
+        unsigned = types <= UNSIGNED | BIT_STRINGS
         if unsigned and value.low < 0 and operator is Operator.SUBTRACT and self._source is Dialect.CODESYS:
             self._notes.add(Severity.WARNING, _SIGN_OF_DIFFERENCE.format(types=" and ".join(sorted(types))), node)
 
     def _other_calculation(
-        self, node: n.Operation | n.Unary, operator: Operator, operands: tuple[Expression, ...], value: Value
+        self, node: n.Operation | n.Unary, operator: Operator, operands: tuple[Expression, ...], value: ElementaryValue
     ) -> tuple[Expression, str]:
         """A calculation with real numbers, times or dates."""
         pairs = [self._fit(each, None) for each in operands]
-        if value.type in _REALS:
+        if value.type in REALS:
             pairs = [
                 (_converted(new, kind, value.type), value.type) if kind in ORDER and new is not old else (new, kind)
                 for (new, kind), old in zip(pairs, operands, strict=True)
             ]
         types = [self.types.value(each).type for each in operands]
-        if operator is Operator.SUBTRACT and value.type == "TIME" and not _INSTANTS & {*types}:
+        if operator is Operator.SUBTRACT and value.type == "TIME" and not INSTANTS & {*types}:
             self._note_sign_of_time(node)
-        if _INSTANTS & {*types} and Dialect.SCL in (self._source, self._target) and self._source is not self._target:
+        if INSTANTS & {*types} and Dialect.SCL in (self._source, self._target) and self._source is not self._target:
             names = " and ".join(sorted({*types} - {""}))
             reason = f"S7 calculates with {names} by T_ADD, T_SUB and T_DIFF"
             self._notes.add(Severity.ERROR, f"{reason}; left as it stands", node)
@@ -446,22 +262,22 @@ class ArithmeticTranslator:
         return self._with(node, pairs)
 
     def _comparable(
-        self, pairs: list[tuple[Expression, str]], values: list[Value], operands: tuple[Expression, ...]
+        self, pairs: list[tuple[Expression, str]], values: list[ElementaryValue], operands: tuple[Expression, ...]
     ) -> list[tuple[Expression, str]]:
         """Operands of a comparison of S7: numbers or bit strings, and literals that fit the type of the other."""
         kinds = [kind for _, kind in pairs if kind in ORDER]
         is_changed = any(new is not old for (new, _), old in zip(pairs, operands, strict=True))
-        if is_changed and len({kind in _BIT_STRINGS for kind in kinds}) > 1:
-            pairs = [self._number(*each, "DINT") if each[1] in _BIT_STRINGS else each for each in pairs]
+        if is_changed and len({kind in BIT_STRINGS for kind in kinds}) > 1:
+            pairs = [self._number(*each, "DINT") if each[1] in BIT_STRINGS else each for each in pairs]
         for index, value in enumerate(values):
             kind = pairs[1 - index][1]
-            if not value.loose or kind not in ORDER or _fits(value, kind) or value.low != value.high:
+            if not value.loose or kind not in ORDER or fits(value, kind) or value.low != value.high:
                 continue
-            if kind in _BIT_STRINGS:
+            if kind in BIT_STRINGS:
                 pairs[1 - index] = self._number(*pairs[1 - index], "DINT")
                 kind = pairs[1 - index][1]
-            least = next(each for each in ("DINT", "LINT", "ULINT") if _fits(value, each))
-            text = str(value.low) if _fits(value, kind) else f"{least}#{value.low}"
+            least = next(each for each in ("DINT", "LINT", "ULINT") if fits(value, each))
+            text = str(value.low) if fits(value, kind) else f"{least}#{value.low}"
             pairs[index] = (replace(cast("n.Literal", _plain(operands[index])), text=text), least)
         return pairs
 
@@ -470,7 +286,7 @@ class ArithmeticTranslator:
         pairs = [self._fit(each, None) for each in operands]
         value = self.types.value(node)
         kinds = {kind for _, kind in pairs if kind in ORDER}
-        if self._target is not Dialect.SCL or value.type not in ORDER or not kinds - _BIT_STRINGS:
+        if self._target is not Dialect.SCL or value.type not in ORDER or not kinds - BIT_STRINGS:
             return self._with(node, pairs), value.type
         widths = {bits_of(kind) for kind in kinds}
         literals = [self.types.value(each) for each in operands]
@@ -480,20 +296,20 @@ class ArithmeticTranslator:
             reason = f"SCL has no {word} of {' and '.join(sorted(kinds))}; left as it stands"
             self._notes.add(Severity.ERROR, reason, node)
             return self._with(node, pairs), value.type
-        bits = _bits_as_wide_as(next(iter(kinds)))
+        bits = bits_as_wide_as(next(iter(kinds)))
         made: list[tuple[Expression, str]] = []
         for (new, kind), number in zip(pairs, literals, strict=True):
             if number.loose and isinstance(_plain(new), n.Literal):
                 made.append((replace(cast("n.Literal", _plain(new)), text=f"16#{number.low:X}"), bits))
             else:
-                made.append((new, kind) if kind in _BIT_STRINGS else (_converted(new, kind, bits), bits))
+                made.append((new, kind) if kind in BIT_STRINGS else (_converted(new, kind, bits), bits))
         result = self._with(node, made)
-        return (result, bits) if value.type in _BIT_STRINGS else (_converted(result, bits, value.type), value.type)
+        return (result, bits) if value.type in BIT_STRINGS else (_converted(result, bits, value.type), value.type)
 
     def _call(self, call: n.Call) -> n.Call:
         new = []
         name = call.callee.identifier.upper() if isinstance(call.callee, n.Name) else ""
-        found = _CONVERSION.fullmatch(name)
+        found = CONVERSION.fullmatch(name)
         for position, argument in enumerate(call.arguments):
             value = argument.value
             if value is None or argument.output:
@@ -504,11 +320,11 @@ class ArithmeticTranslator:
                 changed, made = self._fit(value, min(widths))
                 if changed is not value and made in ORDER and bits_of(made) > bits_of(found["source"]):
                     changed = _converted(changed, made, found["source"])
-            elif found is not None or name in _OF_ONE_TYPE:
+            elif found is not None or name in OF_ONE_TYPE:
                 changed = self._fit(value, None)[0]
             else:
                 kind = self._context.parameter_type(call, position) if self._context.parameter_type else ""
-                changed = self._stored(value, kind) if kind in ORDER or kind in _REALS else self._fit(value, 0)[0]
+                changed = self._stored(value, kind) if kind in ORDER or kind in REALS else self._fit(value, 0)[0]
             new.append(argument if changed is value else replace(argument, value=changed))
         callee = call.callee if isinstance(call.callee, n.Name) else cast("Expression", self._node(call.callee))
         same = callee is call.callee and all(a is b for a, b in zip(new, call.arguments, strict=True))

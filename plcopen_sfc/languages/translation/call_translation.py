@@ -8,10 +8,10 @@ from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Argument, Expression, Operator
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
-from plcopen_sfc.languages.translation.arithmetic_translation import ExpressionTypes
 from plcopen_sfc.languages.translation.function_translation import (
     ONLY_CODESYS,
     S7_TIMERS_AND_COUNTERS,

@@ -8,12 +8,12 @@ from typing import Any, TypeVar, cast
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Node, Operator, Quoting, Statement
 from plcopen_sfc.languages.st.walking import parts, transform, walk
 from plcopen_sfc.languages.translation.address_translation import translated_address, translated_part
-from plcopen_sfc.languages.translation.arithmetic_translation import ExpressionTypes
 from plcopen_sfc.languages.translation.call_translation import CallTranslator
 from plcopen_sfc.languages.translation.literal_translation import translated_literal
 from plcopen_sfc.languages.translation.name_translation import NameTranslator
@@ -133,7 +133,7 @@ class TreeTranslator:
         self._source, self._target = source, target
         self._notes = notes
         self._names = NameTranslator(tree, source, target, context, notes)
-        types = ExpressionTypes(source, context)
+        types = ExpressionTypes(source, context.type_of)
         self._calls = CallTranslator(source, target, self._names, notes, self._expression, types=types)
         self._steps = StepTranslator(context.steps, notes) if context.steps is not None else None
         self._enumerations = {name.casefold() for name in context.enumerations}

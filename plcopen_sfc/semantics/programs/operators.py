@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.arithmetic import ORDER, calculated_type, common_type
+from plcopen_sfc.languages.expression_types import ORDER, calculated_type, common_type
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.semantics.programs import runtime
