@@ -16,9 +16,9 @@ from plcopen_sfc.analysis.unreachable import Unreachable
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model import conditions
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.semantics.charts.chart_coverage import Origin
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
+from plcopen_sfc.semantics.charts.step_state import Origin
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.programs.marks import Branch
 

@@ -19,9 +19,9 @@ from plcopen_sfc.errors import ModelError, SfcError, SimulationError
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.charts import compile_chart
-from plcopen_sfc.semantics.charts.chart_coverage import Reached
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
+from plcopen_sfc.semantics.charts.step_state import Reached
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.controller import Controller, Instance
 from plcopen_sfc.semantics.programs.marks import Marks

@@ -2,8 +2,8 @@
 
 `app` declares the commands, `options` their options, `commands` has one module for what each does. `configuration`
 reads pyproject.toml, `reading` finds and loads files, `guard` turns errors into messages and exit codes. `screen`
-prints, with `tables`, `outline` and `wording` of charts, `summary` of files, and `sarif`. Exit codes: 0 fine, 1
-findings or differences, 2 wrong usage or unreadable input.
+prints, with the `outline` of charts and the `summary` of files. Exit codes: 0 fine, 1 findings or differences, 2 wrong
+usage or unreadable input.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Program text, conditions and values in a form that can be compared.
 
 A text has the same meaning as another if both are the same, or have the same normal form
-(`plcopen_sfc.languages.networks.normal_form`), or, of conditions, if z3 proves that one is TRUE whenever the other is.
+(`plcopen_sfc.languages.networks.values`), or, of conditions, if z3 proves that one is TRUE whenever the other is.
 The forms are made only where the texts differ: most texts of a conversion do not.
 """
 

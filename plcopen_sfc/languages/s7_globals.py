@@ -14,7 +14,7 @@ from plcopen_sfc.languages.binding import Kind, Names
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.s7_types import s7_types
-from plcopen_sfc.languages.translation.address_translation import translated_address
+from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.model.base import Carried, ForeignData
 from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Project, Tag, TagTable, TreeNode

@@ -5,7 +5,7 @@
 * Projects: `project`, `project_object`, `pou`, `variables`, `types`, `body`, `network`, `dialect`.
 * Charts: `sfc`, `actions`, `conditions`, `times`; `drawing`, and `wiring`, which interprets its wires.
 * Every object: `base`, `checked` (fields are checked), `owners` (what it is in), `text` (comments), `late` (read at the
-  first access), `copying`, `compare`, `numbering`.
+  first access), `compare`, `numbering`.
 """
 
 from __future__ import annotations

@@ -7,8 +7,7 @@ from textwrap import dedent
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.cli.outline import outline
-from plcopen_sfc.cli.wording import Wording
+from plcopen_sfc.cli.outline import Wording, outline
 from plcopen_sfc.model import (
     ActionAssociation,
     Connection,

@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from plcopen_sfc.cli.reading import expand
-from plcopen_sfc.cli.tables import Table
+from plcopen_sfc.cli.screen import Table
 from plcopen_sfc.errors import FileAccessError
 
 TABLE = Table(

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.cli.tables import Table
+from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import FORMATS
 

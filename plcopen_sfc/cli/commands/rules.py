@@ -8,8 +8,7 @@ from typing import Any
 from plcopen_sfc.analysis.checks import RULES, Rule
 from plcopen_sfc.analysis.checks.check_run import selected
 from plcopen_sfc.analysis.checks.rule_table import catalogue, in_profiles
-from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.cli.tables import Table
+from plcopen_sfc.cli.screen import Screen, Table
 
 
 def run(screen: Screen, codes: Sequence[str], *, markdown: bool) -> int:

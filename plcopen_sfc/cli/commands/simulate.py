@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from plcopen_sfc.cli.reading import load_input
-from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.cli.tables import Table
+from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.errors import InputError, SimulationError
 from plcopen_sfc.files import refuse_unwritable
 from plcopen_sfc.semantics.inputs import CsvInputs, InputSource, RandomInputs

@@ -30,7 +30,7 @@ from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES
 from plcopen_sfc.languages.start_values import filled
 from plcopen_sfc.languages.translation import NameScope, Renames
-from plcopen_sfc.languages.translation.address_translation import translated_address
+from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.renames import identifier, kept_names
 from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind

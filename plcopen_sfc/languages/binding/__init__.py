@@ -4,7 +4,7 @@
 (`BoundBody.uses`), what it reads, writes and calls (`BoundBody.effects`), and what of it is not known. `texts_in` gives
 the texts of any other object of the model. `Names` tells what a project declares and where it is used.
 
-`text_sites` has the places of the model that hold text, `name_sites` and `declaration_sites` the names in them;
+`text_sites` has the places of the model that hold text, `name_sites` the names in them;
 `symbols` are declarations, `name_scopes` where they are visible, `name_resolution` which of them a name means.
 """
 

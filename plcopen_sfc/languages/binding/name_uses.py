@@ -7,9 +7,16 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.languages.binding.declaration_sites import in_declarations, in_repeated_list
 from plcopen_sfc.languages.binding.name_resolution import Resolver
-from plcopen_sfc.languages.binding.name_sites import Reference, in_expression, in_instructions, in_statements, unread
+from plcopen_sfc.languages.binding.name_sites import (
+    Reference,
+    in_declarations,
+    in_expression,
+    in_instructions,
+    in_repeated_list,
+    in_statements,
+    unread,
+)
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level, Meaning
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import Dialect

@@ -22,7 +22,6 @@ from plcopen_sfc.languages.networks.network_drawing import (
     draw_ld_expression,
 )
 from plcopen_sfc.languages.networks.network_reading import body_statements, network_expression, network_statements
-from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.results import (
     Helper,
     NetworkExpression,
@@ -30,6 +29,7 @@ from plcopen_sfc.languages.networks.results import (
     NetworkStatements,
     NetworkText,
 )
+from plcopen_sfc.languages.networks.values import normal_form
 
 __all__ = [
     "DrawingRules",

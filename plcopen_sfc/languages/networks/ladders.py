@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from plcopen_sfc.languages.networks.drafting import Drafter
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, is_boolean_result
-from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.pictures import (
     GRID,
     ROW,
@@ -20,7 +19,7 @@ from plcopen_sfc.languages.networks.pictures import (
     placed,
     text_width,
 )
-from plcopen_sfc.languages.networks.values import TRUE, is_true, joined
+from plcopen_sfc.languages.networks.values import TRUE, is_true, joined, normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.effects import is_repeatable, is_variable, path_of
 from plcopen_sfc.languages.st.nodes import Expression, Operator

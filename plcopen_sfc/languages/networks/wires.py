@@ -13,9 +13,8 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.networks.network_graph import Graph, Source
-from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
-from plcopen_sfc.languages.networks.values import Factor, Product, expression_of
+from plcopen_sfc.languages.networks.values import Factor, Product, expression_of, normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.effects import (
     Path,

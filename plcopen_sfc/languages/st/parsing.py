@@ -18,8 +18,7 @@ from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.builder import Builder
 from plcopen_sfc.languages.st.builder_declarations import DeclarationBuilder
-from plcopen_sfc.languages.st.declaration_nodes import Declarations
-from plcopen_sfc.languages.st.declaration_words import tokenize_declarations
+from plcopen_sfc.languages.st.declaration_nodes import Declarations, tokenize_declarations
 from plcopen_sfc.languages.st.lexer import Comment, Token, tokenize
 from plcopen_sfc.languages.st.nodes import Node
 from plcopen_sfc.languages.st.recovery import Reading

@@ -13,9 +13,12 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Node, Operator, Quoting, Statement
 from plcopen_sfc.languages.st.walking import parts, transform, walk
-from plcopen_sfc.languages.translation.address_translation import translated_address, translated_part
 from plcopen_sfc.languages.translation.call_translation import CallTranslator
-from plcopen_sfc.languages.translation.literal_translation import translated_literal
+from plcopen_sfc.languages.translation.literal_translation import (
+    translated_address,
+    translated_literal,
+    translated_part,
+)
 from plcopen_sfc.languages.translation.name_translation import NameTranslator
 from plcopen_sfc.languages.translation.translation_context import (
     TITLES,

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, Expression, Qualifier
-from plcopen_sfc.semantics.charts.chart_coverage import Origin, Reached
 from plcopen_sfc.semantics.charts.qualifier_control import (
     OFF,
     ON,
@@ -24,6 +23,7 @@ from plcopen_sfc.semantics.charts.qualifier_control import (
     StandardControl,
 )
 from plcopen_sfc.semantics.charts.situation_plans import MOST_PLANS, Run, Write, execution
+from plcopen_sfc.semantics.charts.step_state import Origin, Reached
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.routines import Routines

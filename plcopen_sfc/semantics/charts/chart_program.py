@@ -14,13 +14,12 @@ from plcopen_sfc.semantics.charts.chart_actions import (
     check_associations,
     check_step_actions,
 )
-from plcopen_sfc.semantics.charts.chart_coverage import Reached
 from plcopen_sfc.semantics.charts.grafcet.grafcet_program import Grafcet, has_grafcet
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import check_no_graph
 from plcopen_sfc.semantics.charts.qualifier_control import Change
 from plcopen_sfc.semantics.charts.sfc_flags import Flags, Order, Tip, analysis
 from plcopen_sfc.semantics.charts.situation_plans import Plan, Plans, Run, Watch
-from plcopen_sfc.semantics.charts.step_state import Steps, forgetting, tick
+from plcopen_sfc.semantics.charts.step_state import Reached, Steps, forgetting, tick
 from plcopen_sfc.semantics.charts.transition_firing import NOTHING, Cleared, Move, choice, testing_order, watched
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables

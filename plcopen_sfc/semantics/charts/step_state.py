@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
+from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
@@ -14,6 +15,36 @@ from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, Element
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
+
+
+class Origin(NamedTuple):
+    """Origin of an action: steps as bits, and the association; None for a step action."""
+
+    steps: int
+    association: ActionAssociation | None
+
+
+class Reached:
+    """Steps entered, transitions fired and actions executed, as bits.
+
+    `labels` names the actions, `origins` tells for each of them what executes it. All instances of a chart count
+    together.
+    """
+
+    __slots__ = ("actions", "labels", "origins", "steps", "transitions")
+
+    def __init__(self) -> None:
+        self.steps = 0
+        self.transitions = 0
+        self.actions = 0
+        self.labels: list[str] = []
+        self.origins: list[tuple[Origin, ...]] = []
+
+    def action(self, label: str, origins: Iterable[Origin]) -> int:
+        """Note that there is an action; the bit that stands for it."""
+        self.labels.append(label)
+        self.origins.append(tuple(origins))
+        return 1 << len(self.labels) - 1
 
 
 def override(scope: Scope, name: str, type_: Type) -> int:

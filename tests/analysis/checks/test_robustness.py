@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
-from plcopen_sfc.cli.sarif import sarif
+from plcopen_sfc.cli.commands.check import sarif
 from plcopen_sfc.model import (
     ActionAssociation,
     ActionEvent,

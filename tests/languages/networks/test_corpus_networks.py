@@ -17,8 +17,8 @@ from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
 from plcopen_sfc.languages.networks.drawn_conditions import chart_statements, condition_expression
 from plcopen_sfc.languages.networks.network_drawing import draw_fbd, draw_ld
 from plcopen_sfc.languages.networks.network_reading import body_statements
-from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkStatements
+from plcopen_sfc.languages.networks.values import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.model import (
     Body,

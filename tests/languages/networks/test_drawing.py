@@ -14,7 +14,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.networks.network_drawing import draw_fbd, draw_fbd_expression, draw_ld, draw_ld_expression
 from plcopen_sfc.languages.networks.network_reading import body_statements, network_expression
-from plcopen_sfc.languages.networks.normal_form import normal_form
+from plcopen_sfc.languages.networks.values import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.standard_blocks import Tool

@@ -19,8 +19,7 @@ from plcopen_sfc.languages.networks.network_drawing import (
     draw_ld_expression,
 )
 from plcopen_sfc.languages.networks.network_reading import body_statements, network_expression
-from plcopen_sfc.languages.networks.normal_form import normal_form
-from plcopen_sfc.languages.networks.values import inverted
+from plcopen_sfc.languages.networks.values import inverted, normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.st.printing import print_node

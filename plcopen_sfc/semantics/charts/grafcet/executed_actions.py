@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.semantics.charts.chart_actions import Actions, Owner
-from plcopen_sfc.semantics.charts.chart_coverage import Origin, Reached
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import Terms
 from plcopen_sfc.semantics.charts.qualifier_control import Change
 from plcopen_sfc.semantics.charts.situation_plans import Run
+from plcopen_sfc.semantics.charts.step_state import Origin, Reached
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import Frame

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.model import ActionAssociation, Condition
 from plcopen_sfc.semantics.charts.chart_actions import Owner
-from plcopen_sfc.semantics.charts.chart_coverage import Reached
 from plcopen_sfc.semantics.charts.grafcet.executed_actions import GrafcetActions
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import Terms
+from plcopen_sfc.semantics.charts.step_state import Reached
 from plcopen_sfc.semantics.charts.transition_firing import Cleared, Move
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile

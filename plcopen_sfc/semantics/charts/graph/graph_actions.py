@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.semantics.charts.chart_actions import Owner, missing_time
-from plcopen_sfc.semantics.charts.chart_coverage import Origin, Reached
 from plcopen_sfc.semantics.charts.situation_plans import Run, Write, execution
+from plcopen_sfc.semantics.charts.step_state import Origin, Reached
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import ELAPSED, ELEMENTARY, INSTANT, Frame

@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Any
 from plcopen_sfc.errors import UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionEvent, SfcNetwork
 from plcopen_sfc.semantics.charts.chart_actions import Owner, check_associations, check_step_actions
-from plcopen_sfc.semantics.charts.chart_coverage import Reached
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.charts.graph.graph_actions import SWITCHES, GraphActions, Happening
 from plcopen_sfc.semantics.charts.graph.graph_parameters import Commands, Mode, Parameters
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import Checked, StepConditions, programmed
 from plcopen_sfc.semantics.charts.situation_plans import MOST_PLANS, Run
-from plcopen_sfc.semantics.charts.step_state import Steps, T, X, override, tick
+from plcopen_sfc.semantics.charts.step_state import Reached, Steps, T, X, override, tick
 from plcopen_sfc.semantics.charts.transition_firing import NOTHING, Move, choice, watched
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Profile
