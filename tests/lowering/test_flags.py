@@ -105,6 +105,21 @@ def test_timed_actions_of_initial_steps_are_set_back(rest: str, run: str, constr
     assert {"SFCReset", "SFCInit"} <= set(proof.inputs)
 
 
+@pytest.mark.parametrize("flags", ["SFCReset", "SFCInit", "SFCReset, SFCInit"])
+@pytest.mark.parametrize(
+    "run", ["q(N);", "q(N); r(L, T#20ms);", "q(N); r(S);", "q(N); r(SD, T#20ms);", "q(N); Other(N);"]
+)
+@pytest.mark.parametrize(("construction", "language"), [("case", "ST"), ("bits", "ST"), ("flipflop", "FBD")])
+def test_variables_that_others_could_write_are_set_back(flags: str, run: str, construction: str, language: str) -> None:
+    """Outputs are global variables in most plants: no assignment in every scan resets them."""
+    text = RESTING.format(rest="", run=run).replace("SFCReset, SFCInit", flags)
+    text = text.replace("VAR_OUTPUT q", "VAR_OUTPUT RETAIN q")
+    text = text.replace("END_PROGRAM", "ACTION Other: r := a AND NOT q; END_ACTION END_PROGRAM")
+    proof = lower(sfc.loads(text.encode(), format="iec-text"), construction, language=language, profile="codesys").proof
+    assert proof is not None
+    assert proof.proven, str(proof)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("flags", [("SFCTip", "SFCTipMode"), ("SFCTip",), ("SFCTipMode",), ("SFCTip", "SFCReset")])
 @pytest.mark.parametrize(("construction", "language"), FORMS)

@@ -213,7 +213,13 @@ class _Execution:
             ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), driven, statements)
             statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
+            self._end_when_set_back(driven, action.target)
         self._code.add(self._texts.action(action.name), statements, self._captions(action))
+
+    def _end_when_set_back(self, driven: Expression, target: Expression) -> None:
+        """Reset a variable that its action has set when SFCInit or SFCReset ends the action: nothing else does."""
+        ended = self._memory.conditional("", driven, [assignment(target, FALSE)])
+        self._memory.ends += [*ended, assignment(driven, FALSE)]
 
     def _decide(self, action: ActionSource, control: SequentialControlCode, statements: list[Statement]) -> None:
         """Write a variable where its associations decide on it."""
@@ -252,6 +258,7 @@ class _Execution:
                 else:
                     ended = self._memory.falling(self._texts.with_suffix(name, "end"), driven, deciding)
                     ending += self._memory.conditional("", ended, rest)
+                    self._end_when_set_back(driven, action.target)
                 acting.append((replace(action, statements=(on,)), driven))
                 continue
             if not is_constant(single, FALSE):

@@ -11,6 +11,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import string_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.actions.action_execution import OwnVariables
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -219,8 +220,10 @@ class SfcFlagCode:
         code.add(self._texts.actions_end, statements, place=0)
 
     def _ended_targets(self) -> list[Statement]:
-        targets = (action.target for action in self._source.actions)
-        return [assignment(target, FALSE) for target in targets if target is not None]
+        """Return the end of the variables that are written in every scan; those of the others is in `Memory.ends`."""
+        owned = OwnVariables(self._source)
+        targets = (action.target for action in self._source.actions if action.target is not None)
+        return [assignment(target, FALSE) for target in targets if owned.is_false_at_rest(target)]
 
     # -- transitions
 

@@ -281,10 +281,11 @@ class Actions:
         """End everything, what is stored too, without executing anything: Boolean variables become FALSE."""
         v = frame.v
         for action in self._actions:
-            if v[action.out] or v[self._busy] & action.bit:
+            was_on = v[action.out]
+            if was_on or v[self._busy] & action.bit:
                 for slot, value in action.memory:
                     v[slot] = value
-                if action.write is not None:
+                if action.write is not None and was_on:
                     action.write(frame, False)
         v[self._busy] = 0
 
