@@ -1,5 +1,7 @@
 """The standard function blocks while a program runs: flip-flops, edges, counters and timers (ed. 3, 6.6.3.5).
 
+Of the library Util of CODESYS there is BLINK, which projects use for lamps.
+
 Every block is a function of the slots of its instance. Timers keep the instant at which they were started in a slot
 of the type INSTANT, so that a snapshot does not depend on when it is taken.
 """
@@ -153,6 +155,20 @@ def accumulate(frame: Frame, now: int, unit: int) -> None:
         v[2] = v[2] or v[3] >= v[1]
 
 
+def blink(frame: Frame, now: int, unit: int) -> None:  # noqa: ARG001
+    """BLINK of the library Util of CODESYS: OUT is TRUE for TIMEHIGH, then FALSE for TIMELOW, and so on.
+
+    While ENABLE is FALSE, OUT keeps its value (CODESYS, Util, BLINK). Each rising edge of ENABLE begins with TRUE.
+    """
+    v = frame.v
+    if not v[0]:
+        v[4] = None
+    elif v[4] is None:
+        v[3], v[4] = True, now
+    elif now - v[4] >= (v[2] if v[3] else v[1]):
+        v[3], v[4] = not v[3], now
+
+
 _TIMERS: dict[str, Callable[[Frame, int, int], None]] = {
     "TON": on_delay,
     "TOF": off_delay,
@@ -171,6 +187,7 @@ _BISTABLE = {
     "F_TRIG": ("CLK:BOOL > Q:BOOL - M:BOOL", falling),
 }
 _TIMER_PINS = "IN:BOOL PT:TIME > Q:BOOL ET:TIME - START:INSTANT LAST:BOOL"
+_BLINK_PINS = "ENABLE:BOOL TIMELOW:TIME TIMEHIGH:TIME > OUT:BOOL - START:INSTANT"
 _S7_TYPES = re.compile(
     r"(?P<block>TONR|TON|TOF|TP)_(?P<time>L?TIME)|IEC_(?P<timer>L?TIMER)"
     r"|(?P<counter>CTUD|CTU|CTD)_(?P<of>[US]?S?[ID]?[IL]?NT)|IEC_(?P<any>[US]{0,2}D?)COUNTER",
@@ -219,6 +236,9 @@ class BlockTypes:
         if name in _COUNTERS:
             codesys = self._dialect in (Dialect.CODESYS, Dialect.TWINCAT)
             return self._counter(name, name, self._type("WORD" if codesys else "INT"))
+        if name == "BLINK" and self._dialect is Dialect.CODESYS:
+            time = self._type("TIME")
+            return BlockType(_layout(name, _BLINK_PINS, time, time), self._timed(blink, time.unit), {})
         found = _S7_TYPES.fullmatch(name)
         if found is None:
             return None

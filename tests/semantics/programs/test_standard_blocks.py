@@ -212,3 +212,27 @@ def test_counters_stop_at_the_end_of_their_type() -> None:
         instance.scan()
     assert instance["a.CV"] == 127
     assert instance["a.Q"] is True
+
+
+def test_blink_of_codesys() -> None:
+    """TRUE for TIMEHIGH first, then FALSE for TIMELOW; without ENABLE the output stays (CODESYS, Util, BLINK)."""
+    call = "b(ENABLE := x, TIMELOW := T#20ms, TIMEHIGH := T#30ms);"
+    instance = block("BLINK", call, "x : BOOL;", Dialect.CODESYS)
+    given = [0, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1]
+    seen = []
+    for number, x in enumerate(given):
+        instance["x"] = bool(x)
+        scan_at(instance, number * 10)
+        seen.append(int(instance["b.OUT"]))
+    assert seen == [0, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 0]
+
+
+def test_a_block_of_the_project_is_no_block_of_a_library() -> None:
+    own = "VAR_INPUT ENABLE : BOOL; END_VAR VAR_OUTPUT OUT : BOOL; END_VAR OUT := ENABLE;"
+    own = f"FUNCTION_BLOCK BLINK {own} END_FUNCTION_BLOCK"
+    text = f"PROGRAM Main VAR_INPUT x : BOOL; END_VAR VAR b : BLINK; END_VAR b(ENABLE := x); END_PROGRAM {own}"
+    instance = start(text, Dialect.CODESYS)
+    for x in (True, False):
+        instance["x"] = x
+        instance.scan()
+        assert instance["b.OUT"] is x
