@@ -36,9 +36,15 @@ __all__ = ["Directed", "DirectedSearch", "Step"]
 
 _PATTERN_SCANS = 40
 _WAITS = 40
-"""Scans of one wait, not counting those in which nothing but clocks goes on."""
+"""Scans of one wait, besides those around the end of each time."""
+
+_AROUND_END = 2 + STEADY
+"""Scans that run around the end of a time while nothing but clocks goes on."""
 
 _FLIPS = 24
+_HOPES = 4
+"""Transitions of a state for which single inputs are changed."""
+
 _VALUES = 8
 _MOST_VALUES = 60
 """Of an input, with those that conditions want."""
@@ -298,16 +304,24 @@ class DirectedSearch:
 
     def _push(self, number: int) -> None:
         state = self._states[number]
-        enabled = set()
-        if state.key is not None:
-            enabled = {id(goal) for goal in self._goals.enabled(state.key[0])}
-        is_near = any(id(goal) in enabled for goal in self._frontier)
-        heapq.heappush(self._waiting, (state.rounds, not is_near, 0.0, -number if is_near else number, number))
+        is_near = self._is_near(state)
+        order = (0.0, -number) if is_near else (state.distance, number)
+        heapq.heappush(self._waiting, (state.rounds, not is_near, *order, number))
+
+    def _is_near(self, state: _State) -> bool:
+        """True if a step is active in which something is looked at that is wanted."""
+        if state.key is None:
+            return False
+        markings = state.key[0]
+        return any(steps & markings[chart] for goal in self._frontier for chart, steps in goal.places)
 
     def _next(self) -> int:
         while True:
-            *_, number = heapq.heappop(self._waiting)
+            _, was_far, *_, number = heapq.heappop(self._waiting)
             state = self._states[number]
+            if not was_far and not self._is_near(state):  # what it was near to was reached meanwhile
+                self._push(number)
+                continue
             if state.rounds == 0 or self._by_key.get(state.key) == number:  # else a nearer one is in its place
                 return number
 
@@ -346,11 +360,14 @@ class DirectedSearch:
                     rows.append(row)
             return values is not None
 
+        hoped: list[Row] = []
         for goal in enabled:
             others = [each for each in enabled if each is not goal and each.tree is not None]
             before = [each for each in others if each.sources & goal.sources and each.chart == goal.chart]
-            if not add(self._goals.solve([goal], others)) and not add(self._goals.solve([goal], before)):
-                add(self._goals.solve([goal], []))
+            solved = add(self._goals.solve([goal], others)) or add(self._goals.solve([goal], before))
+            if not (solved or add(self._goals.solve([goal], []))) and goal in self._frontier:
+                values = self._goals.solve([goal], [], hoping=True)
+                hoped += [{**state.row, **values}] if values is not None else []
         if enabled:
             held = self._goals.solve([], enabled)
             add(held, self._quiet)  # where an action adds up an input, nothing but clocks goes on only while that is 0
@@ -373,6 +390,22 @@ class DirectedSearch:
         for values in bounds:
             self._begin(number)
             self._scan({**state.row, **values})
+        for row in hoped[:_HOPES]:
+            self._hope(number, row)
+
+    def _hope(self, number: int, row: Row) -> None:
+        """Change single inputs with a condition TRUE as far as inputs decide it: a called block may decide the rest.
+
+        Its output counts in the scan in which it is called, such as the pulse of an edge.
+        """
+        self._begin(number)
+        if self._scan(row):
+            self._wait(row)
+        before = self._states[number].row
+        for name in [each for each in self._read if self._signals[each].kind is SignalKind.BOOL][:_FLIPS]:
+            self._begin(number)
+            if self._scan({**row, name: not before[name]}):
+                self._scan({**row, name: before[name]})
 
     def _at_bound(self, found: Row | None) -> list[Row]:
         """Return values of inputs at which a comparison changes, and with the real numbers beside them."""
@@ -388,7 +421,7 @@ class DirectedSearch:
         markings = self._goals.markings()
         steady = 0
         seen: Any = None
-        for _ in range(_WAITS):
+        for _ in range(_WAITS + _AROUND_END * len(self._clock.constants)):
             virtual = 0
             if steady >= STEADY:
                 ends = [each.next_end(self._clock) for each in self._clocks]
@@ -396,7 +429,12 @@ class DirectedSearch:
                 if not known:
                     return
                 virtual = max(min(known) - 2, 0)
-            if not self._scan(row, virtual=virtual) or self._goals.markings() != markings:
+            if not self._scan(row, virtual=virtual):
+                return
+            if self._goals.markings() != markings:
+                for _ in range(STEADY):  # pulses that the change begins: of what has come nearer they tell nothing yet
+                    if not self._scan(row):
+                        return
                 return
             now = [each.still() for each in self._clocks]
             steady = steady + 1 if now == seen else 0

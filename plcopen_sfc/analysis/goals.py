@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date, timedelta
+from functools import cached_property
 from itertools import chain, islice
 from typing import Any
 
@@ -25,6 +26,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.literals import literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Operator
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
@@ -45,6 +47,8 @@ _OPPOSITE = {
     Operator.LESS_OR_EQUAL: Operator.GREATER,
 }
 _FAR = 1e15
+_STORED = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
+_ELAPSED = frozenset({"T", "ET"})
 _MOST_BRANCHES = 600
 
 
@@ -56,6 +60,7 @@ class Goal:
     `distance` tells how far the values of variables that are no inputs are from it; 0 where inputs alone decide.
     `part`: a part of a condition that decides it then; `action`: the bit of an action that it executes; `tries`: how
     often inputs that were to do it have not done it; `has_inputs`: it may be solved, as far as that was looked at.
+    `places`: numbers of charts, and bits of steps in one of which it is looked at, as far as that is known.
     """
 
     name: str
@@ -68,6 +73,7 @@ class Goal:
     action: int = 0
     has_inputs: bool = True
     tries: int = 0
+    places: Sequence[tuple[int, int]] = ()
     own: frozenset[str] = frozenset()
     distance: Distance = lambda: 0.0
     _formula: _Solving | None = field(default=None, repr=False)
@@ -115,7 +121,8 @@ class Goals:
 
     def _of_transition(self, number: int, transition: NetTransition) -> Goal:
         pou = self._system.subject.pou
-        goal = Goal(transition.path, None, number, transition.bit, transition.pre)
+        place = [(number, transition.pre)]
+        goal = Goal(transition.path, None, number, transition.bit, transition.pre, places=place)
         if transition.transition.condition is None:
             return goal
         read = condition_of(transition.chart, transition.transition, self._project.dialect, transitions=pou.transitions)
@@ -143,7 +150,39 @@ class Goals:
             tree = normal_form(joined(Operator.AND, branch.guards))
             goal = Goal(branch.condition, tree, branch=number)
             goal.distance = self._distance(tree, wanted=True)
+            goal.places = self._steps_asked(tree) or self._executing.get(branch.owner.casefold(), ())
             goals.append(goal)
+
+    @cached_property
+    def _executing(self) -> Mapping[str, list[tuple[int, int]]]:
+        """The steps that execute a text only while they are active, by the name of its owner."""
+        own, found = self._system.subject.pou.name, dict[str, list[tuple[int, int]]]()
+        for number, (chart, _) in enumerate(self.charts):
+            for step in chart.net.steps if chart in self._own else ():
+                at, model = (number, step.bit), step.step
+                names = [each for each in (model.entry_action, model.main_action, model.exit_action) if each]
+                names += [each.target for each in model.actions if each.target and each.qualifier not in _STORED]
+                owners = [f"{own}.{name}" for name in names if isinstance(name, str)]
+                for owner in (*owners, f"{own} / step {step.path}"):
+                    found.setdefault(owner.casefold(), []).append(at)
+        return found
+
+    def _steps_asked(self, tree: Expression) -> list[tuple[int, int]]:
+        """The steps whose flags a conjunction asks for."""
+        match tree:
+            case n.Parenthesized(inner):
+                return self._steps_asked(inner)
+            case n.Operation(Operator.AND | Operator.AND_THEN, operands):
+                return [at for each in operands for at in self._steps_asked(each)]
+            case n.Member(n.Name() as step, member) if member.identifier.upper() == "X":
+                key = step.identifier.casefold()
+                return [
+                    (number, each.bit)
+                    for number, (chart, _) in enumerate(self.charts)
+                    for each in chart.net.steps
+                    if each.step.name.casefold() == key
+                ]
+        return []
 
     def _of_actions(self, number: int) -> Iterator[Goal]:
         """The conditions of the associations of actions."""
@@ -264,8 +303,8 @@ class Goals:
         return found if found is not None or not competing else self.solve([goal], [])
 
     def markings(self) -> tuple[int, ...]:
-        """The present situations of all charts."""
-        return tuple([chart.marking(frame) for chart, frame in self.charts])
+        """The situations of all charts in which the next scan begins."""
+        return tuple([chart.situation(frame) for chart, frame in self.charts])
 
     # -- how far
 
@@ -292,8 +331,8 @@ class Goals:
 
     def _compared(self, operator: Operator, left: Expression, right: Expression) -> Distance:
         first, second = self._value(left), self._value(right)
-        if first is None or second is None:
-            return _nothing
+        if first is None or second is None or any(map(self._is_elapsed, (left, right))):
+            return _nothing  # a time that runs comes nearer by itself
 
         def distance() -> float:
             a, b = first(), second()
@@ -313,6 +352,10 @@ class Goals:
             return float(max(b - a, 0))
 
         return distance
+
+    def _is_elapsed(self, tree: Expression) -> bool:
+        """True if it is the elapsed time of a step or of a timer."""
+        return isinstance(tree, n.Member) and tree.name.identifier.upper() in _ELAPSED
 
     def _value(self, tree: Expression) -> Callable[[], Any] | None:
         """What reads a value after a scan; None where it depends on inputs, or on what must not be called."""
@@ -350,10 +393,12 @@ class Goals:
 
     # -- which inputs
 
-    def solve(self, wanted: Sequence[Goal], unwanted: Sequence[Goal]) -> dict[str, Value] | None:
+    def solve(
+        self, wanted: Sequence[Goal], unwanted: Sequence[Goal], *, hoping: bool = False
+    ) -> dict[str, Value] | None:
         """Values of inputs with which some conditions are TRUE and others FALSE now; None where there are none.
 
-        What is no input has its present value. Only as good as what z3 knows of the conditions.
+        What is no input has its present value, or, `hoping`, any. Only as good as what z3 knows of the conditions.
         """
         goals = [*wanted, *unwanted]
         if any(goal.tree is None for goal in goals):
@@ -361,10 +406,10 @@ class Goals:
         parts = [self._solving(goal) for goal in goals]
         known: dict[str, Any] = {}
         for goal, part in zip(goals, parts, strict=True):
-            for text in part.inner:
+            for text in part.inner if not hoping else ():
                 if text.casefold().partition(".")[0] not in goal.own:
                     known[text] = self._present(text)
-        key = (tuple(map(id, wanted)), tuple(sorted(known.items(), key=lambda each: each[0])))
+        key = (hoping, tuple(map(id, wanted)), tuple(sorted(known.items(), key=lambda each: each[0])))
         cache = parts[0].found
         if key not in cache:
             cache[key] = self._solved(wanted, unwanted, known)

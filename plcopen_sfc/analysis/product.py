@@ -45,6 +45,9 @@ __all__ = [
 ]
 
 _RUNS_FOR_A_STATE = 4
+_BEFORE_GIVING_UP = 4
+"""The part of all scans that are run before it is estimated how many more there will be."""
+
 BOTH_FAIL = "both end with an error"
 """How a note begins that says so."""
 
@@ -247,18 +250,23 @@ def _search(
     runs = 0
     notes: dict[str, SfcError] = {}
     closed = False
+    limit = cap * _RUNS_FOR_A_STATE
     while waiting:
         number = waiting.popleft()
         before_left, before_right = states[number]
+        searched = len(states) - len(waiting) - 1
+        # those that wait take about as many scans each as those before them: when they alone are too many, the search
+        # cannot end in time, and the scans are better spent on directed runs
+        if runs > limit // _BEFORE_GIVING_UP and runs + len(waiting) * runs / searched > limit:
+            return _too_many(seen, depths[number], limit)
         for values in branching.combinations():
             try:
                 yield Progress(runs, depths[number], len(seen))
             except StopError as stop:
                 return Explored(len(seen), depths[number], complete=False, reason=str(stop), capped=True)
             runs += 1
-            if runs > cap * _RUNS_FOR_A_STATE:
-                reason = f"more than {cap * _RUNS_FOR_A_STATE:,} scans to search"
-                return Explored(len(seen), depths[number], complete=False, reason=reason, capped=True)
+            if runs > limit:
+                return _too_many(seen, depths[number], limit)
             left.restore(before_left)
             right.restore(before_right)
             ended, note, failure = _scan(left, right, branching.read, first=number == 0)
@@ -288,6 +296,10 @@ def _search(
         raise next(iter(notes.values()))  # nothing ever ran
     dead = not closed and bool(notes)
     return Explored(len(seen), max(depths), complete=True, notes=tuple(notes), dead=dead)
+
+
+def _too_many(seen: set[Any], depth: int, limit: int) -> Explored:
+    return Explored(len(seen), depth, complete=False, reason=f"more than {limit:,} scans to search", capped=True)
 
 
 def _check_domains(domains: Iterable[Domain]) -> None:

@@ -76,15 +76,47 @@ def test_the_same_arguments_give_the_same_search() -> None:
     assert verdicts[0] == verdicts[1]
 
 
-@pytest.mark.slow
 def test_a_chart_that_cannot_go_on_is_proven_to_be_stuck() -> None:
-    """The timer of the homing is only called by steps behind it."""
+    """The timer that a step waits for is only called by a step behind it."""
+    chart = project(
+        f"TRANSITION FROM A TO B := edge.Q AND Go; END_TRANSITION TRANSITION FROM B TO C := Go; END_TRANSITION {BACK}",
+        "edge(CLK := Sensor);",
+    )
+    verdict = equivalent(chart, sfc.lower(chart, "bits", verify=False), cap=1, runs=20)
+    assert verdict.coverage[0].counts["step"] == (1, 3)
+    assert {each.impossible for each in verdict.coverage[0].unreached if each.kind == "step"} == {True}
+
+
+@pytest.mark.slow
+def test_every_step_of_a_chart_of_a_plant_is_entered() -> None:
+    """It homes, starts by an edge, sorts, and goes to its fault and back."""
     conveyor = sfc.load("fixtures/codesys/sorting_conveyor.xml")
     lowered = sfc.lower(conveyor, "bits", pou="PLC_PRG", verify=False)
-    verdict = equivalent(resolve(conveyor, "PLC_PRG"), lowered, cap=1, runs=20)
-    assert verdict.kind is VerdictKind.TESTED, str(verdict)
-    assert verdict.coverage[0].counts["step"] == (5, 25)
-    assert {each.impossible for each in verdict.coverage[0].unreached if each.kind == "step"} == {True}
+    verdict = equivalent(resolve(conveyor, "PLC_PRG"), lowered, cap=1)
+    counts = verdict.coverage[0].counts
+    assert [counts[kind] for kind in ("step", "transition", "action")] == [(25, 25), (27, 27), (29, 29)], str(verdict)
+
+
+NOT_ENTERED = {
+    "codesys/sorting_conveyor.xml: PLC_PRG.ACT_Home": {"Done_ACT_Home"},  # another action of the POU calls its timer
+}
+WITH_CHARTS = [
+    *("codesys/device_export.xml", "codesys/distribution_belt.xml", "codesys/sorting_conveyor.xml"),
+    *("iectext/distribution_belt.st", "iectext/mixing_plant.st", "simaticml/FB_Drill.xml", "simaticml-plc"),
+    *("training-chain/codesys.xml", "simaticml-training-chain/Ablauf.xml"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("file", WITH_CHARTS)
+def test_every_step_of_a_fixture_can_be_entered(file: str) -> None:
+    """A chart that cannot run shows nothing of what this package does."""
+    loaded = sfc.load(f"fixtures/{file}")
+    for name, _, _ in loaded.charts():
+        chart = resolve(loaded, name)
+        verdict = equivalent(chart, chart, cap=500)
+        missing = {each.name for each in verdict.coverage[0].unreached if each.kind == "step"}
+        assert missing == NOT_ENTERED.get(f"{file}: {name}", set()), str(verdict)
 
 
 # -- mutants

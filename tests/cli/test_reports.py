@@ -66,7 +66,7 @@ class TestInfo:
         assert chart["name"] == "PLC_PRG"
         assert chart["initial_steps"] == ["Init"]
         assert (chart["selections"], chart["simultaneous_branches"], chart["jumps"]) == (3, 1, 3)
-        assert (chart["action_associations"], chart["step_actions"]) == (18, 14)
+        assert (chart["action_associations"], chart["step_actions"]) == (20, 14)
 
     def test_charts_inside_of_macro_steps(self, cli, fixtures):
         charts = json.loads(cli("info", "--json", "plcopen/every_element_2.01.xml").out)["files"][0]["charts"]

@@ -183,6 +183,11 @@ class ChartProgram:
         shown: int = frame.v[self._shown]
         return shown
 
+    def situation(self, frame: Frame) -> int:
+        """The steps whose transitions the next scan looks at; with actions first they may not have been active yet."""
+        following: int = frame.v[self._situation]
+        return following
+
     def active(self, frame: Frame) -> tuple[str, ...]:
         """The paths of the active steps."""
         return self.net.names(self.marking(frame))

@@ -183,6 +183,8 @@ class GraphProgram:
         shown: int = frame.v[self._shown]
         return shown
 
+    situation = marking
+
     def active(self, frame: Frame) -> tuple[str, ...]:
         """The paths of the active steps."""
         return self.net.names(self.marking(frame))
