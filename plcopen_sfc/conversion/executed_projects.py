@@ -23,7 +23,7 @@ from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.formats.task_schedules import schedule_of
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence
-from plcopen_sfc.languages.binding.text_sites import Role, text_sites
+from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.networks.network_graph import without_places
@@ -104,10 +104,10 @@ class _Reader:
         self._tasks()
         for pou in self.project.pous:
             self._pou(pou)
-        add_kept(self.whole, self.project, self.addresses)
-        drawn = [text_site.text for text_site in text_sites(self.project) if isinstance(text_site.holder, Block)]
-        self.whole.boxes = frozenset(map(plain_name, drawn))
         names = Names(self.project)
+        add_kept(self.whole, self.project, names.text_sites(), self.addresses)
+        drawn = [text_site.text for text_site in names.text_sites() if isinstance(text_site.holder, Block)]
+        self.whole.boxes = frozenset(map(plain_name, drawn))
         self._calls_of_programs(names)
         for occurrence in names.undeclared():
             name = occurrence.reference.name

@@ -6,14 +6,14 @@ A property, a class or the own data of a tool is executed by the tools that read
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import chain
 
 from plcopen_sfc.conversion.executed_parts import UNDECLARED_TYPE, Part
 from plcopen_sfc.conversion.meaning import Meaning
 from plcopen_sfc.formats.codesys import codesys_names as codesys
 from plcopen_sfc.formats.iectext.text_source import unwrapped
-from plcopen_sfc.languages.binding.text_sites import Role, TextSite, text_sites
+from plcopen_sfc.languages.binding.text_sites import Role, TextSite
 from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept
 from plcopen_sfc.languages.declarations.type_names import is_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
@@ -85,7 +85,7 @@ def tell_inheritance(part: Part, pou: Pou) -> None:
         part.tell(aspect, Meaning.of(tuple(map(str.casefold, names)), ", ".join(names)) if names else None)
 
 
-def add_kept(whole: Part, project: Project, tool: Dialect) -> None:
+def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool: Dialect) -> None:
     """Add what the `tool` of a project executes of what is kept as text, and each type that nothing declares."""
     texts = list(_units(project.carried))
     for keyword, name in (found[0] for found in texts if found):
@@ -98,7 +98,7 @@ def add_kept(whole: Part, project: Project, tool: Dialect) -> None:
                 part = whole.add("property", f"{pou.name}.{name}", f"{pou.report_path} / property {name}")
                 part.tell("code", Meaning.of(" ".join(text.split()).casefold(), "its text"))
     types: dict[str, TextSite] = {}
-    for text_site in text_sites(project):
+    for text_site in text_sites:
         if isinstance(text_site.holder, ForeignData):
             _add_data(whole, text_site, tool)
         elif text_site.role is Role.TYPE and isinstance(text_site.holder, DerivedType | Block | DataBlock):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Protocol, TypedDict, runtime_checkable
 
@@ -19,6 +19,7 @@ from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import FORMATS, TIA_FORMAT, for_tia, format_named
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain
 from plcopen_sfc.model import times
+from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -43,12 +44,23 @@ def refuse_mistakes(project: Project, kind: Format) -> None:
         return
     for source in _sources(project):
         before = format_named(source.format)[0].codec().read(source.content).project
-        before.read_all()
+        _read_some(before, {mistake.path for mistake in found})
         found -= set(_mistakes(before, kind))
     if found:
         first, *others = sorted(found)
         more = f" (and {len(others)} more of such mistakes)" if others else ""
         raise ModelError(f"{first.message}{more}", location=Location(path=first.path), hint="Nothing was written.")
+
+
+def _read_some(project: Project, paths: Iterable[str]) -> None:
+    """Read the POUs that have objects with these paths: to read a whole source takes longer than to save an edit."""
+    for pou in project.pous:
+        around = pou.report_path
+        if any(path == around or path.startswith(f"{around} / ") for path in paths):
+            pou.read()
+            for body in pou.named_bodies():
+                if isinstance(body.body, SfcBody):
+                    body.body.chart.read()
 
 
 def _sources(project: Project) -> list[FileSource]:

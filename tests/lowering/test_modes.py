@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 
 import pytest
 from hypothesis import given, settings
@@ -36,11 +37,13 @@ def parallel() -> m.Project:
     return m.Project(pous=[pou_with(chart)])
 
 
-MADE = {
-    (form, profile): lower(project(), form[0], language=form[1], profile=profile, init="Init", modes=MODES)
-    for form in FORMS
-    for profile in PROFILES
-}
+KEYS = sorted((form, profile) for form in FORMS for profile in PROFILES)
+
+
+@cache
+def made(form: tuple[str, str], profile: str, modes: tuple[str, ...] = MODES) -> LoweredPou:
+    """The chain with these modes. Many tests run it, none edits it."""
+    return lower(project(), form[0], language=form[1], profile=profile, init="Init", modes=modes)
 
 
 def active(lowered: LoweredPou, inputs: Sequence[Mapping[str, object]], profile: str) -> list[list[int]]:
@@ -66,7 +69,7 @@ def active(lowered: LoweredPou, inputs: Sequence[Mapping[str, object]], profile:
 @pytest.mark.parametrize("mode", [*MODES, "all"])
 def test_at_rest_it_is_the_chart(form: tuple[str, str], profile: str, mode: str) -> None:
     modes = MODES if mode == "all" else (mode,)
-    lowered = lower(project(), form[0], language=form[1], profile=profile, init="Init", modes=modes)
+    lowered = made(form, profile, modes)
     assert lowered.proof is not None
     assert lowered.proof.kind is VerdictKind.PROVEN
     assert lowered.at_rest["Init"] is False
@@ -78,12 +81,12 @@ def pressed(pushes: Iterable[bool], **held: object) -> list[dict[str, object]]:
 
 
 @settings(deadline=None, max_examples=40)
-@given(st.sampled_from(sorted(MADE)), st.lists(st.booleans(), min_size=1, max_size=15), st.booleans())
+@given(st.sampled_from(KEYS), st.lists(st.booleans(), min_size=1, max_size=15), st.booleans())
 def test_a_push_leads_exactly_one_step_on(
     key: tuple[tuple[str, str], str], pushes: list[bool], with_conditions: bool
 ) -> None:
     """In a ring of four, whatever the conditions: with them all must be TRUE."""
-    lowered, profile = MADE[key], key[1]
+    lowered, profile = made(*key), key[1]
     held: dict[str, object] = {"WithoutConditions": True}
     if with_conditions:
         held = {"SingleStep": True, **dict.fromkeys(SENSORS, True)}
@@ -94,9 +97,9 @@ def test_a_push_leads_exactly_one_step_on(
     assert seen == expected
 
 
-@pytest.mark.parametrize("key", sorted(MADE))
+@pytest.mark.parametrize("key", KEYS)
 def test_single_steps_wait_for_their_conditions(key: tuple[tuple[str, str], str]) -> None:
-    lowered, profile = MADE[key], key[1]
+    lowered, profile = made(*key), key[1]
     rows: list[dict[str, object]] = [
         {"SingleStep": True, "B1": True},
         {"SingleStep": True, "B1": False, "Advance": True},
@@ -109,9 +112,9 @@ def test_single_steps_wait_for_their_conditions(key: tuple[tuple[str, str], str]
     assert active(lowered, rows[:4], profile)[-1] == [1]
 
 
-@pytest.mark.parametrize("key", sorted(MADE))
+@pytest.mark.parametrize("key", KEYS)
 def test_nothing_fires_without_enable(key: tuple[tuple[str, str], str]) -> None:
-    lowered, profile = MADE[key], key[1]
+    lowered, profile = made(*key), key[1]
     locked = {"Enable": False, **dict.fromkeys(SENSORS, True)}
     rows = [*([locked] * 3), {**locked, "WithoutConditions": True, "Advance": True}, {"B1": True}, {}]
     seen = active(lowered, rows, profile)
@@ -121,7 +124,7 @@ def test_nothing_fires_without_enable(key: tuple[tuple[str, str], str]) -> None:
 
 @settings(deadline=None, max_examples=40)
 @given(
-    st.sampled_from(sorted(MADE)),
+    st.sampled_from(KEYS),
     st.lists(st.fixed_dictionaries({name: st.booleans() for name in SENSORS}), max_size=6),
     st.integers(-1, 6),
 )
@@ -129,7 +132,7 @@ def test_a_selected_step_is_the_only_active_one(
     key: tuple[tuple[str, str], str], before: list[dict[str, object]], number: int
 ) -> None:
     """From whatever step, while all conditions are TRUE; numbers of no step do nothing."""
-    lowered, profile = MADE[key], key[1]
+    lowered, profile = made(*key), key[1]
     sensors = dict.fromkeys(SENSORS, number in range(1, 5))
     selected = {**sensors, "Select": True, "SelectedStep": number}
     seen = active(lowered, [*before, selected], profile)
@@ -142,9 +145,9 @@ def test_a_selected_step_is_the_only_active_one(
         assert seen == active(lowered, [*before, {}], profile)
 
 
-@pytest.mark.parametrize("key", sorted(MADE))
+@pytest.mark.parametrize("key", KEYS)
 def test_starting_anew_is_stronger_than_selecting(key: tuple[tuple[str, str], str]) -> None:
-    lowered, profile = MADE[key], key[1]
+    lowered, profile = made(*key), key[1]
     assert active(lowered, [{"Init": True, "Select": True, "SelectedStep": 3}, {"Select": True}], profile)[-1] == [1]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from random import Random
 
 import pytest
@@ -47,12 +48,20 @@ def run(lowered: LoweredPou, inputs: Sequence[Mapping[str, bool]], profile: str)
     return [{name: trace[name][scan] for name in told} for scan in range(len(inputs))]
 
 
-@pytest.mark.parametrize("profile", ["iec", "codesys"])
-@pytest.mark.parametrize(("construction", "language"), FORMS)
-def test_at_rest_the_code_does_what_the_chart_does(construction: str, language: str, profile: str) -> None:
-    lowered = lower(
+KEYS = sorted((*form, profile) for form in FORMS for profile in ("iec", "codesys"))
+
+
+@cache
+def made(construction: str, language: str, profile: str) -> LoweredPou:
+    """The chain with an input and a condition that restart it. Many tests run it, none edits it."""
+    return lower(
         project(), construction, language=language, profile=profile, init="Init", stop="NOT NOT_AUS", reset_actions=True
     )
+
+
+@pytest.mark.parametrize(("construction", "language", "profile"), KEYS)
+def test_at_rest_the_code_does_what_the_chart_does(construction: str, language: str, profile: str) -> None:
+    lowered = made(construction, language, profile)
     assert lowered.proof is not None
     assert lowered.proof.kind is VerdictKind.PROVEN
     assert lowered.left_out == "Restart"
@@ -60,31 +69,17 @@ def test_at_rest_the_code_does_what_the_chart_does(construction: str, language: 
 
 
 SCANS = st.lists(st.fixed_dictionaries({name: st.booleans() for name in ("B1", "B2", "B3", "B4", "B5")}), max_size=12)
-MADE = {
-    (construction, language, profile): lower(
-        project(),
-        construction,
-        language=language,
-        profile=profile,
-        init="Init",
-        stop="NOT NOT_AUS",
-        reset_actions=True,
-        verify=False,
-    )
-    for construction, language in FORMS
-    for profile in ("iec", "codesys")
-}
 
-SIMPLE = {
-    (construction, language): lower(
+
+@cache
+def made_without_condition(construction: str, language: str) -> LoweredPou:
+    return lower(
         project(), construction, language=language, profile="codesys", init="Init", reset_actions=True, verify=False
     )
-    for construction, language in FORMS
-}
 
 
 @settings(deadline=None, max_examples=25)
-@given(st.sampled_from(sorted(MADE)), SCANS, SCANS, st.integers(1, 3), st.booleans())
+@given(st.sampled_from(KEYS), SCANS, SCANS, st.integers(1, 3), st.booleans())
 def test_afterwards_the_chain_goes_on_as_if_it_had_just_begun(
     key: tuple[str, str, str],
     before: list[dict[str, bool]],
@@ -92,7 +87,7 @@ def test_afterwards_the_chain_goes_on_as_if_it_had_just_begun(
     held: int,
     emergency: bool,
 ) -> None:
-    lowered, profile = MADE[key], key[2]
+    lowered, profile = made(*key), key[2]
     calm = {"Init": False, "NOT_AUS": True}
     pressed = {"NOT_AUS": False} if emergency else {"Init": True}
     stopped = [dict.fromkeys(("B1", "B2", "B3", "B4", "B5"), True) | calm | pressed] * held
@@ -118,7 +113,11 @@ def test_starting_anew_is_what_sfc_reset_does(
     pressed = [random.random() < 0.3 for _ in scans]
     inputs = [row | {"SFCReset": reset} for row, reset in zip(scans, pressed, strict=True)]
     trace = simulate(original, inputs=lambda scan, _: inputs[scan], scans=len(inputs), profile="codesys")
-    found = run(SIMPLE[form], [row | {"Init": reset} for row, reset in zip(scans, pressed, strict=True)], "codesys")
+    found = run(
+        made_without_condition(*form),
+        [row | {"Init": reset} for row, reset in zip(scans, pressed, strict=True)],
+        "codesys",
+    )
     for scan, row in enumerate(found):
         assert {name: row[name] for name in ("Q1", "Q2", "Q3")} == {n: trace[n][scan] for n in ("Q1", "Q2", "Q3")}
 

@@ -9,6 +9,7 @@ at the object, and restored on the way back.
 from __future__ import annotations
 
 import copy
+import re
 from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from functools import cache
@@ -100,11 +101,10 @@ def add_markup(parent: etree._Element, markup: str) -> None:
 
 def legal_text(text: str) -> str:
     """Return `text` without the control characters that XML 1.0 cannot hold."""
-    return (
-        text
-        if text.isprintable()
-        else "".join(c for c in text if c in "\t\n\r" or (c >= " " and c not in "\ufffe\uffff"))
-    )
+    return _ILLEGAL.sub("", text)
+
+
+_ILLEGAL = re.compile("[^\t\n\r -\ufffd\U00010000-\U0010ffff]")
 
 
 def fields_left(thing: Model, native: frozenset[str]) -> dict[str, Any]:

@@ -101,7 +101,7 @@ class Names:
     def occurrences(self, *words: str) -> Iterator[Occurrence]:
         """Every place where one of `words` stands as a name, in upper or lower case, with what it means there."""
         keys = {word.casefold() for word in words}
-        for text_site in self._all_sites():
+        for text_site in self.text_sites():
             text = text_site.text.casefold()
             if any(key in text for key in keys):
                 for reference in references(text_site, self.dialect):
@@ -110,7 +110,7 @@ class Names:
 
     def everything(self) -> Iterator[Occurrence]:
         """Every name in every text."""
-        for text_site in self._all_sites():
+        for text_site in self.text_sites():
             for reference in references(text_site, self.dialect):
                 yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
 
@@ -118,7 +118,7 @@ class Names:
         """The names in program text that stand on their own and that nothing declares, each where it stands first."""
         found: set[str] = set()
         declared: set[tuple[Site, Role, str]] = set()
-        for text_site in self._all_sites():
+        for text_site in self.text_sites():
             if not text_site.is_program_text:
                 continue
             for reference in references(text_site, self.dialect):
@@ -133,7 +133,8 @@ class Names:
                     found.add(name)
                     yield Occurrence(text_site, reference, meaning)
 
-    def _all_sites(self) -> list[TextSite]:
+    def text_sites(self) -> list[TextSite]:
+        """Every text that may name something."""
         if self._text_sites is None:
             self._text_sites = list(text_sites(self.project))
         return self._text_sites

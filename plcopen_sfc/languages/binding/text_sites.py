@@ -273,6 +273,8 @@ def _fields(thing: Model, where: _Where) -> Iterator[TextSite]:
     if isinstance(thing, LateElement):
         thing.read()
     for key, value in thing.__dict__.items():
+        if value is None or value is False:
+            continue  # half of all fields
         if isinstance(value, str):
             if key in naming and value:
                 yield from _named(thing, key, naming[key], where)
