@@ -17,17 +17,23 @@ from plcopen_sfc.errors import Location, ModelError, UnknownFormatError, check_a
 from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import FORMATS, TIA_FORMAT, for_tia, format_named
-from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain
+from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, objection
 from plcopen_sfc.model import times
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.project import Project, TagTable
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, StructType
+from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import ConversionReport
 
 if TYPE_CHECKING:
     from plcopen_sfc.documents.folder_projects import Progress
+
+
+class _Named(Protocol):
+    name: str
 
 
 class Mistake(NamedTuple):
@@ -72,34 +78,63 @@ def _sources(project: Project) -> list[FileSource]:
 
 def _mistakes(project: Project, kind: Format) -> Iterator[Mistake]:
     """Yield the mistakes in what was read of a project; what is unread is as it is in its file."""
-    # in SCL any name can be in quotes; writers of text replace names and report that
-    names = kind.xml and Dialect.SCL not in (kind.dialect, project.dialect)
+    names: Dialect | None = None
+    if kind.xml:  # json has any name, and writers of text replace names and report that
+        # in SCL any name can be in quotes; other tools get another one for it
+        names = Dialect.SCL if Dialect.SCL in (kind.dialect, project.dialect) else Dialect.IEC
+        for path, name in _names(project):
+            yield from _name(name, path, names)
+    for path, task in ((f"task {task.name}", task) for each in project.resources() for task in each.tasks):
+        yield from _time("interval", task.interval, path)
     for pou in project.pous:
-        if pou.is_unread:
-            continue
-        if names:
-            yield from _names(pou)
-        for body in pou.named_bodies():
+        for body in pou.named_bodies() if not pou.is_unread else ():
             chart = getattr(body.body, "chart", None)
             if isinstance(chart, SfcNetwork) and not chart.is_unread:
-                yield from _chart_mistakes(chart, pou.report_path_of(body.name), names=names)
+                yield from _chart_mistakes(chart, pou.report_path_of(body.name), names)
 
 
-def _names(pou: Pou) -> Iterator[Mistake]:
-    yield from _name(pou.name, pou.report_path)
-    for kind, things in (("action", pou.actions), ("method", pou.methods), ("variable", pou.variables())):
-        for thing in things:
-            yield from _name(thing.name, f"{pou.report_path} / {kind} {thing.name}")
+def _names(project: Project) -> Iterator[tuple[str, str]]:
+    """Yield the paths and names of what a project declares, but for steps."""
+    for thing in project.objects():
+        if thing.is_unread:
+            continue
+        yield thing.report_path, thing.name
+        inside: list[tuple[str, Iterable[_Named]]] = []
+        match thing:
+            case Pou():
+                inside = [("action", thing.actions), ("method", thing.methods), ("variable", thing.variables())]
+            case DataBlock(interface=Interface() as interface):
+                inside = [("variable", interface.variables())]
+            case TagTable():
+                inside = [("tag", thing.tags), ("constant", thing.constants)]
+            case DataTypeDeclaration(type=StructType(members=members)):
+                inside = [("member", members)]
+            case DataTypeDeclaration(type=EnumType(values=values)):
+                inside = [("value", values)]
+        for kind, things in inside:
+            yield from ((f"{thing.report_path} / {kind} {each.name}", each.name) for each in things)
+    for section in project.global_sections():
+        yield from ((f"global variable {each.name}", each.name) for each in section.variables)
 
 
-def _name(name: str, path: str) -> Iterator[Mistake]:
-    if not is_plain(name):
+def _name(name: str, path: str, dialect: Dialect) -> Iterator[Mistake]:
+    if dialect is Dialect.SCL:
+        why = objection(name, dialect)
+        if why:
+            yield Mistake(path, f"{name!r} is no name: {why}" if name else "the name is empty")
+    elif not is_plain(name):
         yield Mistake(path, f"{name!r} is no name: it needs letters, digits and underscores, and no digit at the start")
     elif name.upper() in IEC_KEYWORDS:
         yield Mistake(path, f"{name!r} is a keyword and no name")
 
 
-def _chart_mistakes(chart: SfcNetwork, path: str, *, names: bool) -> Iterator[Mistake]:
+def _time(field: str, value: str | None, path: str) -> Iterator[Mistake]:
+    why = times.objection(value) if value is not None else ""
+    if why and times.objection(f"T#{value}"):  # files of TC6 have 10s
+        yield Mistake(path, f"the {field.replace('_', ' ')} {value!r} cannot be saved: {why}")
+
+
+def _chart_mistakes(chart: SfcNetwork, path: str, names: Dialect | None) -> Iterator[Mistake]:
     things = [(step.id, f"step {step.name}") for step in chart.steps]
     labels = chart.labels()
     things += [(each.id, f"transition {labels[each.id]}") for each in chart.transitions]
@@ -110,14 +145,12 @@ def _chart_mistakes(chart: SfcNetwork, path: str, *, names: bool) -> Iterator[Mi
             yield Mistake(f"{path} / {thing}", f"the id {number} belongs to another object of the chart too")
     for step in chart.steps:
         place = f"{path} / step {step.name}"
-        if names:
-            yield from _name(step.name, place)
-        stated = [(name, getattr(step, name)) for name in step.TIMES]
-        stated += [("duration", each.duration) for each in step.actions]
-        for name, value in stated:
-            why = times.objection(value) if value is not None else ""
-            if why and times.objection(f"T#{value}"):  # files of TC6 have 10s
-                yield Mistake(place, f"the {name.replace('_', ' ')} {value!r} cannot be saved: {why}")
+        if names is not None:
+            yield from _name(step.name, place, names)
+        for name in step.TIMES:
+            yield from _time(name, getattr(step, name), place)
+        for each in step.actions:
+            yield from _time("duration", each.duration, place)
 
 
 Source = str | os.PathLike[str] | BinaryIO

@@ -105,6 +105,8 @@ class Task(Element):
     settings: TaskSettings | None = None
     object_id: str | None = None
 
+    TIMES: ClassVar[tuple[str, ...]] = ("interval",)
+
 
 class Resource(Element):
     """A resource: tasks, instances and global variables that run on one processor. A CODESYS application is one."""

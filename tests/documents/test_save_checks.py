@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc import model
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 CONVEYOR = FIXTURES / "codesys" / "sorting_conveyor.xml"
@@ -76,6 +77,57 @@ def test_a_name_that_the_target_cannot_have_is_refused(format, name):
     other.pous[0].name = name
     with pytest.raises(sfc.ModelError, match=r"is no name|is a keyword"):
         sfc.dumps(other, format=format)
+
+
+def declared(kind: str, name: str) -> sfc.Project:
+    """A project that declares one more thing with a name."""
+    made = project()
+    flag = model.Variable(name="x" if kind in ("type", "data block") else name, type=model.ElementaryType(name="BOOL"))
+    section = model.VariableSection(kind="global", name="GVL", variables=[flag])
+    match kind:
+        case "type":
+            made.data_types.append(model.DataTypeDeclaration(name=name, type=model.StructType(members=[flag])))
+        case "member":
+            made.data_types.append(model.DataTypeDeclaration(name="T_Set", type=model.StructType(members=[flag])))
+        case "value":
+            enumeration = model.EnumType(values=[model.EnumValue(name=name)])
+            made.data_types.append(model.DataTypeDeclaration(name="T_Mode", type=enumeration))
+        case "global variable":
+            made.global_variables.append(section)
+        case "data block":
+            made.data_blocks.append(model.DataBlock(name=name))
+        case "variable":
+            made.pous[0].interface = model.Interface(sections=[model.VariableSection(kind="local", variables=[flag])])
+    return made
+
+
+@pytest.mark.parametrize("kind", ["type", "member", "value", "global variable", "variable"])
+@pytest.mark.parametrize("format", ["plcopen", "codesys"])
+@pytest.mark.parametrize("name", ["Fill 2", "IF", ""])
+def test_every_declared_name_is_checked(kind, format, name):
+    with pytest.raises(sfc.ModelError, match=r"is no name|is a keyword") as caught:
+        sfc.dumps(declared(kind, name), format=format, partial=True)
+    assert caught.value.location.path.endswith(f"{kind} {name}")
+
+
+@pytest.mark.parametrize("kind", ["type", "member", "value", "global variable", "data block", "variable"])
+@pytest.mark.parametrize("name", ["", 'Fill "2"', "Fill\n2"])
+def test_a_name_that_tia_portal_cannot_have_is_refused(kind, name):
+    with pytest.raises(sfc.ModelError, match=r"is no name|is empty") as caught:
+        sfc.dumps(declared(kind, name), format="simaticml", partial=True)
+    assert caught.value.location.path.endswith(f"{kind} {name}")
+
+
+def test_the_interval_of_a_task_is_a_duration_or_an_expression():
+    task = model.Task(name="Fast", interval="T#10ms")
+    for wrong in ("10 ms", "", "soon enough"):
+        with pytest.raises(sfc.ModelError, match="interval of Task 'Fast' cannot be"):
+            task.interval = wrong
+    task.interval = "tSlow"
+    made = project()
+    made.applications = [model.Resource(name="App", tasks=[task, model.Task(name="Slow", interval="10 ms")])]
+    with pytest.raises(sfc.ModelError, match="task Slow: the interval '10 ms' cannot be saved"):
+        sfc.dumps(made, format="plcopen", partial=True)
 
 
 def test_names_in_quotes_are_names_of_tia_portal_and_get_others_elsewhere():
