@@ -20,7 +20,7 @@ from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.charts.step_state import Origin
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
-from plcopen_sfc.semantics.programs.marks import Branch
+from plcopen_sfc.semantics.programs.marks import MarkedBranch
 
 __all__ = ["Coverage", "Tally", "Unreached", "any_untested", "listed"]
 
@@ -246,7 +246,7 @@ def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
                 yield (name, label, 0, ""), bool(reached.actions >> number & 1)
 
 
-def _branches(system: ProgramSystem) -> Iterator[tuple[Branch, bool]]:
+def _branches(system: ProgramSystem) -> Iterator[tuple[MarkedBranch, bool]]:
     marks = system.marks
     for branch, is_reached in zip(marks.branches, marks.reached, strict=True):
         if branch.owner in system.uncalled_actions:
@@ -282,17 +282,17 @@ def _decisions(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
 _OF_TEXTS = {ASSIGNMENT: _assignments, OUTCOME: _outcomes, DECISION: _decisions}
 
 
-def _decision_key(branch: Branch) -> Key:
+def _decision_key(branch: MarkedBranch) -> Key:
     condition, part, value = branch.decides or ("", "", None)
     label = f"{_quoted(condition)}: {_quoted(part)}" if part else _quoted(condition)
     return branch.owner, label, -1 if value is None else int(value), branch.inside
 
 
-def _assignment_key(branch: Branch, text: str) -> Key:
+def _assignment_key(branch: MarkedBranch, text: str) -> Key:
     return branch.owner, text, 0, branch.condition
 
 
-def _outcome_key(branch: Branch, text: str, value: bool) -> Key:
+def _outcome_key(branch: MarkedBranch, text: str, value: bool) -> Key:
     return branch.owner, text, int(value), branch.inside
 
 
@@ -424,9 +424,9 @@ class _Reasons:
         return told
 
     @cached_property
-    def _leading_to(self) -> Mapping[tuple[str, Key], list[Branch]]:
+    def _leading_to(self) -> Mapping[tuple[str, Key], list[MarkedBranch]]:
         """The branches in which an assignment is executed, or an outcome occurs."""
-        found: dict[tuple[str, Key], list[Branch]] = {}
+        found: dict[tuple[str, Key], list[MarkedBranch]] = {}
         for branch, _ in _branches(self._system):
             if branch.outcome is not None:
                 found.setdefault((OUTCOME, _outcome_key(branch, *branch.outcome)), []).append(branch)

@@ -120,7 +120,7 @@ def _check(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import check  # noqa: PLC0415
 
         chosen = "json" if as_json else form
-        how = check.How(check.codes(select), check.codes(ignore), profile, fail_on, chosen)
+        how = check.CheckOptions(check.codes(select), check.codes(ignore), profile, fail_on, chosen)
         screen.exit_code = check.run(screen, files, how)
 
 
@@ -161,7 +161,7 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
         from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
 
-        how = convert.How(to, flavour, tia, strict, partial, fresh, normalize, convert.seconds_to_run(limit))
+        how = convert.ConvertOptions(to, flavour, tia, strict, partial, fresh, normalize, convert.seconds_to_run(limit))
         screen.exit_code = convert.run(
             screen,
             source,
@@ -216,7 +216,7 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
         from plcopen_sfc.cli.commands import simulate  # noqa: PLC0415
 
-        how = simulate.How(
+        how = simulate.SimulateOptions(
             pou, inputs, seed, system_inputs, scans, profile, scan_time, settings or (), record or (), free or ()
         )
         screen.exit_code = simulate.run(screen, file, how, csv=csv, vcd=vcd)
@@ -275,7 +275,7 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
             "lang": lang,
         }
         wanted = tuple(free or ())
-        how = lower.How(
+        how = lower.LowerOptions(
             to, tia, pou, construction, options, skip_refused, verify, accept_untested, wanted, limit, accept_errors
         )
         screen.exit_code = lower.run(screen, file, target, how)

@@ -11,7 +11,7 @@ from typing import Any
 from plcopen_sfc.errors import Location, SfcError
 from plcopen_sfc.files import read_bytes
 
-__all__ = ["Configuration", "ConfigurationError", "Configurations"]
+__all__ = ["CheckSettings", "ConfigurationError", "Configurations"]
 
 _FILE = "pyproject.toml"
 _TABLE = "plcopen_sfc"
@@ -22,7 +22,7 @@ class ConfigurationError(SfcError):
 
 
 @dataclass(frozen=True)
-class Configuration:
+class CheckSettings:
     """The values of the table, None for those that it does not have. `path` is its file."""
 
     path: str | None = None
@@ -36,24 +36,24 @@ class Configurations:
     """The configuration for each file: that of its folder or of the nearest one above that has the table."""
 
     def __init__(self) -> None:
-        self._of_folder: dict[Path, Configuration] = {}
+        self._of_folder: dict[Path, CheckSettings] = {}
 
-    def of(self, file: str) -> Configuration:
+    def of(self, file: str) -> CheckSettings:
         """The configuration for a file or folder. Raises `ConfigurationError`."""
         path = Path(file).absolute()
         return self._of(path if path.is_dir() else path.parent)
 
-    def _of(self, folder: Path) -> Configuration:
+    def _of(self, folder: Path) -> CheckSettings:
         found = self._of_folder.get(folder)
         if found is None:
             found = _read(folder / _FILE)
             if found is None:
-                found = self._of(folder.parent) if folder.parent != folder else Configuration()
+                found = self._of(folder.parent) if folder.parent != folder else CheckSettings()
             self._of_folder[folder] = found
         return found
 
 
-def _read(path: Path) -> Configuration | None:
+def _read(path: Path) -> CheckSettings | None:
     """The table in this file; None where there is no file or no table."""
     if not path.is_file():
         return None
@@ -70,7 +70,7 @@ def _read(path: Path) -> Configuration | None:
     return _checked(path, table)
 
 
-def _checked(path: Path, table: Mapping[str, Any]) -> Configuration:
+def _checked(path: Path, table: Mapping[str, Any]) -> CheckSettings:
     known = {"select": "a list of codes", "ignore": "a list of codes", "profile": "a text", "fail-on": "a text"}
     for key, value in table.items():
         if key not in known:
@@ -82,7 +82,7 @@ def _checked(path: Path, table: Mapping[str, Any]) -> Configuration:
         fits = isinstance(value, list) and all(isinstance(i, str) for i in value) if codes else isinstance(value, str)
         if not fits:
             raise _wrong(path, key, known[key])
-    return Configuration(
+    return CheckSettings(
         path=str(path),
         select=tuple(table["select"]) if "select" in table else None,
         ignore=tuple(table["ignore"]) if "ignore" in table else None,

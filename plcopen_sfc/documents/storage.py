@@ -85,7 +85,9 @@ def _mistakes(project: Project, kind: Format) -> Iterator[Mistake]:
         for path, name in _names(project):
             yield from _name(name, path, names)
     for path, task in ((f"task {task.name}", task) for each in project.resources() for task in each.tasks):
-        yield from _time("interval", task.interval, path)
+        why = times.interval_objection(task.interval) if task.interval is not None else ""
+        if why:
+            yield Mistake(path, f"the interval {task.interval!r} cannot be saved: {why}")
     for pou in project.pous:
         for body in pou.named_bodies() if not pou.is_unread else ():
             chart = getattr(body.body, "chart", None)

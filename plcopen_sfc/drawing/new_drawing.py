@@ -18,7 +18,7 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import ActionEntry, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.network import Connection, InputPin, OutputPin
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
-from plcopen_sfc.model.wiring import Problem
+from plcopen_sfc.model.wiring import WiringProblem
 
 
 def highest_id(chart: SfcNetwork, *, drawn: bool) -> int:
@@ -156,22 +156,24 @@ def sketch(chart: SfcNetwork, pen: Pen, together: Mapping[int, int]) -> list[Sym
     return _Sketch(flow, pen).run(segments)
 
 
-def limits(chart: SfcNetwork) -> list[Problem]:
+def limits(chart: SfcNetwork) -> list[WiringProblem]:
     """Problems of a chart for CODESYS and TwinCAT, which draw nested branches only."""
     flow, segments = nest(chart, alike(chart))
-    problems: list[Problem] = []
+    problems: list[WiringProblem] = []
     pending = list(segments)
     while pending:
         for item in pending.pop().items:
             if isinstance(item, NestedDivergence):
                 pending += item.branches
             elif isinstance(item, NestedNode) and item.loose:
-                problems.append(Problem("SFC130", item.node, "waits for steps of branches that do not end together"))
+                problems.append(
+                    WiringProblem("SFC130", item.node, "waits for steps of branches that do not end together")
+                )
             elif isinstance(item, NestedNode) and not flow.successors[item.node]:
                 what = "nothing leads on from this step" if item.node in flow.steps else "this transition leads nowhere"
-                problems.append(Problem("SFC131", item.node, what))
+                problems.append(WiringProblem("SFC131", item.node, what))
     for start in flow.edges.starts[1:]:
-        problems.append(Problem("SFC132", start, "a chart has one start; this is another"))
+        problems.append(WiringProblem("SFC132", start, "a chart has one start; this is another"))
     return sorted(problems, key=lambda problem: (problem.code, problem.symbol))
 
 

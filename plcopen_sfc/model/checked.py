@@ -88,10 +88,17 @@ class Checked(BaseModel, metaclass=_Constructor):
     TIMES: ClassVar[tuple[str, ...]] = ()
     """Fields that hold durations or expressions. Files may hold other text there; nothing else can be assigned."""
 
+    INTERVALS: ClassVar[tuple[str, ...]] = ()
+    """Fields like `TIMES` that also hold durations in the forms of files."""
+
     if not TYPE_CHECKING:
 
         def __setattr__(self, name: str, value: Any) -> None:
-            why = times.objection(value) if name in self.TIMES and isinstance(value, str) else ""
+            why = ""
+            if name in self.TIMES and isinstance(value, str):
+                why = times.objection(value)
+            elif name in self.INTERVALS and isinstance(value, str):
+                why = times.interval_objection(value)
             if why:
                 raise ModelError(f"{name} of {_called(self)} cannot be {value!r}: {why}")
             try:

@@ -95,7 +95,10 @@ class TaskSettings(Model):
 
 
 class Task(Element):
-    """A task. `single` is its trigger, `interval` a duration or a variable, `priority` 0 the highest."""
+    """A task. `single` is its trigger, `priority` 0 the highest.
+
+    `interval` is a duration or a variable; files of TC6 have durations such as ``PT0.01S``, ``10ms``, ``00:00:01``.
+    """
 
     name: str
     priority: int = 0
@@ -105,7 +108,7 @@ class Task(Element):
     settings: TaskSettings | None = None
     object_id: str | None = None
 
-    TIMES: ClassVar[tuple[str, ...]] = ("interval",)
+    INTERVALS: ClassVar[tuple[str, ...]] = ("interval",)
 
 
 class Resource(Element):

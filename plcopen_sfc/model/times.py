@@ -40,4 +40,15 @@ def objection(text: str) -> str:
     return _WRONG if not text.strip() or _NUMBER.fullmatch(text.strip()) else ""
 
 
+def interval_objection(text: str) -> str:
+    """Return the same for the interval of a task, which is also a duration in a form that files of TC6 have."""
+    return "" if _OF_FILES.fullmatch(text.strip()) else objection(text)
+
+
+_OF_FILES = re.compile(
+    r"PT(?=\d)(?:\d+H)?(?:\d+M)?(?:\d+(?:\.\d+)?S)?|\d+:\d+:\d+(?:\.\d+)?|(?:\d+(?:\.\d+)?(?:ms|us|ns|d|h|m|s)_?)+",
+    re.IGNORECASE,
+)
+"""``PT0.1S`` (xsd:duration), ``00:00:00.1`` (xsd:time), ``10ms`` (an example of TC6 2.01)."""
+
 _WRONG = "it is no duration, such as T#5s, and no expression"

@@ -38,7 +38,7 @@ class Link(NamedTuple):
     targets: tuple[int, ...]
 
 
-class Problem(NamedTuple):
+class WiringProblem(NamedTuple):
     """Something in the wires that cannot be executed: `code` of docs/diagnostics.md at the symbol `symbol`."""
 
     code: str
@@ -51,7 +51,7 @@ class Wiring:
     """`links` of each transition symbol (several where steps meet before it) and what is wrong with the wires."""
 
     links: dict[int, list[Link]] = field(default_factory=dict)
-    problems: list[Problem] = field(default_factory=list)
+    problems: list[WiringProblem] = field(default_factory=list)
 
 
 def trace(
@@ -166,4 +166,4 @@ class _Tracer:
                 self._problem("SFC106", symbol, "a step leads here without a transition between")
 
     def _problem(self, code: str, symbol: int, detail: str) -> None:
-        self.wiring.problems.append(Problem(code, symbol, detail))
+        self.wiring.problems.append(WiringProblem(code, symbol, detail))

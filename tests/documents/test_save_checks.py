@@ -123,7 +123,8 @@ def test_the_interval_of_a_task_is_a_duration_or_an_expression():
     for wrong in ("10 ms", "", "soon enough"):
         with pytest.raises(sfc.ModelError, match="interval of Task 'Fast' cannot be"):
             task.interval = wrong
-    task.interval = "tSlow"
+    for right in ("PT0.01S", "10ms", "00:00:01", "T#1h", "tSlow"):
+        task.interval = right
     made = project()
     made.applications = [model.Resource(name="App", tasks=[task, model.Task(name="Slow", interval="10 ms")])]
     with pytest.raises(sfc.ModelError, match="task Slow: the interval '10 ms' cannot be saved"):

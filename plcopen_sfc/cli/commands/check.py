@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 from plcopen_sfc.analysis.checks import RULES, Rule
 from plcopen_sfc.checking import check
-from plcopen_sfc.cli.configuration import Configuration, Configurations
+from plcopen_sfc.cli.configuration import CheckSettings, Configurations
 from plcopen_sfc.cli.reading import LoadedFile, error_data, expand, finding_data, load_each
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
@@ -110,7 +110,7 @@ FAIL_ON = ("error", "warning", "info", "never")
 
 
 @dataclass(frozen=True)
-class How:
+class CheckOptions:
     """What was asked for on the command line; None: the value of the configuration."""
 
     select: tuple[str, ...] | None = None
@@ -128,7 +128,7 @@ def codes(texts: Sequence[str] | None) -> tuple[str, ...] | None:
     return found or ("",)  # nothing at all is no code, and not the same as no option
 
 
-def run(screen: Screen, patterns: Sequence[str], how: How) -> int:
+def run(screen: Screen, patterns: Sequence[str], how: CheckOptions) -> int:
     """Print the findings of all files."""
     _validate(how)
     configurations = Configurations()
@@ -160,7 +160,7 @@ def run(screen: Screen, patterns: Sequence[str], how: How) -> int:
     return screen.exit_code
 
 
-def _validate(how: How) -> None:
+def _validate(how: CheckOptions) -> None:
     """Refuse what is unknown before any file is read. Raises `ModelError`."""
     from plcopen_sfc.analysis.checks import RULES  # noqa: PLC0415  # brings the parser with it
     from plcopen_sfc.analysis.checks.check_run import known  # noqa: PLC0415
@@ -175,13 +175,15 @@ def _validate(how: How) -> None:
         raise ModelError(f"there is no format {how.format!r} of results", hint=f"There are: {', '.join(FORMATS)}")
 
 
-def _with(how: How, configuration: Configuration) -> How:
+def _with(how: CheckOptions, configuration: CheckSettings) -> CheckOptions:
     """What is asked for, completed by the configuration."""
     try:
-        _validate(How(configuration.select, configuration.ignore, configuration.profile, configuration.fail_on))
+        _validate(
+            CheckOptions(configuration.select, configuration.ignore, configuration.profile, configuration.fail_on)
+        )
     except ModelError as error:
         raise ModelError(error.message, location=Location(configuration.path), hint=error.hint) from None
-    return How(
+    return CheckOptions(
         select=how.select if how.select is not None else configuration.select,
         ignore=how.ignore if how.ignore is not None else configuration.ignore,
         profile=how.profile or configuration.profile,

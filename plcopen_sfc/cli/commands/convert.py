@@ -29,8 +29,8 @@ _OUTCOME_STYLES = {
 
 
 @dataclass(frozen=True)
-class How:
-    """How to convert: the options of `plcopen_sfc.api.save`."""
+class ConvertOptions:
+    """ConvertOptions to convert: the options of `plcopen_sfc.api.save`."""
 
     format: str
     flavour: str = ""
@@ -51,7 +51,7 @@ def run(
     screen: Screen,
     source: str,
     target: str | None,
-    how: How,
+    how: ConvertOptions,
     *,
     as_tool: bool,
     accept_errors: bool,

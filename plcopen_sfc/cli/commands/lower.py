@@ -23,7 +23,7 @@ _SHOWN = 10
 
 
 @dataclass(frozen=True)
-class How:
+class LowerOptions:
     """Options of the command: those of `lower_to_file`, and whether what could be read of a wrong file is written."""
 
     to: str
@@ -39,7 +39,7 @@ class How:
     accept_errors: bool = False
 
 
-def run(screen: Screen, source: str, target: str | None, how: How) -> int:
+def run(screen: Screen, source: str, target: str | None, how: LowerOptions) -> int:
     """Lower the charts of `source`, or one of them, into `target` (None: a file next to it), and show what was made.
 
     ``-`` is standard input and standard output.

@@ -20,7 +20,7 @@ _FINDINGS = 1
 
 
 @dataclass(frozen=True)
-class How:
+class SimulateOptions:
     """What to run and with what: the options of the command."""
 
     pou: str | None = None
@@ -35,7 +35,7 @@ class How:
     free: Sequence[str] = ()
 
 
-def run(screen: Screen, file: str, how: How, *, csv: Path | None, vcd: Path | None) -> int:
+def run(screen: Screen, file: str, how: SimulateOptions, *, csv: Path | None, vcd: Path | None) -> int:
     """Run what is asked for; prints the scans in which something happens."""
     if how.inputs is not None and how.seed is not None:
         raise InputError("inputs come from a file or from chance, not from both", hint="Leave out --inputs or --seed.")
@@ -72,7 +72,7 @@ def run(screen: Screen, file: str, how: How, *, csv: Path | None, vcd: Path | No
     return 0
 
 
-def _drive(screen: Screen, simulation: Simulation, how: How) -> SimulationError | None:
+def _drive(screen: Screen, simulation: Simulation, how: SimulateOptions) -> SimulationError | None:
     """Run all scans; the error that ends them, if one does."""
     source: InputSource | None = None
     if how.inputs is not None:

@@ -12,7 +12,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.iectext.text_outline import TextPart
 from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, taken, wrapped
 from plcopen_sfc.languages.il import OPERATORS
-from plcopen_sfc.languages.pragmas import Change, Fields, PathError, StaleError, apply
+from plcopen_sfc.languages.pragmas import Fields, PathError, RemainderEntry, StaleError, apply
 from plcopen_sfc.languages.pragmas.remainder import format_path
 from plcopen_sfc.languages.st.lexer import Token
 from plcopen_sfc.model.actions import Qualifier
@@ -351,7 +351,7 @@ def _carry_unknown(src: TextSource, element: ElementText, known: set[str]) -> No
                 carried.setdefault("data", []).append(wrapped(keyword.lower(), name))
 
 
-def apply_change(src: TextSource, fields: Fields, found: tuple[Change, int], path: str) -> None:
+def apply_change(src: TextSource, fields: Fields, found: tuple[RemainderEntry, int], path: str) -> None:
     """Make the change of a pragma, or report that it leads nowhere."""
     try:
         apply(fields, found[0])

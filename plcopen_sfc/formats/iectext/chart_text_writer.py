@@ -31,7 +31,7 @@ from plcopen_sfc.formats.iectext.text_printing import (
 )
 from plcopen_sfc.formats.iectext.text_source import INDENT, format_comment, indented, unwrapped, wrapped
 from plcopen_sfc.formats.text_patch import Key
-from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
+from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Numbered, Segment
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
@@ -60,7 +60,7 @@ class ChartTextWriter:
     explicit: frozenset[int] = frozenset()
     unused: list[int] = field(default_factory=list)
     unique: bool = True
-    late: list[Change] = field(default_factory=list)
+    late: list[RemainderEntry] = field(default_factory=list)
     named: frozenset[str] = frozenset()
     labels: dict[int, str] = field(init=False)
 
@@ -162,12 +162,12 @@ class ChartTextWriter:
 
         return lift
 
-    def _near(self, read_back: Fields, intended: Fields, place: tuple[Segment, ...], path: str) -> list[Change]:
+    def _near(self, read_back: Fields, intended: Fields, place: tuple[Segment, ...], path: str) -> list[RemainderEntry]:
         """Return the changes to write beside an element; those too big for it are left for the end of the unit."""
         near, late = split(changes(read_back, intended))
         note_changes(self.printer, (*near, *late), path, leave=("id", "target", "body", *_BEYOND))
         if self.unique and all(one.id in self.explicit for one in place if isinstance(one, Numbered)):
-            self.late += [Change(("chart", *place, *change.path), change.value) for change in late]
+            self.late += [RemainderEntry(("chart", *place, *change.path), change.value) for change in late]
         else:
             near += late
         return sorted(near, key=lambda change: change.path[0] != "id")
@@ -425,7 +425,7 @@ def _explicit_ids(ids: list[int]) -> tuple[frozenset[int], list[int]]:
     return (frozenset(explicit), unused) if fits and len(unused) <= _MOST_GAPS else (frozenset(ids), [])
 
 
-def _beside(near: list[Change], indent: str) -> str:
+def _beside(near: list[RemainderEntry], indent: str) -> str:
     """Return an id before the element on its line, other pragmas below."""
     if not near or near[0].path[0] not in ("id", "step_action"):
         return "\n" + pragmas(near, indent)

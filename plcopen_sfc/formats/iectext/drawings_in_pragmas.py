@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import body_statements, condition_expression
-from plcopen_sfc.languages.pragmas import Change, Fields
+from plcopen_sfc.languages.pragmas import Fields, RemainderEntry
 from plcopen_sfc.languages.pragmas.remainder import Segment, additions
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Assignment, Name, Statements
@@ -60,10 +60,10 @@ def shown_body(body: FbdBody | LdBody, dialect: Dialect) -> str | None:
     return print_node(found.tree, dialect) or None
 
 
-def drawn_changes(intended: Fields, shown: str, place: tuple[Segment, ...]) -> list[Change]:
+def drawn_changes(intended: Fields, shown: str, place: tuple[Segment, ...]) -> list[RemainderEntry]:
     """Pragmas that hold the drawing `intended` of the text at `place`."""
     path = (*place, DRAWN)
-    return [Change((*path, _SHOWN), _mark(shown)), *additions(intended, path)]
+    return [RemainderEntry((*path, _SHOWN), _mark(shown)), *additions(intended, path)]
 
 
 def put_drawing(fields: Fields, field: str) -> bool:

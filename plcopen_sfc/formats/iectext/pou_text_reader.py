@@ -25,7 +25,7 @@ from plcopen_sfc.formats.iectext.text_declarations import read_return_type, read
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart
 from plcopen_sfc.formats.iectext.text_source import Annotations, TextBlock, TextSource, is_own, newlines, taken, wrapped
 from plcopen_sfc.languages.declarations.kept_texts import Inheritance
-from plcopen_sfc.languages.pragmas import Change, Fields
+from plcopen_sfc.languages.pragmas import Fields, RemainderEntry
 from plcopen_sfc.model.pou import Pou
 
 _KINDS = {PartKind.PROGRAM: "program", PartKind.FUNCTION_BLOCK: "functionBlock", PartKind.FUNCTION: "function"}
@@ -342,7 +342,7 @@ def _with_changes(
     for found, offset in annotations.changes:
         if found.path[-1] == "declaration_ends" and found.path[0] == "interface":
             text = newlines(src.text[declared[0] : declared[1]]) + str(found.value)
-            apply_change(src, fields, (Change(("interface", "declaration"), text), offset), path)
+            apply_change(src, fields, (RemainderEntry(("interface", "declaration"), text), offset), path)
         elif found.path in _EDGES:
             layout = layout._replace(**{str(found.path[1]): str(found.value)})
         else:

@@ -23,7 +23,7 @@ from plcopen_sfc.formats.iectext.text_printing import (
 )
 from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, indented, unwrapped
 from plcopen_sfc.formats.text_patch import WrittenBlock
-from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
+from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
@@ -81,10 +81,10 @@ class _Unit:
         self.inner = indent + INDENT
         self.objects = objects
         self.alone = True
-        self.late: list[Change] = []
+        self.late: list[RemainderEntry] = []
         self.in_place: list[tuple[str, Body]] = []
 
-    def piece(self, extra: list[Change] | None = None) -> WrittenBlock:
+    def piece(self, extra: list[RemainderEntry] | None = None) -> WrittenBlock:
         """Return the text of the container; `extra` are more changes for its pragmas."""
         thing = self.thing
         name = thing.name if self.printer.is_name(thing.name) else self.printer.new_name(thing.name)
@@ -229,7 +229,7 @@ def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None
     inner = _Unit(
         unit.printer, action, "ACTION", path, indent=unit.inner if indent is None else indent, objects=unit.objects
     )
-    return inner.piece([Change(("in_place",), True)])
+    return inner.piece([RemainderEntry(("in_place",), True)])
 
 
 _EDGES = ("after", "before", "margin")

@@ -27,7 +27,7 @@ from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
 from plcopen_sfc.formats.text_patch import WrittenBlock
 from plcopen_sfc.languages.declarations import write_config_section
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
+from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Append, Named
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -61,7 +61,7 @@ def read_project(text: str, file: str | None) -> tuple[Project, TextSource]:
     annotations.put_into(fields)
     for found, offset in annotations.changes:
         if found.path[0] == "project" and len(found.path) > 1:
-            apply_change(src, fields, (Change(found.path[1:], found.value, found.instead), offset), "project")
+            apply_change(src, fields, (RemainderEntry(found.path[1:], found.value, found.instead), offset), "project")
     try:
         project = Project.model_validate(fields | {"pous": pous})
     except ValidationError as error:
@@ -142,7 +142,7 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     read_back: Fields = {}
     intended = plain_fields(project, leave=_UNITS)
     foreign = _foreign_units(intended, read_back)
-    found = [Change(("project", *c.path), c.value, c.instead) for c in changes(read_back, intended)]
+    found = [RemainderEntry(("project", *c.path), c.value, c.instead) for c in changes(read_back, intended)]
     for change in found:
         printer.note(
             Outcome.EXTENSION_DATA, str(change.path[1]).replace("_", " "), "project", "IEC text has no place for it"
@@ -150,7 +150,7 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     near, late = split(found)
     late += [change for change in near if Append() in change.path]
     near = [change for change in near if Append() not in change.path]
-    pieces = [WrittenBlock(("head", ""), pragmas([Change(("format",), VERSION), *near], "").rstrip("\n"))]
+    pieces = [WrittenBlock(("head", ""), pragmas([RemainderEntry(("format",), VERSION), *near], "").rstrip("\n"))]
     pieces += [WrittenBlock(("unit", ""), text, apart=True) for text in foreign]
     names = Counter(one.name.casefold() for one in project.data_types)
     for declaration in project.data_types:
@@ -189,26 +189,28 @@ def _foreign_units(intended: Fields, read_back: Fields) -> list[str]:
     return texts
 
 
-def _config_section(printer: TextPrinter, section: ConfigSection, late: list[Change]) -> str:
+def _config_section(printer: TextPrinter, section: ConfigSection, late: list[RemainderEntry]) -> str:
     """``VAR_CONFIG`` outside of a configuration; empty where it does not come back from text."""
     intended = plain_fields(section)
     text = comment_lines(intended, {}, "") if str(intended.get("comment", "")).strip() else ""
     text += write_config_section(section, printer.dialect)
-    back, src = read_project(f"{pragmas([Change(('project', 'dialect'), str(printer.dialect))], '')}{text}\n", None)
+    back, src = read_project(
+        f"{pragmas([RemainderEntry(('project', 'dialect'), str(printer.dialect))], '')}{text}\n", None
+    )
     if back.config_variables is None or src.diagnostics:
-        late.append(Change(("project", "config_variables"), intended))
+        late.append(RemainderEntry(("project", "config_variables"), intended))
         return ""
     late += changes(plain_fields(back.config_variables), intended, ("project", "config_variables"))
     return text
 
 
-def _type(printer: TextPrinter, declaration: DataTypeDeclaration, late: list[Change], *, unique: bool) -> str:
+def _type(printer: TextPrinter, declaration: DataTypeDeclaration, late: list[RemainderEntry], *, unique: bool) -> str:
     text, read_back, intended = write_type_text(printer, declaration)
     printer.note(Outcome.KEPT, "data type", f"data type {declaration.name}")
     near, far = split(changes(read_back, intended))
     if unique:
         place = ("project", "data_types", Named(declaration.name))
-        late += [Change((*place, *change.path), change.value, change.instead) for change in far]
+        late += [RemainderEntry((*place, *change.path), change.value, change.instead) for change in far]
     else:
         near += far
     return pragmas(near, "") + text

@@ -20,7 +20,7 @@ from plcopen_sfc.formats.iectext.text_source import (
 )
 from plcopen_sfc.formats.task_schedules import duration_literal, iec_form
 from plcopen_sfc.languages.declarations import write_access_section, write_config_section
-from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
+from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Named, Segment
 from plcopen_sfc.languages.st.lexer import Token, tokenize
 from plcopen_sfc.model.project import Configuration, PouInstance, Resource, Task
@@ -81,7 +81,7 @@ def write_application(printer: TextPrinter, application: Resource) -> str:
     )
     writer = _ConfigurationWriter(printer)
     around = Configuration(name=application.name, resources=[application])
-    return writer.configuration(around, [Change(("application",), True)]).rstrip("\n")
+    return writer.configuration(around, [RemainderEntry(("application",), True)]).rstrip("\n")
 
 
 def config_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fields:
@@ -220,9 +220,9 @@ def _with_annotations(src: TextSource, fields: Fields, annotations: Annotations,
 @dataclass(slots=True)
 class _ConfigurationWriter:
     printer: TextPrinter
-    late: list[Change] = field(default_factory=list)
+    late: list[RemainderEntry] = field(default_factory=list)
 
-    def configuration(self, configuration: Configuration, extra: list[Change]) -> str:
+    def configuration(self, configuration: Configuration, extra: list[RemainderEntry]) -> str:
         resources = configuration.resources
         name = self._name(configuration.name)
         top = self._top(configuration, name, "", place=[], extra=extra)
@@ -249,7 +249,7 @@ class _ConfigurationWriter:
             if read_back is not None and not src.diagnostics:
                 self.late += changes(read_back, intended, (name,))
                 return "\n" + lines
-        self.late.append(Change((name,), intended))
+        self.late.append(RemainderEntry((name,), intended))
         return ""
 
     def _resource(self, resource: Resource, place: list[Segment] | None) -> str:
@@ -282,7 +282,7 @@ class _ConfigurationWriter:
         indent: str,
         *,
         place: list[Segment] | None = None,
-        extra: list[Change] | None = None,
+        extra: list[RemainderEntry] | None = None,
         read_back: Fields | None = None,
     ) -> str:
         """Return the lines above a thing: its comment and the fields that its text lacks. Big data goes to the end."""
@@ -300,7 +300,7 @@ class _ConfigurationWriter:
         if place is None:
             near += late
         else:
-            self.late += [Change((*place, *change.path), change.value, change.instead) for change in late]
+            self.late += [RemainderEntry((*place, *change.path), change.value, change.instead) for change in late]
         return text + pragmas(near, indent)
 
     def _task(self, task: Task, indent: str) -> str:

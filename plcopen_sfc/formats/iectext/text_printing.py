@@ -21,7 +21,7 @@ from plcopen_sfc.formats.iectext.text_source import (
 )
 from plcopen_sfc.formats.text_patch import WrittenBlock, numbered
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.pragmas import Change, Fields
+from plcopen_sfc.languages.pragmas import Fields, RemainderEntry
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -132,7 +132,7 @@ EXECUTED = frozenset(
 """Fields that a controller executes. In pragmas only this package sees them."""
 
 
-def outcome_of(change: Change) -> Outcome:
+def outcome_of(change: RemainderEntry) -> Outcome:
     """Return the outcome of a field that is in a pragma."""
     fields = [part for part in change.path if isinstance(part, str) and part != "chart"]
     if fields[:1] == ["exclude"]:
@@ -140,17 +140,17 @@ def outcome_of(change: Change) -> Outcome:
     return Outcome.NOT_EXECUTED if fields[:1] and fields[0] in EXECUTED else Outcome.EXTENSION_DATA
 
 
-def pragma(change: Change) -> str:
+def pragma(change: RemainderEntry) -> str:
     """Return a pragma for a change."""
     return f"{{plcopen_sfc {change}}}"
 
 
-def pragmas(changes: Iterable[Change], indent: str) -> str:
+def pragmas(changes: Iterable[RemainderEntry], indent: str) -> str:
     """Pragmas, one on a line."""
     return "".join(f"{indent}{pragma(change)}\n" for change in changes)
 
 
-def split(found: Iterable[Change]) -> tuple[list[Change], list[Change]]:
+def split(found: Iterable[RemainderEntry]) -> tuple[list[RemainderEntry], list[RemainderEntry]]:
     """Changes to write beside an object, and those for the end of its unit: foreign data, which no person reads.
 
     The items of one list stay together.
@@ -161,23 +161,23 @@ def split(found: Iterable[Change]) -> tuple[list[Change], list[Change]]:
     return near, [change for change in every if _group(change) in apart]
 
 
-def _is_big(change: Change) -> bool:
+def _is_big(change: RemainderEntry) -> bool:
     return not _APART.isdisjoint(change.path) or len(str(change)) > _WIDE
 
 
-def _group(change: Change) -> tuple[object, ...]:
+def _group(change: RemainderEntry) -> tuple[object, ...]:
     for index, segment in enumerate(change.path):
         if not isinstance(segment, str):
             return change.path[:index]
     return change.path
 
 
-def label(change: Change) -> str:
+def label(change: RemainderEntry) -> str:
     """Return the name of a change in reports."""
     return "foreign data" if "carried" in change.path else str(change.path[0]).replace("_", " ")
 
 
-def note_changes(printer: TextPrinter, found: Iterable[Change], path: str, *, leave: Collection[str]) -> None:
+def note_changes(printer: TextPrinter, found: Iterable[RemainderEntry], path: str, *, leave: Collection[str]) -> None:
     """Report each field of the object at `path` that only pragmas hold, once, but for the fields `leave`."""
     read_back = dict.fromkeys(
         (outcome_of(change), label(change)) for change in found if str(change.path[0]) not in leave

@@ -12,7 +12,7 @@ from xml.sax.saxutils import escape, unescape
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.iectext.text_outline import Outline
-from plcopen_sfc.languages.pragmas import Change, Fields, NotationError, parse_change
+from plcopen_sfc.languages.pragmas import Fields, NotationError, RemainderEntry, parse_change
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import parse_expression, parse_statements
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
@@ -139,7 +139,7 @@ def unwrapped(content: str) -> tuple[str, str] | None:
 class Annotations:
     """Text beside the code: changes that our pragmas make, comments, and pragmas of other tools."""
 
-    changes: list[tuple[Change, int]] = field(default_factory=list)
+    changes: list[tuple[RemainderEntry, int]] = field(default_factory=list)
     comments: list[str] = field(default_factory=list)
     pragmas: list[str] = field(default_factory=list)
 

@@ -18,17 +18,17 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values
 from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, numbered
-from plcopen_sfc.languages.declarations import Declared, Found, Head, Unit, read_declarations, split_units
+from plcopen_sfc.languages.declarations import Declared, DeclaredUnit, Found, Head, read_declarations, split_units
 from plcopen_sfc.languages.declarations.declaration_comments import said
 from plcopen_sfc.languages.declarations.declaration_writing import section_head, write_value
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.declarations.type_names import is_unit_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import (
-    Change,
     Fields,
     NotationError,
     PathError,
+    RemainderEntry,
     Segment,
     StaleError,
     apply,
@@ -137,7 +137,7 @@ class _Reader:
 
     # -- content that SCL cannot express
 
-    def _own_changes(self, comments: Sequence[Comment]) -> list[tuple[Change, Comment]]:
+    def _own_changes(self, comments: Sequence[Comment]) -> list[tuple[RemainderEntry, Comment]]:
         changes = []
         for comment in comments:
             found = OWN_COMMENT.match(comment.text)
@@ -151,7 +151,7 @@ class _Reader:
                 )
         return changes
 
-    def _changed(self, project: Project, changes: Sequence[tuple[Change, Comment]]) -> Project:
+    def _changed(self, project: Project, changes: Sequence[tuple[RemainderEntry, Comment]]) -> Project:
         fields, text = plain_fields(project), plain_fields(project)
         # without a start value, a variable of the kept type would start with that of the type
         outdated = [(*c.path[:-1], "type") for c, _ in changes if _is_taken_out(text, c)]
@@ -186,7 +186,7 @@ class _Reader:
 
     # -- units
 
-    def _unit(self, project: Project, unit: Unit, start: int) -> None:
+    def _unit(self, project: Project, unit: DeclaredUnit, start: int) -> None:
         declared = read_declarations(self._text[start : unit.head[1]], Dialect.SCL)
         for problem in declared.problems:
             self._problem("SCL102", problem, start)
@@ -219,11 +219,11 @@ class _Reader:
         kind = "POU" if isinstance(thing, Pou) else "data block"
         self._found.append(((kind, thing.name), (start, unit.span[1]), tuple(inner)))
 
-    def _lost(self, unit: Unit) -> None:
+    def _lost(self, unit: DeclaredUnit) -> None:
         self._note("SCL103", Severity.ERROR, f"this {unit.keyword} cannot be read; its text is kept", unit.span[0])
         self._kept.append(self._text[unit.span[0] : unit.span[1]])
 
-    def _types(self, project: Project, declared: Declared, unit: Unit, start: int) -> None:
+    def _types(self, project: Project, declared: Declared, unit: DeclaredUnit, start: int) -> None:
         found = [part for item in declared.items for part in item.parts]
         if len(found) != 1 or found[0].thing is None:
             self._lost(unit)
@@ -231,7 +231,7 @@ class _Reader:
         project.data_types.append(found[0].thing)
         self._found.append((("type", found[0].thing.name), (start, unit.span[1]), ()))
 
-    def _pou(self, declared: Declared, head: Head, unit: Unit) -> Pou:
+    def _pou(self, declared: Declared, head: Head, unit: DeclaredUnit) -> Pou:
         body = self._body_span(unit)
         return Pou(
             name=head.name,
@@ -243,7 +243,7 @@ class _Reader:
             carried=self._carried(declared, head),
         )
 
-    def _data_block(self, declared: Declared, head: Head, unit: Unit) -> DataBlock:
+    def _data_block(self, declared: Declared, head: Head, unit: DeclaredUnit) -> DataBlock:
         body = self._body_span(unit)
         text = self._text[body[0] : body[1]]
         texts: dict[str, str] = {}
@@ -355,14 +355,14 @@ class _Reader:
     def _closing_length(self, end: int) -> int:
         return next((len(w) for w in ("END_VAR", "END_STRUCT") if self._text[end - len(w) : end].upper() == w), 0)
 
-    def _body(self, unit: Unit) -> Iterator[_Place]:
+    def _body(self, unit: DeclaredUnit) -> Iterator[_Place]:
         body = self._body_span(unit)
         begin = (unit.head[1], unit.body[0]) if unit.body is not None else (unit.span[1], unit.span[1])
         yield ("begin", ""), begin, ()
         yield ("body", ""), body, ()
         yield ("end", ""), unit.end or (unit.span[1], unit.span[1]), ()
 
-    def _body_span(self, unit: Unit) -> tuple[int, int]:
+    def _body_span(self, unit: DeclaredUnit) -> tuple[int, int]:
         if unit.body is None:
             return (unit.span[1], unit.span[1])
         low, high = unit.body
@@ -387,11 +387,11 @@ def _is_in(path: tuple[Segment, ...], places: Iterable[tuple[Segment, ...]]) -> 
     return any(path[: len(place)] == place for place in places)
 
 
-def _is_taken_out(text: Fields, change: Change) -> bool:
+def _is_taken_out(text: Fields, change: RemainderEntry) -> bool:
     return change.path[-1] == "initial" and change.instead is not None and value_at(text, change.path) is None
 
 
-def _check_text(text: Fields, change: Change) -> None:
+def _check_text(text: Fields, change: RemainderEntry) -> None:
     """Raise `StaleError` if `text` itself has by now what it left to a comment when that was written."""
     *around, last = change.path
     holder = value_at(text, tuple(around))

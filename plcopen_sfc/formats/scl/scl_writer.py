@@ -25,7 +25,7 @@ from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.declarations.type_names import SECTION_KEYWORDS, is_unit_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
-from plcopen_sfc.languages.pragmas import Change, changes, plain_fields
+from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Append, Named
 from plcopen_sfc.languages.s7_globals import (
     UNCALLED,
@@ -100,7 +100,7 @@ _REPORTED = frozenset(
 """Fields whose effect on the execution the report lists elsewhere."""
 
 
-def _report(project: Project, change: Change, report: ConversionReport, *, says_the_same: bool) -> None:
+def _report(project: Project, change: RemainderEntry, report: ConversionReport, *, says_the_same: bool) -> None:
     path = path_of(project, _keys(project, change))
     fields = [segment for segment in change.path if isinstance(segment, str)]
     why = next((_EXECUTED[field] for field in reversed(fields) if field in _EXECUTED), None)
@@ -112,13 +112,13 @@ def _report(project: Project, change: Change, report: ConversionReport, *, says_
         report.add(Outcome.NOT_EXECUTED, fields[-1], path, why)
 
 
-def _is_empty(change: Change) -> bool:
+def _is_empty(change: RemainderEntry) -> bool:
     """True for a section without variables."""
     is_section = len(change.path) > 1 and change.path[-2] == "sections"
     return is_section and isinstance(change.value, dict) and not change.value.get("variables")
 
 
-def _is_copy(project: Project, change: Change) -> bool:
+def _is_copy(project: Project, change: RemainderEntry) -> bool:
     """True for a part of the interface of an instance, which repeats that of its block."""
     if change.path[0] != "data_blocks" or len(change.path) < _IN_A_BLOCK:
         return False
@@ -157,7 +157,7 @@ def _as_written(project: Project, types: S7Types) -> Project:
     return copy
 
 
-def _keys(project: Project, change: Change) -> Iterator[str | int]:
+def _keys(project: Project, change: RemainderEntry) -> Iterator[str | int]:
     """Yield the fields and indices that lead to what `change` is about."""
     thing: Any = project
     for segment in change.path:

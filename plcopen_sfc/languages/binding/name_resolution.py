@@ -16,7 +16,7 @@ from plcopen_sfc.languages.binding.name_scopes import (
     variables_in,
 )
 from plcopen_sfc.languages.binding.name_sites import Reference, named
-from plcopen_sfc.languages.binding.symbols import NOTHING, Declaration, Kind, Level, Meaning, NamedObject
+from plcopen_sfc.languages.binding.symbols import NOTHING, Binding, Declaration, Kind, Level, NamedObject
 from plcopen_sfc.languages.binding.text_sites import Role, Site, TextSite, ValueOf
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
@@ -54,11 +54,11 @@ class Resolver:
         self.dialect = dialect
         self.scopes = Scopes(project)
 
-    def meaning(self, reference: Reference, text_site: TextSite) -> Meaning:
+    def meaning(self, reference: Reference, text_site: TextSite) -> Binding:
         """What a name in a text site refers to."""
         site = text_site.site
         if reference.unread:
-            return Meaning(doubt=reference.unread)
+            return Binding(doubt=reference.unread)
         if reference.role is Role.PARAMETER:
             return self._parameter_of_block(text_site.owner, reference.name, site)
         if reference.role is Role.MEMBER:
@@ -71,7 +71,7 @@ class Resolver:
             return head_of(self.scopes, text_site)
         if reference.declares:
             own = declared_name(self.scopes, reference, text_site).declaration
-            return Meaning(self.original(own)) if own is not None else NOTHING
+            return Binding(self.original(own)) if own is not None else NOTHING
         if reference.base is not None:
             return self.member(self.type_of(reference.base, site, reference.name), reference.name)
         if reference.callee is not None:
@@ -81,7 +81,7 @@ class Resolver:
             return self._expected(reference, text_site) or meaning
         return meaning
 
-    def _expected(self, reference: Reference, text_site: TextSite) -> Meaning | None:
+    def _expected(self, reference: Reference, text_site: TextSite) -> Binding | None:
         """The value of the enumeration that is expected where the name stands."""
         if reference.expected is not None:
             type_ = self.type_of(reference.expected, text_site.site)
@@ -91,7 +91,7 @@ class Resolver:
             return None
         level = self.scopes.enumeration(type_) if isinstance(type_, t.EnumType) else type_
         values = level.named(reference.name) if isinstance(level, Level) else ()
-        return next((Meaning(value) for value in values if value.kind is Kind.ENUM_VALUE), None)
+        return next((Binding(value) for value in values if value.kind is Kind.ENUM_VALUE), None)
 
     def levels(self, reference: Reference, text_site: TextSite) -> Sequence[Level]:
         """The scopes in which a name in a text site is looked for, the first one first; () where that is not known."""
@@ -110,11 +110,11 @@ class Resolver:
 
     # -- names on their own
 
-    def lookup(self, reference: Reference, site: Site) -> Meaning:
+    def lookup(self, reference: Reference, site: Site) -> Binding:
         """What a name on its own refers to."""
         if site.transition is not None and site.transition.name.casefold() == reference.name.casefold():
             # its body says in FBD and LD what it is by assigning to it
-            return Meaning(
+            return Binding(
                 Declaration(Kind.TRANSITION, f"{_name(site.pou)}.{reference.name}", (site.transition,), site.pou)
             )
         levels = self._visible(reference, site)
@@ -143,7 +143,7 @@ class Resolver:
             return self.scopes.local(site)
         return self.scopes.levels(site)
 
-    def _choose(self, found: list[Declaration], reference: Reference, site: Site) -> Meaning:
+    def _choose(self, found: list[Declaration], reference: Reference, site: Site) -> Binding:
         found = self._without_step_variables(found)
         if len(found) > 1 and reference.access:
             having = [d for d in found if self._may_have(d, reference.access)]
@@ -152,11 +152,11 @@ class Resolver:
             certain = [d for d in found if d.kind is not Kind.STEP and self._has(d, reference.access)]
             steps = [d for d in found if d.kind is Kind.STEP]
             if not certain and steps and len(found) > len(steps):
-                return Meaning(doubt="a step and a variable have this name", candidates=tuple(found))
+                return Binding(doubt="a step and a variable have this name", candidates=tuple(found))
             found = certain or found
         found = preferred(found, reference.role)
         if len(found) > 1:
-            return Meaning(doubt="several things have this name", candidates=tuple(found))
+            return Binding(doubt="several things have this name", candidates=tuple(found))
         return self._of_external(found[0], site)
 
     def _without_step_variables(self, found: Sequence[Declaration]) -> list[Declaration]:
@@ -172,17 +172,17 @@ class Resolver:
     def _has(self, declaration: Declaration, member: str) -> bool:
         return self.member(self.type_of_declaration(declaration), member).declaration is not None
 
-    def _of_external(self, declaration: Declaration, site: Site) -> Meaning:
+    def _of_external(self, declaration: Declaration, site: Site) -> Binding:
         """The global variable that a variable in VAR_EXTERNAL is."""
         if not self.scopes.is_external(declaration):
-            return Meaning(declaration)
+            return Binding(declaration)
         for level in self.scopes.outer(site.place):
             found = [d for d in level.named(declaration.name) if d.kind is Kind.VARIABLE]
             if len(found) > 1:
-                return Meaning(doubt="several global variables have this name", candidates=(declaration, *found))
+                return Binding(doubt="several global variables have this name", candidates=(declaration, *found))
             if found:
-                return Meaning(found[0])
-        return Meaning(declaration)
+                return Binding(found[0])
+        return Binding(declaration)
 
     def original(self, declaration: Declaration) -> Declaration:
         """The declaration that a variable in VAR_EXTERNAL or in an instance data block repeats, or itself."""
@@ -220,16 +220,16 @@ class Resolver:
 
     # -- members
 
-    def member(self, type_: Type, name: str) -> Meaning:
+    def member(self, type_: Type, name: str) -> Binding:
         """The member `name` of a value or a thing of this type."""
         if type_ is Untyped.UNKNOWN:
-            return Meaning(doubt="the type of what stands before the dot is not known")
+            return Binding(doubt="the type of what stands before the dot is not known")
         for level in self._members(type_):
             found = [d for d in level.named(name) if d.kind is not Kind.TRANSITION]
             if found:
                 found = preferred(self._without_step_variables(found), Role.VALUE)
                 if len(found) > 1:
-                    return Meaning(doubt="several things have this name", candidates=tuple(found))
+                    return Binding(doubt="several things have this name", candidates=tuple(found))
                 return self._of_external(found[0], Site(place=found[0].pou.place if found[0].pou is not None else ""))
         return NOTHING
 
@@ -378,15 +378,15 @@ class Resolver:
         inputs = [v for section in called.interface.sections if section.kind in kinds for v in section.variables]
         return self.settled(inputs[position].type, site.place) if position < len(inputs) else Untyped.UNKNOWN
 
-    def _parameter(self, called: Pou | Method | Type, name: str) -> Meaning:
+    def _parameter(self, called: Pou | Method | Type, name: str) -> Binding:
         if called is Untyped.UNKNOWN:
-            return Meaning(doubt="what is called is not known")
+            return Binding(doubt="what is called is not known")
         if isinstance(called, Pou) and called.kind is PouKind.FUNCTION and called.name.casefold() == name.casefold():
-            return Meaning(Declaration(Kind.POU, called.name, (called,)))  # its result
+            return Binding(Declaration(Kind.POU, called.name, (called,)))  # its result
         for level in self._parameters(called):
             found = [d for d in level.named(name) if d.kind in (Kind.VARIABLE, Kind.MEMBER)]
             if found:
-                return Meaning(found[0])
+                return Binding(found[0])
         return NOTHING
 
     def _parameters(self, called: Pou | Method | Type) -> Sequence[Level]:
@@ -395,9 +395,9 @@ class Resolver:
             return (self.scopes.method(owner, called),)
         return self._members(called)
 
-    def _parameter_of_block(self, block: object, name: str, site: Site) -> Meaning:
+    def _parameter_of_block(self, block: object, name: str, site: Site) -> Binding:
         if not isinstance(block, Block):
-            return Meaning(doubt="only its tool knows the element that it is a pin of")
+            return Binding(doubt="only its tool knows the element that it is a pin of")
         return self._parameter(self._called_by_block(block, site), name)
 
     def _called_by_block(self, block: object, site: Site) -> Pou | Method | Type:
@@ -413,9 +413,9 @@ class Resolver:
 
     # -- names with a place of their own
 
-    def _member_of_value(self, value: object, name: str, site: Site) -> Meaning:
+    def _member_of_value(self, value: object, name: str, site: Site) -> Binding:
         if not isinstance(value, ValueOf):
-            return Meaning(doubt="the type of the value is not known")
+            return Binding(doubt="the type of the value is not known")
         return self._parameter(self._type_of_value(value, site), name)
 
     def _type_of_value(self, value: object, site: Site) -> Type:

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.symbols import (
     NOTHING,
+    Binding,
     Declaration,
     Kind,
     Level,
-    Meaning,
     inside,
     members_of,
     values_of,
@@ -365,15 +365,15 @@ def _inner(type_: DataType, path: str, pou: Pou | None) -> Iterator[tuple[DataTy
                 yield from _inner(member.type, f"{path}.{member.name}", pou)
 
 
-def step_of(scopes: Scopes, chart: object, name: str, site: Site) -> Meaning:
+def step_of(scopes: Scopes, chart: object, name: str, site: Site) -> Binding:
     """A step of the chart that something names beside it."""
     if not isinstance(chart, SfcNetwork):
-        return Meaning(doubt="there is no chart of this name")
+        return Binding(doubt="there is no chart of this name")
     found = [d for d in scopes.chart(chart, site.pou).named(name) if d.kind is Kind.STEP]
-    return Meaning(found[0]) if found else NOTHING
+    return Binding(found[0]) if found else NOTHING
 
 
-def object_of(scopes: Scopes, nodes: tuple[TreeNode, ...]) -> Meaning:
+def object_of(scopes: Scopes, nodes: tuple[TreeNode, ...]) -> Binding:
     """What a node of the project tree stands for: what has its id; without ids, what has its name there."""
     node = nodes[-1]
     around = {outer.name.casefold() for outer in nodes[:-1]}
@@ -381,16 +381,16 @@ def object_of(scopes: Scopes, nodes: tuple[TreeNode, ...]) -> Meaning:
     for declaration in scopes.objects():
         object_id = getattr(declaration.holder, "object_id", None)
         if object_id is not None and object_id == node.object_id:
-            return Meaning(declaration)
+            return Binding(declaration)
         same = declaration.name.casefold() == node.name.casefold()
         if object_id is None and same and (declaration.pou is None or declaration.pou.name.casefold() in around):
             alike.append(declaration)
     if len(alike) > 1:
-        return Meaning(doubt="several things have this name in the project tree", candidates=tuple(alike))
-    return Meaning(alike[0]) if alike else NOTHING
+        return Binding(doubt="several things have this name in the project tree", candidates=tuple(alike))
+    return Binding(alike[0]) if alike else NOTHING
 
 
-def head_of(scopes: Scopes, text_site: TextSite) -> Meaning:
+def head_of(scopes: Scopes, text_site: TextSite) -> Binding:
     """What a text of declarations declares as a whole."""
     site = text_site.site
     if isinstance(text_site.owner, VariableSection):
@@ -401,14 +401,14 @@ def head_of(scopes: Scopes, text_site: TextSite) -> Meaning:
             for d in level.named(text_site.owner.name or "")
             if id(text_site.owner) in map(id, d.holders)
         ]
-        return Meaning(lists[0]) if lists else NOTHING
+        return Binding(lists[0]) if lists else NOTHING
     if site.pou is not None and site.method is not None:
         path = f"{site.pou.name}.{site.method.name}"
-        return Meaning(Declaration(Kind.METHOD, path, (site.method,), site.pou))
-    return Meaning(Declaration(Kind.POU, site.pou.name, (site.pou,))) if site.pou is not None else NOTHING
+        return Binding(Declaration(Kind.METHOD, path, (site.method,), site.pou))
+    return Binding(Declaration(Kind.POU, site.pou.name, (site.pou,))) if site.pou is not None else NOTHING
 
 
-def declared_name(scopes: Scopes, reference: Reference, text_site: TextSite) -> Meaning:
+def declared_name(scopes: Scopes, reference: Reference, text_site: TextSite) -> Binding:
     """What a text of declarations declares with this name."""
     holder = text_site.owner if isinstance(text_site.owner, VariableSection) else text_site.holder
     within = reference.within
@@ -433,7 +433,7 @@ def declared_name(scopes: Scopes, reference: Reference, text_site: TextSite) -> 
         level = _in_place(scopes, type_)
     kinds = (Kind.VARIABLE, Kind.MEMBER, Kind.ENUM_VALUE)
     found = [d for d in level.named(reference.name) if d.kind in kinds]
-    return Meaning(found[0]) if found else NOTHING
+    return Binding(found[0]) if found else NOTHING
 
 
 def _in_place(scopes: Scopes, type_: t.DataType) -> Level:

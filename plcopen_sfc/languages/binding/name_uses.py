@@ -17,7 +17,7 @@ from plcopen_sfc.languages.binding.name_sites import (
     in_statements,
     unread,
 )
-from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level, Meaning
+from plcopen_sfc.languages.binding.symbols import Binding, Declaration, Kind, Level
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
@@ -51,7 +51,7 @@ class Occurrence:
 
     text_site: TextSite
     reference: Reference
-    meaning: Meaning
+    meaning: Binding
 
     @property
     def use(self) -> Use:

@@ -139,7 +139,7 @@ def inside(type_: DataType) -> Iterator[DataType]:
 
 
 @dataclass(frozen=True, slots=True)
-class Meaning:
+class Binding:
     """What a name refers to. Without declaration: nothing of the project, or, with `doubt`, nobody can tell.
 
     `candidates` are the declarations that are in doubt; None: it can be any that has members or parameters.
@@ -150,5 +150,5 @@ class Meaning:
     candidates: tuple[Declaration, ...] | None = None
 
 
-NOTHING = Meaning()
+NOTHING = Binding()
 """Nothing of the project: a standard function, a library, a name that is declared nowhere."""

@@ -17,13 +17,13 @@ from plcopen_sfc.languages.declarations.declaration_writing import (
     write_value,
     write_variable,
 )
-from plcopen_sfc.languages.declarations.declared_units import Unit, Units, split_units
+from plcopen_sfc.languages.declarations.declared_units import DeclaredUnit, Units, split_units
 
 __all__ = [
     "Declared",
+    "DeclaredUnit",
     "Found",
     "Head",
-    "Unit",
     "Units",
     "read_declarations",
     "read_interface",

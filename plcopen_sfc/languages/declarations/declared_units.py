@@ -26,7 +26,7 @@ _SCL_WORDS = _WORDS | {"BEGIN", "STRUCT", "END_STRUCT", "TITLE"}
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class DeclaredUnit:
     """A unit of a source text. All places are offsets into it.
 
     `head` is what declares: from the keyword up to the body; of what has no body (types) all of it. `body` is what
@@ -45,7 +45,7 @@ class Unit:
 class Units:
     """The units of a text; `comments` are all of its comments, `problems` what stands outside of any unit."""
 
-    units: tuple[Unit, ...]
+    units: tuple[DeclaredUnit, ...]
     comments: tuple[Comment, ...]
     problems: tuple[Problem, ...]
 
@@ -54,7 +54,7 @@ def split_units(text: str, dialect: Dialect = Dialect.IEC) -> Units:
     """The units of `text`, in their order."""
     found = tokenize(text, dialect, _SCL_WORDS if dialect is Dialect.SCL else _WORDS)
     tokens = found.tokens
-    units: list[Unit] = []
+    units: list[DeclaredUnit] = []
     problems: list[Problem] = []
     lines = Lines(text)
     position = 0
@@ -70,14 +70,14 @@ def split_units(text: str, dialect: Dialect = Dialect.IEC) -> Units:
         elif kind in _SECTIONS:
             end = _end_of_section(tokens, position)
             span = (tokens[position].span[0], tokens[end - 1].span[1])
-            units.append(Unit(kind, span, span, None, None))
+            units.append(DeclaredUnit(kind, span, span, None, None))
             position = end
         else:
             position = _stray(tokens, position, problems)
     return Units(tuple(units), tuple(found.comments), tuple(problems))
 
 
-def _unit(text: str, tokens: list[Token], first: int, dialect: Dialect) -> tuple[Unit, int]:
+def _unit(text: str, tokens: list[Token], first: int, dialect: Dialect) -> tuple[DeclaredUnit, int]:
     keyword = tokens[first].type
     closing = f"END_{keyword}"
     stop_at = _POUS if keyword in _WITH_BODY else frozenset()
@@ -94,9 +94,9 @@ def _unit(text: str, tokens: list[Token], first: int, dialect: Dialect) -> tuple
     span = (start, end[1] if end is not None else stop)
     after = last + 1 if last is not None else behind
     if keyword in _DECLARATIONS:
-        return Unit(keyword, span, span, None, end), after
+        return DeclaredUnit(keyword, span, span, None, end), after
     head_end, split = _end_of_head(text, tokens, first, behind, dialect)
-    return Unit(keyword, span, (start, head_end), (split, stop), end), after
+    return DeclaredUnit(keyword, span, (start, head_end), (split, stop), end), after
 
 
 def _begins_a_line(text: str, tokens: list[Token], index: int) -> bool:

@@ -5,9 +5,9 @@ Other tools ignore them. `notation` writes and reads values, `remainder` finds w
 
 from plcopen_sfc.languages.pragmas.notation import DEFAULT, NotationError, format_value
 from plcopen_sfc.languages.pragmas.remainder import (
-    Change,
     Fields,
     PathError,
+    RemainderEntry,
     Segment,
     StaleError,
     apply,
@@ -20,10 +20,10 @@ from plcopen_sfc.languages.pragmas.remainder import (
 
 __all__ = [
     "DEFAULT",
-    "Change",
     "Fields",
     "NotationError",
     "PathError",
+    "RemainderEntry",
     "Segment",
     "StaleError",
     "apply",

@@ -42,7 +42,7 @@ Segment: TypeAlias = str | int | Named | Numbered | Append
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class RemainderEntry:
     """The value at `path` is `value`; `DEFAULT`: nothing is said there.
 
     `instead` is what the text says there, None if it says nothing. Who edits the text means the text: the change is
@@ -109,7 +109,9 @@ def plain_value(value: Any, substitute: Substitute | None = None) -> Any:
 # -- differences ------------------------------------------------------------------------------------------------------
 
 
-def changes(said: Any, meant: Any, path: tuple[Segment, ...] = (), *, guarded: bool = False) -> Iterator[Change]:
+def changes(
+    said: Any, meant: Any, path: tuple[Segment, ...] = (), *, guarded: bool = False
+) -> Iterator[RemainderEntry]:
     """What must be said beside a text that says `said` so that it says `meant`.
 
     `guarded`: each change of fields and lists tells what they are in the text, too, not only one of a plain value. The
@@ -123,7 +125,7 @@ def changes(said: Any, meant: Any, path: tuple[Segment, ...] = (), *, guarded: b
                 yield from additions(meant[key], (*path, key))
         for key in said:
             if key not in meant:
-                yield Change((*path, key), DEFAULT, _instead(said[key], guarded))
+                yield RemainderEntry((*path, key), DEFAULT, _instead(said[key], guarded))
     elif isinstance(said, list) and isinstance(meant, list) and _starts_alike(said, meant):
         for one, other, segment in zip(said, meant, _segments(said, meant), strict=False):
             yield from changes(one, other, (*path, segment), guarded=guarded)
@@ -131,17 +133,17 @@ def changes(said: Any, meant: Any, path: tuple[Segment, ...] = (), *, guarded: b
             yield from _appended(item, path, index)
     elif said != meant or type(said) is not type(meant):
         if isinstance(said, list) and isinstance(meant, list) and said and meant:
-            yield Change(path, [], _instead(said, guarded))
+            yield RemainderEntry(path, [], _instead(said, guarded))
             yield from additions(meant, path)
         else:
-            yield Change(path, meant, _instead(said, guarded))
+            yield RemainderEntry(path, meant, _instead(said, guarded))
 
 
 def _instead(said: Any, guarded: bool) -> Any:
     return said if guarded or not isinstance(said, dict | list) else None
 
 
-def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[Change]:
+def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[RemainderEntry]:
     """What must be said where the text says nothing: one line for each field and each item of a list."""
     if isinstance(meant, dict) and meant and not _is_map(meant):
         for key in meant:
@@ -150,16 +152,16 @@ def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[Change]:
         for index, item in enumerate(meant):
             yield from _appended(item, path, index)
     else:
-        yield Change(path, meant)
+        yield RemainderEntry(path, meant)
 
 
-def _appended(item: Any, path: tuple[Segment, ...], index: int) -> Iterator[Change]:
+def _appended(item: Any, path: tuple[Segment, ...], index: int) -> Iterator[RemainderEntry]:
     """A new item of a list; if it is long, its own lists on lines of their own."""
     lists = {key: value for key, value in item.items() if _is_list_of_fields(value)} if isinstance(item, dict) else {}
     if not lists or len(format_value(item)) <= _WIDE:
-        yield Change((*path, Append()), item)
+        yield RemainderEntry((*path, Append()), item)
         return
-    yield Change((*path, Append()), {key: value for key, value in item.items() if key not in lists})
+    yield RemainderEntry((*path, Append()), {key: value for key, value in item.items() if key not in lists})
     for key, value in lists.items():
         yield from additions(value, (*path, index, key))
 
@@ -222,7 +224,7 @@ class StaleError(ValueError):
     """A change that was made for another text than the one that stands there now."""
 
 
-def apply(fields: Fields, change: Change) -> None:
+def apply(fields: Fields, change: RemainderEntry) -> None:
     """Make `change` in `fields`. Raises `StaleError` where the text says something new there, and `PathError`."""
     holder: Any = fields
     for segment, following in zip(change.path, change.path[1:], strict=False):
@@ -300,7 +302,7 @@ def format_path(path: tuple[Segment, ...]) -> str:
     return text
 
 
-def parse_change(text: str, position: int = 0) -> Change:
+def parse_change(text: str, position: int = 0) -> RemainderEntry:
     """The change that ``path := value`` says; ``path`` alone means TRUE. Raises `NotationError`."""
     scanner = Scanner(text, position)
     path: list[Segment] = [scanner.key()]
@@ -321,7 +323,7 @@ def parse_change(text: str, position: int = 0) -> Change:
         instead = scanner.value()
     if not scanner.at_end():
         raise NotationError("nothing may follow the value", scanner.position)
-    return Change(tuple(path), value, instead)
+    return RemainderEntry(tuple(path), value, instead)
 
 
 def _bracketed(scanner: Scanner) -> Segment:

@@ -14,12 +14,12 @@ from plcopen_sfc.semantics.charts.qualifier_control import (
     ON,
     PULSE,
     Association,
-    Change,
     ContinuousControl,
     Control,
     PlainControl,
     Reserve,
     SequentialControl,
+    SituationChange,
     StandardControl,
 )
 from plcopen_sfc.semantics.charts.situation_plans import MOST_PLANS, Run, Write, execution
@@ -48,7 +48,7 @@ class Owner:
 
 
 @dataclass(slots=True, eq=False)
-class Action:
+class ExecutedAction:
     """An action: a body to run or a Boolean variable to write, and the control that decides on it.
 
     `name` orders actions of CODESYS. `bit` is its place in the set of actions with a memory, `noted` that in what the
@@ -78,7 +78,7 @@ class _Draft:
 class _Work:
     """Work of a scan: the actions that it must ask, and the variables of all others."""
 
-    actions: tuple[Action, ...]
+    actions: tuple[ExecutedAction, ...]
     idle: tuple[Write, ...]
 
 
@@ -119,8 +119,8 @@ class Actions:
         self._drawn: list[_Drawn] = []
         self._slots: dict[int, int] = {}
         self._actions = tuple(self._action(index, draft) for index, draft in enumerate(drafts))
-        self._by_step: dict[int, list[Action]] = {}
-        self._asked: list[Action] = []
+        self._by_step: dict[int, list[ExecutedAction]] = {}
+        self._asked: list[ExecutedAction] = []
         for action in self._actions:
             for association in action.associations:
                 if association.inverted or (self._sequential and association.qualifier in _PULSES):
@@ -144,7 +144,7 @@ class Actions:
 
         return sorted(drafts, key=place)
 
-    def _action(self, index: int, draft: _Draft) -> Action:
+    def _action(self, index: int, draft: _Draft) -> ExecutedAction:
         associations = [_association(owner, model) for owner, model in draft.model]
 
         memory: list[tuple[int, Any]] = []
@@ -163,7 +163,7 @@ class Actions:
                 self._slots[id(association)] = reserve(f"condition {number}", ELEMENTARY["BOOL"])
         origins = [Origin(owner.steps, model) for owner, model in draft.model]
         noted = self._reached.action(draft.name or f"{draft.model[0][0].path}: action in place", origins)
-        return Action(draft.name, 1 << index, noted, out, memory, control, associations, draft.model)
+        return ExecutedAction(draft.name, 1 << index, noted, out, memory, control, associations, draft.model)
 
     @property
     def step_times(self) -> set[int]:
@@ -216,7 +216,7 @@ class Actions:
                 f"{model.target or 'an action'} has no time for {model.qualifier}", where
             )
 
-    def act(self, frame: Frame, now: int, situation: int, change: Change) -> None:
+    def act(self, frame: Frame, now: int, situation: int, change: SituationChange) -> None:
         """Ask all controls, then execute: first what has ended, then what is active.
 
         `situation` and `change` are as in `Control.step`.
@@ -228,8 +228,8 @@ class Actions:
         work = self._work.get((situation, concerned, v[self._busy]))
         if work is None:
             work = self._plan(situation, concerned, v[self._busy])
-        ended: list[Action] = []
-        active: list[Action] = []
+        ended: list[ExecutedAction] = []
+        active: list[ExecutedAction] = []
         resting: list[Write] = []
         busy = 0
         for action in work.actions:

@@ -16,8 +16,8 @@ from plcopen_sfc.semantics.charts.chart_actions import (
 )
 from plcopen_sfc.semantics.charts.grafcet.grafcet_program import Grafcet, has_grafcet
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import check_no_graph
-from plcopen_sfc.semantics.charts.qualifier_control import Change
-from plcopen_sfc.semantics.charts.sfc_flags import Flags, Order, Tip, analysis
+from plcopen_sfc.semantics.charts.qualifier_control import SituationChange
+from plcopen_sfc.semantics.charts.sfc_flags import FlagEffect, Flags, Tip, analysis
 from plcopen_sfc.semantics.charts.situation_plans import Plan, Plans, Run, Watch
 from plcopen_sfc.semantics.charts.step_state import Reached, Steps, forgetting, tick
 from plcopen_sfc.semantics.charts.transition_firing import NOTHING, Cleared, Move, choice, testing_order, watched
@@ -248,7 +248,7 @@ class ChartProgram:
             v[self._shown] = situation
         plan = self._plans.of(situation)
         tick(frame, plan.timed, now)
-        self._execute(frame, now, plan, Change(before & ~situation, entered, situation))
+        self._execute(frame, now, plan, SituationChange(before & ~situation, entered, situation))
 
     def _evolve(self, frame: Frame) -> bool:
         """Clear transitions; the steps that they enter become active in the next scan."""
@@ -300,7 +300,7 @@ class ChartProgram:
                 raise self._unstable(situation)
         v[self._situation] = v[self._shown] = situation
         plan = self._plans.of(situation)
-        self._execute(frame, now, plan, Change(before & ~situation, situation & ~before, seen | situation))
+        self._execute(frame, now, plan, SituationChange(before & ~situation, situation & ~before, seen | situation))
         return fired
 
     def _clear(self, frame: Frame, plan: Plan, situation: int) -> Cleared:
@@ -330,7 +330,7 @@ class ChartProgram:
             self._grafcet.store(frame, situation, after)
         return after
 
-    def _execute(self, frame: Frame, now: int, plan: Plan, change: Change) -> None:
+    def _execute(self, frame: Frame, now: int, plan: Plan, change: SituationChange) -> None:
         """The actions of a situation."""
         situation = frame.v[self._shown]
         if self._has_flags:
@@ -357,24 +357,24 @@ class ChartProgram:
         v = frame.v
         order, new = self._flags.order(frame)
         if self._profile.pause_stops_time:
-            self._stop_time(frame, now, stopped=order is Order.STOP)
-        if order is Order.STOP:
+            self._stop_time(frame, now, stopped=order is FlagEffect.STOP)
+        if order is FlagEffect.STOP:
             if not v[self._started]:
                 self._steps.change(frame, v[self._shown], self.net.initial, self.net.initial, now)
                 v[self._shown] = self.net.initial
             return False
-        if order is Order.RUN:
+        if order is FlagEffect.RUN:
             if new:
                 self._steps.restart(frame, v[self._shown], now)
             return True
-        ends = self._profile.init_ends_actions if order is Order.INIT else self._profile.reset_ends_actions
+        ends = self._profile.init_ends_actions if order is FlagEffect.INIT else self._profile.reset_ends_actions
         if new:
             if ends:
                 self._actions.end(frame)
             self._steps.change(frame, v[self._shown], self.net.initial, self.net.initial, now)
             v[self._shown] = v[self._situation] = self.net.initial
             v[self._started] = False
-        if order is Order.INIT:
+        if order is FlagEffect.INIT:
             self._steps.restart(frame, self.net.initial, now)
             return False
         return True

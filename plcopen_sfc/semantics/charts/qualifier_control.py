@@ -58,7 +58,7 @@ class Association:
         return self.condition is None or self.condition(frame)
 
 
-class Change(NamedTuple):
+class SituationChange(NamedTuple):
     """Change of the situation in a scan.
 
     `left`: the steps that were active before and are no more, `entered`: those that became active, `seen`: all that
@@ -73,7 +73,7 @@ class Change(NamedTuple):
 class Control(Protocol):
     """Decides in every scan on one action."""
 
-    def step(self, frame: Frame, now: int, situation: int, change: Change) -> int:
+    def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:
         """ON, BUSY, PULSE and OFF for this scan.
 
         `situation` are the active steps, `change` is how they came to be so in this scan.
@@ -115,7 +115,7 @@ class PlainControl:
     def __init__(self, associations: Sequence[Association]) -> None:
         self._input = Input(associations)
 
-    def step(self, frame: Frame, now: int, situation: int, change: Change) -> int:  # noqa: ARG002
+    def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:  # noqa: ARG002
         """See `Control.step`."""
         return ON if self._input.is_on(situation, frame) else 0
 
@@ -336,7 +336,7 @@ class StandardControl:
             parts.append(_FallingPulse(found, reserve))
         self._parts = tuple(parts)
 
-    def step(self, frame: Frame, now: int, situation: int, change: Change) -> int:
+    def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:
         """See `Control.step`."""
         reset = self._reset is not None and self._reset.is_on(change.seen, frame)
         bits = 0
@@ -356,7 +356,7 @@ class ContinuousControl:
     def __init__(self, associations: Sequence[Association]) -> None:
         self._associations = tuple(associations)
 
-    def step(self, frame: Frame, now: int, situation: int, change: Change) -> int:  # noqa: ARG002
+    def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:  # noqa: ARG002
         """See `Control.step`."""
         for association in self._associations:
             if association.is_on(situation, frame):
@@ -388,7 +388,7 @@ class SequentialControl:
         self._reset_start = reserve("reset_remaining_time", INSTANT)
         self._reset_time = reserve("reset_remaining_time.PT", ELAPSED)
 
-    def step(self, frame: Frame, now: int, situation: int, change: Change) -> int:
+    def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:
         """See `Control.step`."""
         v = frame.v
         set_ = _is_over(v, self._set_start, self._set_time, now)

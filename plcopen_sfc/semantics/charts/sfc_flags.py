@@ -36,7 +36,7 @@ COMMANDS = frozenset(
 """Flags that the chart obeys."""
 
 
-class Order(Enum):
+class FlagEffect(Enum):
     """Effect of the flags in a scan: go on, stand still, or go back to the initial step."""
 
     RUN = "run"
@@ -97,7 +97,7 @@ class Flags:
         if write is not None:
             write(frame, value)
 
-    def order(self, frame: Frame) -> tuple[Order, bool]:
+    def order(self, frame: Frame) -> tuple[FlagEffect, bool]:
         """Effect in this scan, and whether it was not wanted in the one before.
 
         Whatever SFCInit finds it sets back, so that is new in every scan. Going on after SFCQuitError is new too: the
@@ -109,20 +109,20 @@ class Flags:
         v[self._reset] = reset
         if self.is_on(SfcFlag.INIT, frame):
             self._clear(frame)
-            return Order.INIT, True
+            return FlagEffect.INIT, True
         if reset:
             if new:
                 self._clear(frame)
-            return Order.RESET, new
+            return FlagEffect.RESET, new
         if self.is_on(SfcFlag.QUIT_ERROR, frame):
             self._forget_error(frame)
             v[self._quitted] = True
-            return Order.STOP, False
+            return FlagEffect.STOP, False
         if self.is_on(SfcFlag.PAUSE, frame):
-            return Order.STOP, False
+            return FlagEffect.STOP, False
         new = v[self._quitted]
         v[self._quitted] = False
-        return Order.RUN, new
+        return FlagEffect.RUN, new
 
     def tip(self, frame: Frame) -> Tip:
         """How transitions are cleared. One rising edge of SFCTip is one step; there is none while SFCReset is TRUE."""

@@ -13,7 +13,7 @@
 """
 
 from plcopen_sfc.semantics.programs import types
-from plcopen_sfc.semantics.programs.controller import Controller, Instance, Variable
+from plcopen_sfc.semantics.programs.controller import Controller, Instance, InstanceVariable
 from plcopen_sfc.semantics.programs.pou_translation import ChartCompiler
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime import Processor
@@ -28,11 +28,11 @@ __all__ = [
     "Field",
     "Frame",
     "Instance",
+    "InstanceVariable",
     "Layout",
     "Processor",
     "Routines",
     "Scope",
     "Type",
-    "Variable",
     "types",
 ]

@@ -17,7 +17,7 @@ _TYPES = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD", 64: "LWORD"}
 _AREAS = {"E": "I", "A": "Q"}
 
 
-class Address(NamedTuple):
+class MemoryAddress(NamedTuple):
     """Bits of a memory area: the first one, and how many. `by_bytes`: the tool numbers its words as bytes."""
 
     area: str
@@ -26,7 +26,7 @@ class Address(NamedTuple):
     by_bytes: bool = False
 
 
-def address_of(text: str, *, by_bytes: bool) -> Address:
+def address_of(text: str, *, by_bytes: bool) -> MemoryAddress:
     """The address that a text names. Raises `SimulationError`."""
     found = _ADDRESS.fullmatch(text.strip())
     if found is None:
@@ -37,11 +37,11 @@ def address_of(text: str, *, by_bytes: bool) -> Address:
     width = _WIDTHS[size]
     if width == 1:
         if len(numbers) == 1:
-            return Address(area, numbers[0] * (1 if size == "X" else 8), 1)
+            return MemoryAddress(area, numbers[0] * (1 if size == "X" else 8), 1)
         head = area + "".join(f".{part}" for part in numbers[:-2])
-        return Address(head, numbers[-2] * 8 + numbers[-1], 1)
+        return MemoryAddress(head, numbers[-2] * 8 + numbers[-1], 1)
     head = area + "".join(f".{part}" for part in numbers[:-1])
-    return Address(head, numbers[-1] * (8 if by_bytes else width), width, by_bytes and width > 8)
+    return MemoryAddress(head, numbers[-1] * (8 if by_bytes else width), width, by_bytes and width > 8)
 
 
 class Image:
@@ -54,10 +54,10 @@ class Image:
     def __init__(self, add: Callable[[str, t.Type, m.Value | None], Place], *, by_bytes: bool) -> None:
         self._add = add
         self._bytes = by_bytes
-        self._places: dict[Address, Place] = {}
-        self._bits: dict[tuple[str, int], Address] = {}
+        self._places: dict[MemoryAddress, Place] = {}
+        self._bits: dict[tuple[str, int], MemoryAddress] = {}
 
-    def addresses(self) -> Mapping[str, Address]:
+    def addresses(self) -> Mapping[str, MemoryAddress]:
         """Where variables are, by their paths."""
         return {place.path: address for address, place in self._places.items()}
 

@@ -13,7 +13,7 @@ from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.paths import PathTranslator
 from plcopen_sfc.semantics.programs.places import Place, Space, Unknown
-from plcopen_sfc.semantics.programs.scopes import Callee, MethodUnit, Unit
+from plcopen_sfc.semantics.programs.scopes import Callee, TranslatedMethod, TranslatedPou
 from plcopen_sfc.semantics.programs.standard_functions import StandardFunctions
 from plcopen_sfc.semantics.programs.types import Direction, Field
 from plcopen_sfc.semantics.programs.value_code import Code, ranged, settled
@@ -37,7 +37,7 @@ class Calls:
         name = node.callee
         if isinstance(name, n.Name):
             meaning = self._called(name)
-            if isinstance(meaning, Unit) and not meaning.is_program:
+            if isinstance(meaning, TranslatedPou) and not meaning.is_program:
                 return self._of_unit(meaning, node)
             method = self._own_method(name)
             if method is not None:
@@ -46,18 +46,18 @@ class Calls:
                 return self._by_name(name.identifier, node, expected)
         elif isinstance(name, n.Member):
             base = self._translator.meaning(name.base)
-            if isinstance(base, Unit) and base.is_program:
+            if isinstance(base, TranslatedPou) and base.is_program:
                 base = self._library.program(base)
             if isinstance(base, Place):
                 return self._of_instance(self._translator.followed(base, None), name.name.identifier, node, expected)
             if isinstance(base, Unknown | Space):
                 found = self._translator.meaning(name)
-                if isinstance(found, Unit) and not found.is_program:
+                if isinstance(found, TranslatedPou) and not found.is_program:
                     return self._of_unit(found, node)
                 return self._by_name(name.name.identifier, node, expected)
         raise SimulationError(f"{print_node(name)} is called inside an expression, but is no function")
 
-    def _of_unit(self, unit: Unit, node: n.Call) -> Code:
+    def _of_unit(self, unit: TranslatedPou, node: n.Call) -> Code:
         if not unit.is_function:
             raise SimulationError(f"{unit.pou.name} is a type: only an instance of it can be called")
         return self._function(unit, node, [])
@@ -74,7 +74,7 @@ class Calls:
             return self._function(method, node, [place.text])
         return self._method(method, node, place.text)
 
-    def _method(self, method: MethodUnit, node: n.Call, frame: str) -> Code:
+    def _method(self, method: TranslatedMethod, node: n.Call, frame: str) -> Code:
         """A call of a method: of that which the instance has, where a POU that extends this one has another."""
         if not self._library.is_overridden(method):
             return self._function(method, node, [frame])
@@ -325,7 +325,7 @@ class Calls:
                 return True
         if isinstance(callee, n.Member):
             base = self._translator.meaning(callee.base)
-            if isinstance(base, Unit) and base.is_program:
+            if isinstance(base, TranslatedPou) and base.is_program:
                 base = self._library.program(base)
             if isinstance(base, Place) and self._act_of(
                 self._translator.followed(base, None), callee.name.identifier, arguments
@@ -334,7 +334,7 @@ class Calls:
             if isinstance(base, Place) and self._method_of(self._translator.followed(base, None), callee) is not None:
                 return False
         meaning = self._translator.meaning(callee, called=True)
-        if isinstance(meaning, Unit) and meaning.is_program:
+        if isinstance(meaning, TranslatedPou) and meaning.is_program:
             meaning = self._library.program(meaning)
         if isinstance(meaning, Place):
             meaning = self._translator.followed(meaning, None)
@@ -432,17 +432,17 @@ class Calls:
             return unit
         return self._scope.resolve(name, called=True)
 
-    def _method_of(self, place: Place, callee: n.Member) -> MethodUnit | None:
+    def _method_of(self, place: Place, callee: n.Member) -> TranslatedMethod | None:
         """The method that ``instance.name`` means; a variable of the name comes first."""
         unit = self._unit_of(place.type)
         if unit is None or unit.layout.find(callee.name.identifier) is not None:
             return None
         return unit.method(callee.name.identifier)
 
-    def _own_method(self, name: n.Name) -> MethodUnit | None:
+    def _own_method(self, name: n.Name) -> TranslatedMethod | None:
         return self._scope.unit.method(name.identifier) if self._scope.unit is not None else None
 
-    def _unit_of(self, type_: t.Type) -> Unit | None:
+    def _unit_of(self, type_: t.Type) -> TranslatedPou | None:
         return self._library.unit_of_layout(type_.layout) if isinstance(type_, t.StructureType) else None
 
 

@@ -14,14 +14,14 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_of
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.addresses import Address
+from plcopen_sfc.semantics.programs.addresses import MemoryAddress
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.places import Place, Unknown
 from plcopen_sfc.semantics.programs.pou_translation import ChartCompiler
 from plcopen_sfc.semantics.programs.project_library import Library
 from plcopen_sfc.semantics.programs.runtime import UNREAD, bits_set, coerced
-from plcopen_sfc.semantics.programs.scopes import CompiledChart, Unit
+from plcopen_sfc.semantics.programs.scopes import CompiledChart, TranslatedPou
 from plcopen_sfc.semantics.programs.snapshots import Snapshots
 from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, leaves
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
@@ -123,7 +123,7 @@ class Controller:
             if id(value) in self._initialised:
                 return
             self._initialised[id(value)] = value
-            unit: Unit | None = self.library.unit_of_layout(value.layout)
+            unit: TranslatedPou | None = self.library.unit_of_layout(value.layout)
             for item in value.v:
                 self._initialise(item)
             if unit is not None:
@@ -135,7 +135,7 @@ class Controller:
 
 
 @dataclass(frozen=True, slots=True)
-class Variable:
+class InstanceVariable:
     """A variable that a user can look at: its path, type and direction. `preset`: its declaration gives it a value.
 
     `is_member`: it is a part of a structure or of an instance.
@@ -163,7 +163,7 @@ _Moving: TypeAlias = tuple[Callable[[Frame], tuple[list[Any], int]], Place]
 class Instance:
     """A program or function block that is executed scan by scan."""
 
-    def __init__(self, controller: Controller, unit: Unit, frame: Frame) -> None:
+    def __init__(self, controller: Controller, unit: TranslatedPou, frame: Frame) -> None:
         self.controller = controller
         self.unit = unit
         self.frame = frame
@@ -315,13 +315,13 @@ class Instance:
         """Variables that a user gives a value, by path, with their types: see `VariableUse.given`."""
         return {path: type_ for _, path, type_ in self._library.use.given()}
 
-    def variables(self) -> Mapping[str, Variable]:
+    def variables(self) -> Mapping[str, InstanceVariable]:
         """All variables that a user sees, by path: those of the instance, then global ones that are used."""
-        found: dict[str, Variable] = {}
+        found: dict[str, InstanceVariable] = {}
 
         def add(path: str, field: Field, direction: Direction, cells: list[Any], index: int, *, member: bool) -> None:
             if path not in found:
-                found[path] = Variable(path, field.type, direction, field.preset, member)
+                found[path] = InstanceVariable(path, field.type, direction, field.preset, member)
                 if field.direction is not Direction.IN_OUT:  # there is a pointer in its place
                     self._cells.setdefault(path.casefold(), _Cell(cells, index, field.type))
 
@@ -338,7 +338,7 @@ class Instance:
                 add(field.name, field, field.direction, outer, field.slot, member=False)
         return found
 
-    def addresses(self) -> Mapping[str, Address]:
+    def addresses(self) -> Mapping[str, MemoryAddress]:
         """The direct addresses of variables, by their paths."""
         return self._library.image.addresses()
 

@@ -10,14 +10,14 @@ from plcopen_sfc.languages.networks.values import inverted
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Parenthesized
 
-__all__ = ["UNSEEN", "Branch", "Marks"]
+__all__ = ["UNSEEN", "MarkedBranch", "Marks"]
 
 UNSEEN = (SfcError, ArithmeticError, TypeError, AttributeError, IndexError, ValueError)
 """Errors of a condition that is evaluated once more to be looked at: nothing was seen then."""
 
 
 @dataclass(slots=True)
-class Branch:
+class MarkedBranch:
     """Statements that are executed together: whose text they are, what leads to them, and the assignments.
 
     `guards` are conditions that are all TRUE at once when it is executed: that of the branch, and what is known from
@@ -52,7 +52,7 @@ class Marks:
     """
 
     def __init__(self) -> None:
-        self.branches: list[Branch] = []
+        self.branches: list[MarkedBranch] = []
         self.reached: list[bool] = []
         self.watched: list[bool] = []
         self.is_watching = False
@@ -73,13 +73,13 @@ class Marks:
 
     def branch(self, owner: str, condition: str, guards: Sequence[Expression]) -> int:
         """Note a branch; its number."""
-        return self._noted(Branch(owner, condition, tuple(guards)))
+        return self._noted(MarkedBranch(owner, condition, tuple(guards)))
 
     def outcomes(self, branch: int, assignment: str, value: Expression, guards: Sequence[Expression]) -> int:
         """Note that a branch assigns a comparison; the number of the outcome FALSE, which that of TRUE follows."""
         around = self.branches[branch]
         for outcome, condition in ((False, inverted(Parenthesized(value))), (True, value)):
-            noted = Branch(around.owner, print_node(condition), (*guards, condition))
+            noted = MarkedBranch(around.owner, print_node(condition), (*guards, condition))
             noted.outcome, noted.inside = (assignment, outcome), around.condition
             last = self._noted(noted)
         return last - 1
@@ -87,11 +87,11 @@ class Marks:
     def decision(self, branch: int, condition: str, part: str, value: bool | None, guards: Sequence[Expression]) -> int:
         """Note an outcome of a condition, or without `value` that a part of it has decided it; its number."""
         around = self.branches[branch]
-        noted = Branch(around.owner, print_node(guards[-1]), tuple(guards), decides=(condition, part, value))
+        noted = MarkedBranch(around.owner, print_node(guards[-1]), tuple(guards), decides=(condition, part, value))
         noted.inside, noted.around = around.condition, branch
         return self._noted(noted)
 
-    def _noted(self, branch: Branch) -> int:
+    def _noted(self, branch: MarkedBranch) -> int:
         self.branches.append(branch)
         self.reached.append(False)
         return len(self.branches) - 1

@@ -15,7 +15,7 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.places import Place, Space, Unknown
-from plcopen_sfc.semantics.programs.scopes import Scope, Unit
+from plcopen_sfc.semantics.programs.scopes import Scope, TranslatedPou
 from plcopen_sfc.semantics.programs.types import Direction
 from plcopen_sfc.semantics.programs.value_code import Code, constant, ranged, settled, wrapping
 
@@ -93,7 +93,7 @@ class PathTranslator(ABC):
                 return self.library.implicit(found.path, known)
         return found
 
-    def _own(self, word: str, unit: Unit) -> Place:
+    def _own(self, word: str, unit: TranslatedPou) -> Place:
         owner = unit if word == "THIS" else unit.base
         if owner is None:
             raise SimulationError(f"{unit.pou.name} extends nothing")
@@ -127,7 +127,7 @@ class PathTranslator(ABC):
             if value is None:
                 raise SimulationError(f"{base.name} has no value {name.identifier}")
             return constant(value, base)
-        if isinstance(base, Unit):
+        if isinstance(base, TranslatedPou):
             if not base.is_program:
                 raise SimulationError(f"{base.pou.name} is a type: only an instance of it has {name.identifier}")
             base = self.library.program(base)
@@ -314,7 +314,7 @@ class PathTranslator(ABC):
         meaning = self.meaning(node, expected)
         if isinstance(meaning, Unknown):
             meaning = self.implicit(meaning, expected)
-        if isinstance(meaning, Unit) and self.scope.layout is meaning.layout and meaning.result is not None:
+        if isinstance(meaning, TranslatedPou) and self.scope.layout is meaning.layout and meaning.result is not None:
             return self.scope.local_place(meaning.result)
         if not isinstance(meaning, Place):
             raise SimulationError(f"{print_node(node)} is no variable")

@@ -15,7 +15,7 @@ from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.places import Broken, Place
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.scopes import Callee, CompiledChart, MethodUnit, Scope, Unit
+from plcopen_sfc.semantics.programs.scopes import Callee, CompiledChart, Scope, TranslatedMethod, TranslatedPou
 from plcopen_sfc.semantics.programs.types import Direction
 
 ChartCompiler = Callable[[SfcNetwork, Scope, str], CompiledChart]
@@ -30,13 +30,13 @@ _DIRECTIONS = {
 }
 
 
-def declare(unit: Unit, compiler: ChartCompiler | None) -> None:
+def declare(unit: TranslatedPou, compiler: ChartCompiler | None) -> None:
     """Declare the variables of a POU, of its charts and of its methods."""
     if unit.base is not None:
         unit.scope.aliases.update(unit.base.scope.aliases)
     _declare_interface(unit, unit.pou.interface)
     for method in unit.pou.methods:
-        unit.methods[method.name.casefold()] = MethodUnit(unit, method)
+        unit.methods[method.name.casefold()] = TranslatedMethod(unit, method)
         for section in method.interface.sections if method.interface is not None else ():
             if kept(section.carried).get("keyword") == "VAR_INST":
                 unit.library.problems.append(SimulationError(f"VAR_INST of {method.name} does not keep its value"))
@@ -123,7 +123,7 @@ def _external(callee: Callee, variable: m.Variable) -> Place:
     return callee.library.implicit(variable.name, type_)
 
 
-def translate(unit: Unit) -> None:
+def translate(unit: TranslatedPou) -> None:
     """Translate the bodies, actions and methods of a POU."""
     linker = unit.library.linker
     for _, chart in unit.charts:
@@ -161,7 +161,7 @@ def _translate_bodies(callee: Callee, bodies: list[Body], parameters: str) -> No
 
 def _body_function(callee: Callee, body: Body) -> Callable[..., None]:
     """Return what executes one of several bodies, or a chart."""
-    found = callee.executions.get(id(body)) if isinstance(callee, Unit) else None
+    found = callee.executions.get(id(body)) if isinstance(callee, TranslatedPou) else None
     if found is not None:
         return found
     return Routines(callee.scope).body(body, callee.scope.path)

@@ -21,7 +21,7 @@ from plcopen_sfc.semantics.programs.declared_types import Initials, TypeReader
 from plcopen_sfc.semantics.programs.marks import UNSEEN
 from plcopen_sfc.semantics.programs.places import Place, Space
 from plcopen_sfc.semantics.programs.pou_translation import ChartCompiler, declare, translate
-from plcopen_sfc.semantics.programs.scopes import Scope, TranslatedProject, Unit
+from plcopen_sfc.semantics.programs.scopes import Scope, TranslatedPou, TranslatedProject
 from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 from plcopen_sfc.semantics.programs.value_code import Code
@@ -68,7 +68,7 @@ class Library(TranslatedProject):
         self._chart_compiler = chart_compiler
         self._initials = Initials(self)
         self._types = TypeReader(self, self._initials)
-        self._waiting: list[Unit] = []
+        self._waiting: list[TranslatedPou] = []
         self._fields: dict[int, Place] = {}
         self._open: set[int] = set()
         self._values: dict[int, Code] | None = None
@@ -105,13 +105,13 @@ class Library(TranslatedProject):
 
     # -- units
 
-    def unit(self, pou: Pou) -> Unit:
+    def unit(self, pou: Pou) -> TranslatedPou:
         """Return a POU, declared and waiting to be translated."""
         found = self.units.get(id(pou))
         if found is None:
             pou.read()
             base = self.names.base(pou)
-            found = Unit(self, pou, self.unit(base) if base is not None and base is not pou else None)
+            found = TranslatedPou(self, pou, self.unit(base) if base is not None and base is not pou else None)
             self.units[id(pou)] = found
             self._waiting.append(found)
             declare(found, self._chart_compiler)
@@ -119,7 +119,7 @@ class Library(TranslatedProject):
 
     def finish(self) -> None:
         """Translate all that waits, and link it."""
-        done: list[Unit] = []
+        done: list[TranslatedPou] = []
         while self._waiting:
             unit = self._waiting.pop(0)
             translate(unit)
@@ -141,7 +141,7 @@ class Library(TranslatedProject):
         if added is not None:
             added()
 
-    def give_in_outs(self, unit: Unit, frame: Frame) -> None:
+    def give_in_outs(self, unit: TranslatedPou, frame: Frame) -> None:
         """Nobody calls the outermost instance: its VAR_IN_OUT refer to variables of their own."""
         missing = [
             field
@@ -174,7 +174,7 @@ class Library(TranslatedProject):
     # -- global names
 
     def meaning(self, declaration: Declaration) -> Any:
-        """Meaning of a global declaration: a `Place`, a `Code`, a `Space`, a `Unit` or a type."""
+        """Meaning of a global declaration: a `Place`, a `Code`, a `Space`, a `TranslatedPou` or a type."""
         holder: Any = declaration.holder
         kind = declaration.kind
         if kind is Kind.POU:
@@ -315,7 +315,7 @@ class Library(TranslatedProject):
             number = type_.names[value.name.casefold()]
             self._values[id(value)] = Code(repr(number), type_, number, number, number, constant=True)
 
-    def program(self, unit: Unit) -> Place:
+    def program(self, unit: TranslatedPou) -> Place:
         """The only instance of a program."""
         found = self._fields.get(id(unit))
         if found is None:

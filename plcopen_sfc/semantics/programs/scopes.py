@@ -81,7 +81,7 @@ class TranslatedProject(ABC):
         self.marks = Marks() if marking else None
         self.implicits: dict[str, Place] = {}
         """External variables that the project does not declare, by their paths in lower case."""
-        self.units: dict[int, Unit] = {}
+        self.units: dict[int, TranslatedPou] = {}
         """The POUs that were needed so far, by the identity of their models."""
         self.unknown: UnknownBlocks | None = None
         if unknown_calls is not None:
@@ -103,7 +103,7 @@ class TranslatedProject(ABC):
 
     @abstractmethod
     def meaning(self, declaration: Declaration) -> Any:
-        """Return the meaning of a global declaration: a `Place`, a `Code`, a `Space`, a `Unit` or a type."""
+        """Return the meaning of a global declaration: a `Place`, a `Code`, a `Space`, a `TranslatedPou` or a type."""
 
     @abstractmethod
     def variable(self, declaration: Declaration) -> Place:
@@ -118,11 +118,11 @@ class TranslatedProject(ABC):
         """Return the variable at a direct address."""
 
     @abstractmethod
-    def program(self, unit: Unit) -> Place:
+    def program(self, unit: TranslatedPou) -> Place:
         """Return the only instance of a program."""
 
     @abstractmethod
-    def unit(self, pou: Pou) -> Unit:
+    def unit(self, pou: Pou) -> TranslatedPou:
         """Return a POU, declared and waiting to be translated."""
 
     @abstractmethod
@@ -151,7 +151,7 @@ class TranslatedProject(ABC):
 
     # -- POUs
 
-    def unit_of_layout(self, layout: Layout) -> Unit | None:
+    def unit_of_layout(self, layout: Layout) -> TranslatedPou | None:
         """Return the POU whose variables a layout has."""
         return next((unit for unit in self.units.values() if unit.layout is layout), None)
 
@@ -159,7 +159,7 @@ class TranslatedProject(ABC):
         """Return the standard function block whose variables a layout has."""
         return self.blocks.of_layout(layout)
 
-    def is_overridden(self, method: MethodUnit) -> bool:
+    def is_overridden(self, method: TranslatedMethod) -> bool:
         """True if a POU that extends the one of a method has another one of its name."""
         key, owner = method.name.casefold(), method.pou
         others = (
@@ -248,7 +248,7 @@ class Scope:
         self.layout = layout
         self.place = place
         self.around = around
-        self.unit: Unit | None = around.unit if around is not None else None
+        self.unit: TranslatedPou | None = around.unit if around is not None else None
         self.aliases: dict[str, Place | Broken] = {}
         self.constants: dict[str, Code] = {}
         """The values of enumerations that are declared in place."""
@@ -328,7 +328,7 @@ class Scope:
         return self.library.names.outer(self.place)
 
     def resolve(self, name: n.Name, *, called: bool = False) -> Any:
-        """Meaning of a name on its own: a `Place`, a `Code`, a `Space`, a `Unit`, a type, or `Unknown`."""
+        """Meaning of a name on its own: a `Place`, a `Code`, a `Space`, a `TranslatedPou`, a type, or `Unknown`."""
         key = name.identifier.casefold()
         if name.quoting is not Quoting.GLOBAL:
             found = self._local(key, "v")
@@ -422,10 +422,10 @@ class Callee:
         return [f for f in self.layout.fields if f.direction in (Direction.INPUT, Direction.IN_OUT)]
 
 
-class MethodUnit(Callee):
+class TranslatedMethod(Callee):
     """A method of a function block: it has variables of its own for each call."""
 
-    def __init__(self, unit: Unit, method: Method) -> None:
+    def __init__(self, unit: TranslatedPou, method: Method) -> None:
         path = f"{unit.pou.name}.{method.name}"
         scope = Scope(unit.library, path, Layout(path), place=unit.pou.place, around=unit.scope)
         super().__init__(unit.library, method.name, scope)
@@ -433,17 +433,17 @@ class MethodUnit(Callee):
         self.pou = unit.pou
 
 
-class Unit(Callee):
+class TranslatedPou(Callee):
     """A program, function block or function; `declarations` fill it, `unit_bodies` translate it."""
 
-    def __init__(self, library: TranslatedProject, pou: Pou, base: Unit | None) -> None:
+    def __init__(self, library: TranslatedProject, pou: Pou, base: TranslatedPou | None) -> None:
         layout = Layout(pou.name, base.layout if base is not None else None)
         layout.is_instance = True
         super().__init__(library, pou.name, Scope(library, pou.name, layout, place=pou.place))
         self.scope.unit = self
         self.pou = pou
         self.base = base
-        self.methods: dict[str, MethodUnit] = {}
+        self.methods: dict[str, TranslatedMethod] = {}
         self.charts: list[tuple[str, CompiledChart]] = []
         self.executions: dict[int, Callable[[Frame], None]] = {}
         """What executes the charts, by the identity of their bodies."""
@@ -464,7 +464,7 @@ class Unit(Callee):
         found = self.actions.get(name.casefold())
         return found if found is not None or self.base is None else self.base.action(name)
 
-    def method(self, name: str) -> MethodUnit | None:
+    def method(self, name: str) -> TranslatedMethod | None:
         """Return a method, its own or of a POU that it extends."""
         found = self.methods.get(name.casefold())
         return found if found is not None or self.base is None else self.base.method(name)

@@ -13,7 +13,7 @@ from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.semantics.charts.chart_actions import Actions, Owner
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import Terms
-from plcopen_sfc.semantics.charts.qualifier_control import Change
+from plcopen_sfc.semantics.charts.qualifier_control import SituationChange
 from plcopen_sfc.semantics.charts.situation_plans import Run
 from plcopen_sfc.semantics.charts.step_state import Origin, Reached
 from plcopen_sfc.semantics.profile import Profile
@@ -151,4 +151,4 @@ class GrafcetActions:
 
     def act(self, frame: Frame, now: int, situation: int) -> None:
         """Write the outputs of continuous actions in a stable situation."""
-        self._continuous.act(frame, now, situation, Change(0, 0, situation))
+        self._continuous.act(frame, now, situation, SituationChange(0, 0, situation))

@@ -12,7 +12,7 @@ from plcopen_sfc.semantics.net import Net
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class ForcedCharts:
     """While one of `steps` is active, the chart is in the situation `imposed`; None: it stays as it is."""
 
     path: str
@@ -34,7 +34,7 @@ class RuledChart:
 
     name: str
     steps: int
-    orders: list[Order] = field(default_factory=list)
+    orders: list[ForcedCharts] = field(default_factory=list)
     enclosures: list[EnclosingStep] = field(default_factory=list)
     masters: set[str] = field(default_factory=set)
 
@@ -50,7 +50,7 @@ class Hierarchy:
         for owner, model in owned:
             if model.forcing is not None:
                 ruled = self._subordinate(model.forcing.chart, owner.path)
-                ruled.orders.append(Order(owner.path, owner.steps, self._imposed(model, owner.path)))
+                ruled.orders.append(ForcedCharts(owner.path, owner.steps, self._imposed(model, owner.path)))
                 ruled.masters |= self._owners(owner.steps)
         for step in net.steps:
             for enclosure in step.step.encloses or ():
@@ -188,7 +188,7 @@ class Hierarchy:
                 bits |= chart.steps
         return bits
 
-    def _order(self, chart: RuledChart, situation: int) -> Order | None:
+    def _order(self, chart: RuledChart, situation: int) -> ForcedCharts | None:
         acting = [order for order in chart.orders if situation & order.steps]
         if not acting:
             return None

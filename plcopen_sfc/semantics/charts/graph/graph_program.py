@@ -15,7 +15,7 @@ from plcopen_sfc.semantics.charts.chart_actions import Owner, check_associations
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.charts.graph.graph_actions import SWITCHES, GraphActions, Happening
 from plcopen_sfc.semantics.charts.graph.graph_parameters import Commands, Mode, Parameters
-from plcopen_sfc.semantics.charts.graph.interlock_conditions import Checked, StepConditions, programmed
+from plcopen_sfc.semantics.charts.graph.interlock_conditions import CheckedSteps, StepConditions, programmed
 from plcopen_sfc.semantics.charts.situation_plans import MOST_PLANS, Run
 from plcopen_sfc.semantics.charts.step_state import Reached, Steps, T, X, override, tick
 from plcopen_sfc.semantics.charts.transition_firing import NOTHING, Move, choice, watched
@@ -238,13 +238,13 @@ class GraphProgram:
                 v[self._slots[index]].v[step_data.S0] = True
             if entered:
                 fresh = self._conditions.check(frame, entered, acknowledge=False)
-                checked = Checked(
+                checked = CheckedSteps(
                     checked.released & ~left | fresh.released,
                     checked.held & ~left | fresh.held,
                     checked.disturbed & ~left | fresh.disturbed,
                 )
             else:
-                checked = Checked(checked.released & ~left, checked.held & ~left, checked.disturbed & ~left)
+                checked = CheckedSteps(checked.released & ~left, checked.held & ~left, checked.disturbed & ~left)
         if commands.register:
             for index in indexes(situation):
                 v[self._slots[index]].v[step_data.R1] = True
@@ -259,7 +259,7 @@ class GraphProgram:
         if self._parameters.has_outputs:
             self._report(frame, commands, situation, checked)
 
-    def _next(self, frame: Frame, commands: Commands, checked: Checked) -> int:
+    def _next(self, frame: Frame, commands: Commands, checked: CheckedSteps) -> int:
         """The situation of this cycle."""
         v = frame.v
         situation: int = v[self._situation]
@@ -364,7 +364,7 @@ class GraphProgram:
         for index in indexes(active & ~disturbed):
             v[self._slots[index]].v[step_data.U] += passed
 
-    def _report(self, frame: Frame, commands: Commands, situation: int, checked: Checked) -> None:
+    def _report(self, frame: Frame, commands: Commands, situation: int, checked: CheckedSteps) -> None:
         """The outputs: the step displayed is the one selected, else the first active one."""
         v = frame.v
         numbers = sorted(self.net.steps[i].step.number or 0 for i in indexes(situation))

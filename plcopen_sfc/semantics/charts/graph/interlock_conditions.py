@@ -57,7 +57,7 @@ def programmed(condition: ModelCondition | None) -> ModelCondition | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Checked:
+class CheckedSteps:
     """The steps whose interlock is satisfied, whose supervision holds them, and those with any disturbance."""
 
     released: int
@@ -87,7 +87,7 @@ class StepConditions:
                 if condition is not None:
                     found[step.index] = Routines(scope).condition(condition, where, chart=step.chart)
 
-    def check(self, frame: Frame, active: int, *, acknowledge: bool) -> Checked:
+    def check(self, frame: Frame, active: int, *, acknowledge: bool) -> CheckedSteps:
         """Evaluate the conditions of active steps; sets their events."""
         released, held, disturbed = active, 0, 0
         for index in indexes(active):
@@ -106,7 +106,7 @@ class StepConditions:
                     held |= bit
             if values[step_data.LA] or values[step_data.VA]:
                 disturbed |= bit
-        return Checked(released, held, disturbed)
+        return CheckedSteps(released, held, disturbed)
 
     def _supervise(self, frame: Frame, index: int, values: list[object], *, acknowledge: bool) -> None:
         fault = bool(self._supervisions[index](frame))
