@@ -46,7 +46,7 @@ class Unreached:
     Or an outcome that a condition of a program, or a comparison which is assigned, did not have, or a value that a
     Boolean did not have where it was tested: then `value` is TRUE or FALSE.
 
-    `impossible`: it is proven that nothing reaches it.
+    `impossible`: it is proven that nothing reaches it. `follows`: it is behind a step that was not entered.
     """
 
     kind: str
@@ -54,6 +54,7 @@ class Unreached:
     why: str
     impossible: bool = False
     value: str = ""
+    follows: bool = False
 
     @property
     def key(self) -> tuple[str, ...]:
@@ -114,28 +115,45 @@ class Coverage:
         )
         return counts or "nothing to be reached"
 
+    def missing(self) -> str:
+        """How much of what may be reachable was not reached, but for what is behind a step that was not entered."""
+        counts = Counter(each.kind for each in self.untested if not each.follows)
+        return ", ".join(f"{count} {kind if count == 1 else _plural(kind)}" for kind, count in counts.items())
+
     def lines(self) -> list[str]:
-        """What was not reached, a line for each reason; behind the first ones only how many there are."""
+        """What was not reached, a line for each reason; behind the first ones only how many there are.
+
+        What may be reachable comes first. What is behind a step that was not entered is only counted.
+        """
+        following = Counter(each.kind for each in self.unreached if each.follows)
+        behind = ", ".join(f"{count} {kind if count == 1 else _plural(kind)}" for kind, count in following.items())
+        lines = [line for impossible in (False, True) for line in self._lines(impossible)]
+        more = len(lines) - _SHOWN
+        lines = [*lines[:_SHOWN], f"not reached for other reasons: {more}"] if more > 0 else lines
+        return [*lines, f"not reached behind these steps: {behind}"] if behind else lines
+
+    def _lines(self, impossible: bool) -> list[str]:
+        known = [each for each in self.unreached if each.impossible is impossible and not each.follows]
         together: dict[tuple[str, str], list[str]] = {}
-        for each in self.unreached:
+        for each in known:
             if each.kind not in (PART, OUTCOME, DECISION) or each.why.startswith("needs "):
                 together.setdefault((each.kind, each.why), []).append(each.name)
+        for kind, why in list(together):
+            if kind == TRANSITION and (STEP, why) in together:  # told by the steps behind it
+                del together[kind, why]
         lines = [
             f"not reached: {kind}{'s' * (len(names) > 1)} {listed(names)}: {why}"
             for (kind, why), names in together.items()
         ]
         missed = {each.name for each in self.unreached if each.kind == TRANSITION}
-        parts = [each for each in self.unreached if each.kind == PART]
+        parts = [each for each in known if each.kind == PART]
         lines += [f"not reached: {each}" for each in parts if each.name.partition(": `")[0] not in missed]
         missed = {each.name for each in self.unreached if each.kind == ASSIGNMENT}
-        lines += [f"not reached: {each}" for each in self.unreached if each.kind == OUTCOME and each.name not in missed]
+        lines += [f"not reached: {each}" for each in known if each.kind == OUTCOME and each.name not in missed]
         lines += [
-            f"not reached: {each}"
-            for each in self.unreached
-            if each.kind == DECISION and not each.why.startswith("needs ")
+            f"not reached: {each}" for each in known if each.kind == DECISION and not each.why.startswith("needs ")
         ]
-        more = len(lines) - _SHOWN
-        return [*lines[:_SHOWN], f"not reached for other reasons: {more}"] if more > 0 else lines
+        return lines
 
     def as_dict(self) -> dict[str, Any]:
         """The coverage as plain data, for JSON."""
@@ -327,11 +345,12 @@ class _Reasons:
             if never:
                 return Unreached(kind, shown, f"needs {never}, never TRUE (proven)", impossible=True)
             why = f"needs {_quoted(condition)}, never reached" if condition else "what it stands in was not executed"
-            return Unreached(kind, shown, why, impossible=self._complete)
+            return Unreached(kind, shown, why, impossible=self._complete, follows=not condition and self._has_unentered)
         net = self._nets[name]
         if kind == ACTION:
             why, impossible = self._not_executed(name, label, net)
-            return Unreached(kind, shown, why, impossible=impossible or self._complete)
+            follows = all(each.startswith("needs step ") for each in why.split(" or "))
+            return Unreached(kind, shown, why, impossible=impossible or self._complete, follows=follows)
         if kind == PART:
             return self._undecided(shown, key)
         if kind == STEP:
@@ -344,7 +363,8 @@ class _Reasons:
             why = "can never fire (proven)" if impossible else self._needs(name, net, transition)
         if self._complete and not impossible:
             why, impossible = f"{why} (proven)", True
-        return Unreached(kind, shown, why, impossible=impossible)
+        follows = kind == TRANSITION and not self._reached_steps(name, net).issuperset(transition.sources)
+        return Unreached(kind, shown, why, impossible=impossible, follows=follows)
 
     def _outcome(self, kind: str, key: Key) -> Unreached:
         owner, name, number, inside = key
@@ -435,6 +455,11 @@ class _Reasons:
             for text in branch.assignments:
                 found.setdefault((ASSIGNMENT, _assignment_key(branch, text)), []).append(branch)
         return found
+
+    @cached_property
+    def _has_unentered(self) -> bool:
+        """True if there are steps that were not entered."""
+        return any(len(self._reached_steps(name, net)) < len(net.steps) for name, net in self._nets.items())
 
     def _undecided(self, transition_shown: str, key: Key) -> Unreached:
         part = self._parts[key]

@@ -195,7 +195,7 @@ class Verdict:
             run = f"{self.runs} directed runs, {self.scans} scans" if self.runs else f"{self.states} states"
             missed = ""
             if self.kind is VerdictKind.UNTESTED:
-                missed = f"not all was {'compared' if self.gap else 'reached'}, "
+                missed = f"not all was {'compared' if self.gap else 'reached'}{self._missing()}, "
             head = f"{missed}equal{later} in {run}{times} (no proof: {self.reason}{tried})"
         return "\n".join([head, *self._covered()])
 
@@ -203,14 +203,20 @@ class Verdict:
         if self.unknown:
             yield f"unknown, taken as functions of what they are given: {', '.join(self.unknown)}"
 
+    @property
+    def _leading(self) -> list[Coverage]:
+        """The sides that tell what was not reached: what is not reached of code follows from its chart."""
+        return [each for each in self.coverage if each.has_chart] or list(self.coverage)
+
+    def _missing(self) -> str:
+        found = "; ".join(dict.fromkeys(filter(None, (each.missing() for each in self._leading))))
+        return f" ({found})" if found else ""
+
     def _covered(self) -> Iterator[str]:
-        """What was executed, in lines."""
-        has_chart = any(each.has_chart for each in self.coverage)
+        """What was not executed, then how much was, in lines."""
+        yield from dict.fromkeys(line for each in self._leading for line in each.lines())
         if self.coverage:
             yield "covered: " + "; ".join(map(str, self.coverage))
-        for each in self.coverage:
-            if each.has_chart or not has_chart:  # what is not reached of its code follows from the chart
-                yield from each.lines()
         yield from self._unknown()
         if self.uncompared:
             yield f"not compared: {listed(self.uncompared)}"

@@ -175,15 +175,14 @@ def refuse_untested(name: str, found: Verdict, *, accepted: bool = False) -> Non
     """Raise `UntestedError` where not all was reached, unless that is accepted; an interruption never is."""
     if found.kind is not VerdictKind.UNTESTED or (accepted and not found.interrupted):
         return
-    ended = "the comparison was interrupted, so" if found.interrupted else "but"
+    ended = "the comparison was interrupted, so " if found.interrupted else ""
+    hint = "Look at what was not reached: --accept-untested (accept_untested=True) takes the code as it is."
+    hint += " --free NAME (free_inputs) makes inputs of frozen variables." if found.frozen else ""
     raise UntestedError(
-        f"the code is equal to the chart where both were run, {ended} not all was reached: {found}",
+        f"the code is equal to the chart where both were run, but {ended}{found}",
         verdict=found,
         location=Location(path=name),
-        hint=""
-        if found.interrupted
-        else "accept_untested=True, --accept-untested takes it knowingly."
-        + (" free_inputs, --free make inputs of frozen variables." if found.frozen else ""),
+        hint="" if found.interrupted else hint,
     )
 
 

@@ -358,6 +358,31 @@ def acting(action: str, other: str = "", leaving: str = "b", **options: str) -> 
     return equivalent(*sides, "codesys" if options else "iec", cap=20, runs=50, scans=40, scan_time="100ms")
 
 
+def test_what_follows_from_a_step_that_was_not_entered_is_only_counted() -> None:
+    chart = sfc.loads(
+        b"""PROGRAM Main
+VAR_INPUT a : BOOL; m : INT; END_VAR
+VAR level : REAL; END_VAR
+VAR_OUTPUT q : BOOL; n : INT; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: q(N); END_STEP
+STEP S3: Count(N); END_STEP
+TRANSITION FROM S1 TO S2 := INT_TO_REAL(m) * level > 7.0; END_TRANSITION
+TRANSITION FROM S2 TO S3 := a; END_TRANSITION
+TRANSITION FROM S3 TO S1 := NOT a; END_TRANSITION
+ACTION Count: n := n + 1; END_ACTION
+END_PROGRAM""",
+        format="iec-text",
+    )
+    verdict = equivalent(chart, chart, "iec", cap=5, runs=5, scans=20)
+    head, first, second, third, *_ = str(verdict).splitlines()
+    assert head.startswith("not all was reached (2 steps, 1 transition"), head
+    assert first == "not reached: steps S2, S3: needs `INT_TO_REAL(m) * level > 7.0`, never reached"
+    assert second == "not reached behind these steps: 2 transitions, 2 actions, 1 assignment"
+    assert third.startswith("covered: 1 of 3 steps")
+    assert {each["name"] for each in verdict.as_dict()["coverage"][0]["unreached"]} >= {"q", "Count", "S3 -> S1"}
+
+
 def test_an_action_that_was_never_executed_is_not_called_equal() -> None:
     kept, dropped = "q(DS, T#10s)", "q(R)"
     leaving = "b OR S2.T > T#5s AND m * m <> 1000003"

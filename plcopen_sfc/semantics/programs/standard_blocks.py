@@ -236,7 +236,7 @@ class BlockTypes:
         if name in _COUNTERS:
             codesys = self._dialect in (Dialect.CODESYS, Dialect.TWINCAT)
             return self._counter(name, name, self._type("WORD" if codesys else "INT"))
-        if name == "BLINK" and self._dialect is Dialect.CODESYS:
+        if name == "BLINK":
             time = self._type("TIME")
             return BlockType(_layout(name, _BLINK_PINS, time, time), self._timed(blink, time.unit), {})
         found = _S7_TYPES.fullmatch(name)

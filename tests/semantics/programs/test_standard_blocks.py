@@ -214,10 +214,14 @@ def test_counters_stop_at_the_end_of_their_type() -> None:
     assert instance["a.Q"] is True
 
 
-def test_blink_of_codesys() -> None:
-    """TRUE for TIMEHIGH first, then FALSE for TIMELOW; without ENABLE the output stays (CODESYS, Util, BLINK)."""
+@pytest.mark.parametrize("dialect", [Dialect.CODESYS, Dialect.SCL])
+def test_blink_of_codesys(dialect: Dialect) -> None:
+    """TRUE for TIMEHIGH first, then FALSE for TIMELOW; without ENABLE the output stays (CODESYS, Util, BLINK).
+
+    Converted code is compared with it, so other dialects know it too.
+    """
     call = "b(ENABLE := x, TIMELOW := T#20ms, TIMEHIGH := T#30ms);"
-    instance = block("BLINK", call, "x : BOOL;", Dialect.CODESYS)
+    instance = block("BLINK", call, "x : BOOL;", dialect)
     given = [0, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1]
     seen = []
     for number, x in enumerate(given):
