@@ -62,6 +62,13 @@ def _locations_of() -> Operation:
     return locations_of
 
 
+def _to_svg() -> Operation:
+    from plcopen_sfc.drawing.pictures import chart_svg  # noqa: PLC0415  # brings the parser with it
+
+    return chart_svg
+
+
 provide("rename", _rename)
 provide("rename_step", _rename_step)
 provide("locations_of", _locations_of)
+provide("to_svg", _to_svg)

@@ -24,6 +24,7 @@ from plcopen_sfc.documents.lowered import (
     LoweredFile as LoweredFile,
     lower_to_file as lower_to_file,
 )
+from plcopen_sfc.documents.picture_files import draw as draw
 from plcopen_sfc.errors import (
     ArgumentError as ArgumentError,
     FileAccessError as FileAccessError,

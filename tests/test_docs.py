@@ -264,3 +264,14 @@ def test_convert_folder(workplace: Path) -> None:
         assert plcopen_sfc.load(workplace / "out" / source.name).source.format == "plcopen"
         assert (workplace / "out" / f"{source.stem}.report.json").is_file()
     assert "translated" in result.stdout
+
+
+@pytest.mark.slow
+def test_the_pictures_of_the_documentation_are_those_of_today(tmp_path: Path) -> None:
+    run = example(tmp_path, "draw_gallery.py", str(tmp_path))
+    assert run.returncode == 0, run.stderr
+    drawn = sorted(tmp_path.iterdir())
+    page = (DOCS / "drawing.md").read_text(encoding="utf-8")
+    for picture in drawn:
+        assert picture.read_bytes() == (DOCS / "images" / picture.name).read_bytes(), "run examples/draw_gallery.py"
+    assert {path.name for path in drawn} >= set(re.findall(r"\(images/([\w-]+\.svg)\)", page))

@@ -31,7 +31,19 @@ def _app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_common)
-    for command in (_formats, _info, _validate, _check, _rules, _convert, _rename, _simulate, _lower, _schema):
+    for command in (
+        _formats,
+        _info,
+        _validate,
+        _check,
+        _rules,
+        _convert,
+        _rename,
+        _simulate,
+        _lower,
+        _draw,
+        _schema,
+    ):
         app.command(command.__name__.removeprefix("_"))(command)
     return app
 
@@ -279,6 +291,27 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
             to, tia, pou, construction, options, skip_refused, verify, accept_untested, wanted, limit, accept_errors
         )
         screen.exit_code = lower.run(screen, file, target, how)
+
+
+def _draw(  # noqa: PLR0917  # typer calls it by name
+    file: o.File,
+    target: o.Target = None,
+    pou: o.PouName = None,
+    style: o.PictureStyle = None,
+    theme: o.Theme = "light",
+    report: o.Report = None,
+    as_json: o.AsJson = False,
+    quiet: o.Quiet = False,
+    verbose: o.Verbose = 0,
+) -> None:
+    """Draw charts as SVG pictures.
+
+    A file with several charts needs a folder for them, or --pou.
+    """
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
+        from plcopen_sfc.cli.commands import draw  # noqa: PLC0415
+
+        screen.exit_code = draw.run(screen, file, target, pou=pou, style=style, theme=theme)
 
 
 def _schema(quiet: o.Quiet = False, verbose: o.Verbose = 0) -> None:

@@ -94,6 +94,14 @@ Charts = Annotated[
     bool | None, _option("--charts/--no-charts", "Outline each chart. The default is to do so for few charts.")
 ]
 
+# -- pictures ---------------------------------------------------------------------------------------------------------
+
+PictureStyle = Annotated[
+    str | None,
+    _option("--style", "Draw as in iec, grafcet or s7graph. The default is what the chart is of.", "STYLE"),
+]
+Theme = Annotated[str, _option("--theme", "Draw in light or dark colours, or in black on white: print.", "THEME")]
+
 # -- rules ------------------------------------------------------------------------------------------------------------
 
 Codes = Annotated[list[str] | None, typer.Argument(metavar="[CODE]...", help="Explain these rules: STR, SEL01 ..")]

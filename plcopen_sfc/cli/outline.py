@@ -16,120 +16,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from plcopen_sfc.cli.screen import Line
-from plcopen_sfc.languages.networks import condition_reader
-from plcopen_sfc.languages.networks.results import Helper, NetworkExpression
-from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.drawing.wording import Wording
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
 
-__all__ = ["Wording", "outline"]
-
-
-class Wording:
-    """Words for the elements of one chart."""
-
-    def __init__(self, chart: SfcNetwork, dialect: Dialect = Dialect.IEC) -> None:
-        self._dialect = dialect
-        self._read = condition_reader(chart, dialect)
-
-    def condition(self, condition: Condition | None) -> str:
-        """A condition; empty where there is none."""
-        if condition is None:
-            return ""
-        if isinstance(condition, Expression):
-            return _negated(_one_line(condition.text), condition.negated)
-        if isinstance(condition, NamedCondition):
-            return _negated(condition.name, condition.negated)
-        drawn = self._drawn(condition)
-        if drawn:
-            return drawn
-        if isinstance(condition, BodyCondition):
-            return _negated(condition.name or _body(condition.body), condition.negated)
-        pin = condition.input
-        return _negated(pin.expression or ("(logic)" if pin.connections else "(not wired)"), condition.negated)
-
-    def _drawn(self, condition: BodyCondition | WiredCondition) -> str:
-        """A condition in FBD or LD as an expression; empty where there is none."""
-        if isinstance(condition, BodyCondition) and not isinstance(condition.body, FbdBody | LdBody):
-            return ""
-        read = self._read(condition)
-        if read.tree is None or not read.complete:
-            return ""
-        text = self._text(read.tree)
-        for helper in reversed(read.helpers):
-            if helper.name not in text:
-                continue
-            watched = next((self._text(value) for value in _watched(read, helper)), None)
-            if watched is None:
-                return ""
-            text = text.replace(f"{helper.name}.Q", f"{_EDGES[helper.type_name or '']} edge of {watched}")
-        return text
-
-    def _text(self, tree: n.Expression) -> str:
-        return _one_line(print_node(tree, self._dialect))
-
-    def actions(self, step: Step) -> Iterator[str]:
-        """What a step does: step actions and associations, each as ``N Motor`` or ``D T#2s Lamp``."""
-        named = (("entry", step.entry_action), ("main", step.main_action), ("exit", step.exit_action))
-        for label, action in named:
-            if action:
-                yield f"{label} {action if isinstance(action, str) else _body(action)}"
-        for association in step.actions:
-            yield _association(association)
-        if step.macro is not None:
-            yield f"macro {step.macro.expansion or ''}".strip()
-
-
-_EDGES = {"R_TRIG": "rising", "F_TRIG": "falling"}
-
-
-def _watched(read: NetworkExpression, helper: Helper) -> Iterator[n.Expression]:
-    """Yield what the edge block `helper` watches; nothing where it is none."""
-    for statement in read.before if helper.type_name in _EDGES else ():
-        call = statement.call if isinstance(statement, n.CallStatement) else None
-        if isinstance(call, n.Call) and isinstance(call.callee, n.Name) and call.callee.identifier == helper.name:
-            yield from (argument.value for argument in call.arguments if argument.value is not None)
-
-
-def _association(association: ActionAssociation) -> str:
-    qualifier = "" if association.qualifier is Qualifier.NONE else association.qualifier.value
-    event = association.event.value if association.event is not None else ""
-    what = association.target or (_body(association.body) if association.body is not None else "")
-    if association.value is not None:
-        what = f"{what} := {_one_line(association.value)}"
-    if association.forcing is not None:
-        order = association.forcing
-        what = f"{order.chart}{{{', '.join(order.steps)}}}" if order.steps else f"{order.chart} {order.situation.value}"
-    return " ".join(filter(None, (event, qualifier, association.duration, _negated(what, association.negated))))
-
-
-def _body(body: Body) -> str:
-    """A body: its text where that is short, else its language."""
-    if isinstance(body, StBody | IlBody):
-        text = _one_line(body.text)
-        if text and len(text) <= 60:
-            return f"{{{text}}}"
-    return f"({body.language})"
-
-
-def _negated(text: str, negated: bool) -> str:
-    if not negated:
-        return text
-    simple = text.replace("_", "").replace(".", "").isalnum()
-    return f"NOT {text}" if simple else f"NOT ({text})"
-
-
-def _one_line(text: str) -> str:
-    return " ".join(text.split())
-
+__all__ = ["outline"]
 
 _DEEPEST = 40
 """Branches inside of branches; what is deeper is printed at the end."""
@@ -304,7 +199,7 @@ class _Outline:
         step = self.steps[number]
         self.told[number] = path
         name = f"[[{step.name}]]" if step.initial else f"[{step.name}]"
-        actions = ", ".join(self.words.actions(step))
+        actions = ", ".join(map(str, self.words.actions(step)))
         self._line(
             indent, (name, "bold green" if step.initial else "bold"), (f"  {actions}" if actions else "", "cyan")
         )

@@ -5,6 +5,7 @@
 * `new_drawing` from `chart_nesting` (a chart as nested branches) from `chart_graph` (forward edges, dominators)
 * `redrawing`: an old drawing follows the edits of its chart, with `attached_symbols`: action blocks and expressions
 * `symbol_layout` with `symbol_wires`: places and sizes of symbols, pins and wires
+* `wording`: conditions and actions in one line of text; `pictures`: charts as SVG pictures
 * `document_order`: symbols and logic in document order, and new ids in that order
 """
 

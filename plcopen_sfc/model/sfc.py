@@ -427,6 +427,20 @@ class SfcNetwork(LateElement):
         result: RenameResult = provided("rename_step")(self, old, new)
         return result
 
+    def to_svg(self, *, style: str | None = None, theme: str = "light") -> str:
+        """Draw the chart: the text of an SVG file.
+
+        `style` draws it as in ``iec`` (IEC 61131-3), ``grafcet`` (IEC 60848) or ``s7graph`` (TIA Portal); the default
+        is that of the standard or tool that the chart is of. `theme` is ``light``, ``dark`` or ``print`` (black on
+        white). The same chart gives the same text in every run. Raises `ModelError` for any other style or theme.
+        """
+        picture: str = provided("to_svg")(self, style, theme)
+        return picture
+
+    def _repr_svg_(self) -> str:
+        """Show the chart in Jupyter."""
+        return self.to_svg()
+
     def _claim(self, name: str) -> None:
         check_argument(name, str, "the name of a step is a text")
         if any(step.name.casefold() == name.casefold() for step in self.steps):

@@ -7,7 +7,8 @@ from textwrap import dedent
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.cli.outline import Wording, outline
+from plcopen_sfc.cli.outline import outline
+from plcopen_sfc.drawing.wording import Wording
 from plcopen_sfc.model import (
     ActionAssociation,
     Connection,
@@ -194,7 +195,7 @@ def test_words(chart):
         ActionAssociation(id=90, qualifier=Qualifier.D, duration="T#2s", target="Lamp"),
         ActionAssociation(id=91, qualifier=Qualifier.NONE, target="Horn", negated=True),
     ]
-    assert list(words.actions(step)) == ["entry Start", "D T#2s Lamp", "NOT Horn"]
+    assert [str(line) for line in words.actions(step)] == ["entry Start", "D T#2s Lamp", "NOT Horn"]
     assert words.condition(None) == ""
     assert words.condition(NamedCondition(name="Ready", negated=True)) == "NOT Ready"
     transition = Transition(id=70, condition="a\n  AND b")

@@ -1,0 +1,42 @@
+"""``plcopen-sfc draw``: charts as pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.documents.picture_files import draw
+
+_EXTENSION = ".svg"
+
+
+def run(screen: Screen, source: str, target: str | None, *, pou: str | None, style: str | None, theme: str) -> int:
+    """Draw the charts of `source`, or the one called `pou`, into `target` (None: next to it, ``-``: standard output).
+
+    From standard input (``-``) None is standard output.
+    """
+    project = load_input(screen, source)
+    for finding in project.diagnostics:
+        screen.finding(finding, result=False)
+    if target is None:
+        several = pou is None and len(list(project.charts())) > 1
+        target = STANDARD_STREAM if source == STANDARD_STREAM else _beside(Path(source), several=several)
+    with written_to_stdout(screen, target, _EXTENSION) as place:
+        files = draw(project, place, pou=pou, style=style, theme=theme)
+    written = {name: target if target == STANDARD_STREAM else str(path) for name, path in files.items()}
+    if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
+        if len(written) == 1:
+            screen.line("written: ", (next(iter(written.values())), "bold"))
+        else:
+            screen.line("written: ", (target, "bold"), f", {len(written)} pictures")
+            for path in written.values():
+                screen.detail(f"  {path}")
+    screen.result({"file": source, "pictures": [{"chart": name, "file": path} for name, path in written.items()]})
+    return exit_code_for(screen, project.diagnostics)
+
+
+def _beside(source: Path, *, several: bool) -> str:
+    """Return the name of a file next to `source`; of a folder if there are `several` charts."""
+    place = source.resolve() if source.is_dir() else source
+    return f"{place.with_name(f'{place.stem}-charts')}/" if several else str(place.with_suffix(_EXTENSION))

@@ -1,0 +1,13 @@
+"""Pictures of charts as SVG.
+
+* `chart_picture`: a chart with the charts inside it, as the text of an SVG file
+* `chart_arrangement`: the nested branches of a chart on the page
+* `symbol_pictures`, `action_pictures`: steps, transitions and jumps; action blocks
+* `svg_canvas`: shapes, texts and themes; `text_measures`: widths of texts, wrapped texts
+"""
+
+from plcopen_sfc.drawing.pictures.chart_picture import chart_svg
+from plcopen_sfc.drawing.pictures.svg_canvas import Theme
+from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle
+
+__all__ = ["PictureStyle", "Theme", "chart_svg"]

@@ -1,0 +1,152 @@
+"""Pictures of charts: the chart, and in frames beside it the charts that are inside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeVar
+
+from plcopen_sfc.drawing.pictures.chart_arrangement import Arrangement
+from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme
+from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle, Sheet
+from plcopen_sfc.drawing.pictures.text_measures import text_width
+from plcopen_sfc.drawing.wording import Wording
+from plcopen_sfc.errors import ModelError, check_argument, nearest
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.owners import Owned
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork, Step
+
+_MARGIN = 24
+_GAP = 40
+_FRAME = 18
+_HEADING = 30
+_LONGEST_ROW = 1600
+
+Choice = TypeVar("Choice", bound=StrEnum)
+
+
+def chart_svg(chart: SfcNetwork, style: str | None = None, theme: str = Theme.LIGHT) -> str:
+    """Return a picture of `chart` as the text of an SVG file.
+
+    `style` is a `PictureStyle`; None: that of the standard or tool that the chart is of. `theme` is a `Theme`. The
+    text is the same for the same chart in every run. Raises `ModelError` for a style or theme that does not exist.
+    """
+    look = _choice(PictureStyle, style, "style") if style is not None else usual_style(chart)
+    colours = _choice(Theme, theme, "theme")
+    dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
+    parts = list(_charts_in(chart))
+    activated = {
+        enclosure.chart: frozenset(enclosure.activated_steps)
+        for part in parts
+        for step in part.chart.steps
+        for enclosure in step.encloses or ()
+    }
+    for number, part in enumerate(parts):
+        starred = activated.get(part.name, frozenset()) if number else frozenset()
+        prefix = f"part-{number}-" if number else ""
+        part.arrangement = Arrangement(Sheet(part.chart, look, Wording(part.chart, dialect), prefix, starred))
+    canvas = Canvas()
+    width, height = _place(canvas, parts)
+    name = _name_of(chart)
+    return canvas.document(width, height, colours, name, _description(chart))
+
+
+def usual_style(chart: SfcNetwork) -> PictureStyle:
+    """Return the style of the standard or tool that a chart is of, as far as its content tells."""
+    if chart.graph_settings is not None or chart.sequences:
+        return PictureStyle.S7GRAPH
+    kinds = any(association.kind is not None for _, association in chart.associations())
+    if chart.partial_charts or kinds or any(step.encloses for step in chart.steps):
+        return PictureStyle.GRAFCET
+    project = chart.project
+    return PictureStyle.S7GRAPH if project is not None and project.dialect is Dialect.SCL else PictureStyle.IEC
+
+
+def _choice(kind: type[Choice], value: str, what: str) -> Choice:
+    check_argument(value, str, f"the {what} of a picture is a text")
+    try:
+        return kind(value.casefold())
+    except ValueError:
+        known = [str(each) for each in kind]
+        hint = "There are: " + ", ".join(known)
+        raise ModelError(f"there is no {what} {value!r} of pictures{nearest(value, known)}", hint=hint) from None
+
+
+@dataclass(slots=True)
+class _Part:
+    """A chart in the picture. `name`: of a partial chart; `heading`: what its frame says."""
+
+    chart: SfcNetwork
+    name: str = ""
+    heading: str = ""
+    arrangement: Arrangement | None = None
+
+
+def _charts_in(chart: SfcNetwork) -> Iterator[_Part]:
+    """Yield a chart and the charts inside it: partial charts, contents of macro-steps, charts as actions."""
+    pending = [_Part(chart)]
+    while pending:
+        part = pending.pop()
+        yield part
+        inner = [_Part(p.chart, p.name, f"{p.name} ({p.kind.value})") for p in part.chart.partial_charts]
+        for step in part.chart.steps:
+            inner += [_Part(body.chart, heading=f"{step.name}: {what}") for what, body in _inner_bodies(step)]
+        pending += reversed(inner)
+
+
+def _inner_bodies(step: Step) -> Iterator[tuple[str, SfcBody]]:
+    bodies: list[tuple[str, str | Body | None]] = [
+        ("macro", step.macro.body if step.macro is not None else None),
+        ("entry", step.entry_action),
+        ("main", step.main_action),
+        ("exit", step.exit_action),
+        *((association.qualifier.value, association.body) for association in step.actions),
+    ]
+    yield from ((what, body) for what, body in bodies if isinstance(body, SfcBody))
+
+
+def _place(canvas: Canvas, parts: list[_Part]) -> tuple[int, int]:
+    """Draw the parts in rows from left to right; return the size of the picture."""
+    x = y = _MARGIN
+    right = row = 0
+    for number, part in enumerate(parts):
+        arrangement = part.arrangement
+        if arrangement is None:
+            continue
+        framed = bool(number)
+        width, height = arrangement.width, arrangement.height
+        if framed:
+            width = max(width, text_width(part.heading, 13, bold=True)) + 2 * _FRAME
+            height += _HEADING + _FRAME
+        if x > _MARGIN and x + width > max(_LONGEST_ROW, right):
+            x, y, row = _MARGIN, y + row + _GAP, 0
+        if framed:
+            with canvas.element("part", f"part-{number}", part.heading, (x, y, width, height)):
+                canvas.box("frame", x, y, width, height)
+                canvas.text("name", x + 10, y + 20, part.heading)
+            arrangement.draw(canvas, x + _FRAME, y + _HEADING)
+        else:
+            arrangement.draw(canvas, x, y)
+        right, row = max(right, x + width), max(row, height)
+        x += width + _GAP
+    return max(right, _MARGIN) + _MARGIN, y + row + _MARGIN
+
+
+def _name_of(chart: SfcNetwork) -> str:
+    """Return the name of the chart: that of its POU, with that of its action."""
+    names: list[str] = []
+    thing: Owned | None = chart.owner
+    while thing is not None and not isinstance(thing, Project):
+        name = getattr(thing, "name", None)
+        if isinstance(name, str):
+            names.append(name)
+        thing = thing.owner
+    return ".".join(reversed(names)) or "Chart"
+
+
+def _description(chart: SfcNetwork) -> str:
+    counts = ((len(chart.steps), "step"), (len(chart.transitions), "transition"))
+    return "Sequential function chart: " + ", ".join(f"{n} {what}{'' if n == 1 else 's'}" for n, what in counts)

@@ -1,0 +1,173 @@
+"""SVG: shapes and texts collected layer by layer, and the themes that colour them.
+
+What comes from a file is escaped here and nowhere else. The result is plain ASCII: every other character is a character
+reference, so the picture survives any encoding, and characters that XML forbids become U+FFFD.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from enum import StrEnum
+
+_FONTS = "Arial, Helvetica, 'Liberation Sans', sans-serif"
+_FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;"})
+
+
+class Theme(StrEnum):
+    """Colours of a picture. PRINT is black on white, without any fill."""
+
+    LIGHT = "light"
+    DARK = "dark"
+    PRINT = "print"
+
+
+_COLOURS = {
+    Theme.LIGHT: {
+        "paper": "#ffffff",
+        "ink": "#1c2733",
+        "muted": "#5b6b7b",
+        "step": "#eaf1f8",
+        "initial": "#dcefe3",
+        "cell": "#f3f5f7",
+        "action": "#ffffff",
+        "rule": "#8695a4",
+        "link": "#0b5cad",
+        "frame": "#a9b5c0",
+        "warn": "#a4420b",
+    },
+    Theme.DARK: {
+        "paper": "#15191e",
+        "ink": "#dfe6ed",
+        "muted": "#98a6b4",
+        "step": "#223041",
+        "initial": "#1f3b2c",
+        "cell": "#252c34",
+        "action": "#1a2027",
+        "rule": "#5d6b79",
+        "link": "#79b8ff",
+        "frame": "#48545f",
+        "warn": "#f0a36b",
+    },
+    Theme.PRINT: {
+        "paper": "#ffffff",
+        "ink": "#000000",
+        "muted": "#333333",
+        "step": "#ffffff",
+        "initial": "#ffffff",
+        "cell": "#ffffff",
+        "action": "#ffffff",
+        "rule": "#000000",
+        "link": "#000000",
+        "frame": "#777777",
+        "warn": "#000000",
+    },
+}
+_RULES = {
+    "text": f"font-family:{_FONTS};fill:{{ink}}",
+    "a:hover text": "text-decoration:underline",
+    ".paper": "fill:{paper}",
+    ".wire": "fill:none;stroke:{ink};stroke-width:1.5",
+    ".thin": "fill:none;stroke:{rule};stroke-width:1",
+    ".bar": "fill:none;stroke:{ink};stroke-width:3.5",
+    ".head": "fill:{ink}",
+    ".box": "fill:{step};stroke:{ink};stroke-width:1.5",
+    ".initial>.box": "fill:{initial}",
+    ".inner": "fill:none;stroke:{ink};stroke-width:1.2",
+    ".row": "fill:{action};stroke:{rule};stroke-width:1",
+    ".cell": "fill:{cell};stroke:{rule};stroke-width:1",
+    ".frame": "fill:none;stroke:{frame};stroke-width:1.5;stroke-dasharray:7 4",
+    ".mark": "fill:{action};stroke:{ink};stroke-width:1",
+    ".excluded": "opacity:.45",
+    ".name": "font-size:13px;font-weight:bold",
+    ".star": "font-size:18px",
+    ".plain": "font-size:12px",
+    ".small": "font-size:11px",
+    ".quiet": "font-size:11px;fill:{muted}",
+    ".remark": "font-size:11px;fill:{muted};font-style:italic",
+    ".link": "font-size:12px;fill:{link}",
+    ".back": "font-size:11px;fill:{link}",
+    ".warn": "font-size:12px;fill:{warn};font-style:italic",
+}
+
+
+def escape(text: str) -> str:
+    """Return `text` as characters that mean themselves in XML, in content and in attributes."""
+    clean = _FORBIDDEN.sub("\ufffd", text).translate(_ESCAPES)
+    return clean.encode("ascii", "xmlcharrefreplace").decode("ascii")
+
+
+class Canvas:
+    """Shapes of a picture. Wires lie below the elements, so that an element covers what ends behind it."""
+
+    def __init__(self) -> None:
+        self._wires: list[str] = []
+        self._elements: list[str] = []
+
+    def wire(self, *points: tuple[int, int], kind: str = "wire") -> None:
+        """Draw a wire in right angles, or straight; a line of another `kind` too."""
+        (x, y), *others = points
+        path = f"M{x} {y}" + "".join(f"L{x} {y}" for x, y in others)
+        self._wires.append(f'<path class="{kind}" d="{path}"/>')
+
+    @contextmanager
+    def element(self, kind: str, identifier: str, title: str, area: tuple[int, int, int, int]) -> Iterator[None]:
+        """Group what is drawn as one element.
+
+        `title` is what screen readers and tooltips have, `area` its left, top, width and height, which the picture
+        states as ``data-area``.
+        """
+        place = " ".join(map(str, area))
+        label = f' id="{escape(identifier)}"' if identifier else ""
+        self._elements.append(f'<g{label} class="{escape(kind)}" data-area="{place}"><title>{escape(title)}</title>')
+        yield
+        self._elements.append("</g>")
+
+    def star(self, x: int, y: int) -> None:
+        """Draw the asterisk of IEC 61131-3 beside the bar of a selection: the branches are tried from left to right."""
+        self._wires.append(f'<text class="star" x="{x}" y="{y}">*</text>')
+
+    def box(self, kind: str, x: int, y: int, width: int, height: int) -> None:
+        """Draw a rectangle."""
+        self._elements.append(f'<rect class="{kind}" x="{x}" y="{y}" width="{width}" height="{height}"/>')
+
+    def line(self, kind: str, *points: tuple[int, int], closed: bool = False) -> None:
+        """Draw a line that belongs to an element; `closed`: an area."""
+        (x, y), *others = points
+        path = f"M{x} {y}" + "".join(f"L{x} {y}" for x, y in others) + ("Z" if closed else "")
+        self._elements.append(f'<path class="{kind}" d="{path}"/>')
+
+    def text(self, kind: str, x: int, y: int, text: str, *, anchor: str = "start", link: str = "") -> None:
+        """Write one line of text with its base line at `y`; `link` is the id of an element of the same picture."""
+        placed = "" if anchor == "start" else f' text-anchor="{anchor}"'
+        # leading and repeated blanks, which XML readers join, are kept as no-break spaces
+        shown = re.sub("^ +| {2,}", lambda blanks: "\u00a0" * len(blanks[0]), text)
+        written = f'<text class="{kind}" x="{x}" y="{y}"{placed}>{escape(shown)}</text>'
+        self._elements.append(f'<a href="#{escape(link)}">{written}</a>' if link else written)
+
+    def lines(self, kind: str, x: int, y: int, lines: Sequence[str], pitch: int, *, anchor: str = "start") -> None:
+        """Write lines of text below each other, the first with its base line at `y`."""
+        for number, line in enumerate(lines):
+            self.text(kind, x, y + number * pitch, line, anchor=anchor)
+
+    def document(self, width: int, height: int, theme: Theme, title: str, description: str) -> str:
+        """Return the whole picture as an SVG document of `width` and `height` pixels."""
+        colours = _COLOURS[theme]
+        scope = f".sfc-{theme}"
+        rules = "".join(f"{scope} {name}{{{rule.format_map(colours)}}}" for name, rule in _RULES.items())
+        head = (
+            f'<svg xmlns="http://www.w3.org/2000/svg" class="sfc-{theme}" role="graphics-document" '
+            f'width="{width}" height="{height}" viewBox="0 0 {width} {height}">'
+        )
+        parts = [
+            head,
+            f"<title>{escape(title)}</title><desc>{escape(description)}</desc>",
+            f"<style>{rules}</style>",
+            f'<rect class="paper" width="{width}" height="{height}"/>',
+            *self._wires,
+            *self._elements,
+            "</svg>",
+        ]
+        return "\n".join(parts) + "\n"

@@ -1,0 +1,368 @@
+"""Symbols of a chart in pictures: steps, transitions and jumps, each with what is written beside it.
+
+A symbol knows how far it reaches to the `left` and `right` of the axis that the flow runs along, and its `height`; then
+it is drawn at a place. Texts about a symbol are to its right (actions, condition, comment), its name and the references
+of jumps to its left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from plcopen_sfc.drawing.pictures.action_pictures import ActionBlock
+from plcopen_sfc.drawing.pictures.svg_canvas import Canvas
+from plcopen_sfc.drawing.pictures.text_measures import text_width, widest, wrap
+from plcopen_sfc.drawing.wording import Wording
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.text import plain
+
+_NAME_WIDTH = 210
+_CONDITION_WIDTH = 230
+_REMARK_WIDTH = 200
+_ARM = 24
+_MOST_REFERENCES = 4
+
+
+class PictureStyle(StrEnum):
+    """How symbols look: as in IEC 61131-3, as in IEC 60848 (GRAFCET), or as in TIA Portal (S7-GRAPH)."""
+
+    IEC = "iec"
+    GRAFCET = "grafcet"
+    S7GRAPH = "s7graph"
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """The other end of a link that is not drawn as a wire: its name, and the id of its element in the picture."""
+
+    name: str
+    element: str
+
+
+@dataclass(slots=True)
+class Sheet:
+    """What the symbols of one chart share. `prefix` begins the ids of its elements, `activated` are starred steps."""
+
+    chart: SfcNetwork
+    style: PictureStyle
+    words: Wording
+    prefix: str = ""
+    activated: frozenset[str] = frozenset()
+    steps: dict[int, Step] = field(init=False)
+    transitions: dict[int, Transition] = field(init=False)
+    labels: dict[int, str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.steps = {step.id: step for step in self.chart.steps}
+        self.transitions = {transition.id: transition for transition in self.chart.transitions}
+        self.labels = self.chart.labels()
+
+    def step_reference(self, number: int) -> Reference:
+        """Return the reference to a step: its name, in GRAFCET and S7-GRAPH its number."""
+        step = self.steps[number]
+        name = step.name
+        if step.number is not None and self.style is PictureStyle.GRAFCET:
+            name = str(step.number)
+        elif step.number is not None and self.style is PictureStyle.S7GRAPH:
+            name = f"S{step.number} {step.name}"
+        return Reference(name, f"{self.prefix}step-{number}")
+
+    def transition_reference(self, number: int) -> Reference:
+        """Return the reference to a transition: its name or number, else the names of its steps."""
+        transition = self.transitions[number]
+        name = transition.name
+        if transition.number is not None and (self.style is PictureStyle.S7GRAPH or not name):
+            name = f"T{transition.number}"
+        elif not name:
+            name = " & ".join(self.step_reference(i).name for i in transition.sources if i in self.steps)
+        return Reference(name, f"{self.prefix}transition-{number}")
+
+
+class StepSymbol:
+    """A step with its action block, comment and marks.
+
+    `entries` are the transitions that jump here, `exits` those elsewhere that wait for this step.
+    """
+
+    def __init__(self, sheet: Sheet, number: int, entries: Sequence[Reference], exits: Sequence[Reference]) -> None:
+        self.step = sheet.steps[number]
+        self.sheet = sheet
+        self.entries = _shown(entries)
+        self.exits = _shown(exits)
+        self._label()
+        self._block = ActionBlock(self.step, sheet.words, sheet.prefix, grafcet=sheet.style is PictureStyle.GRAFCET)
+        self._texts = [(kind, text) for kind, text in _about_step(sheet, self.step) if text]
+        self._about = [(kind, line) for kind, text in self._texts for line in wrap(text, 11, _REMARK_WIDTH)]
+        about = max((text_width(text, 11) for _, text in self._about), default=0)
+        half = self._width // 2
+        arm = _ARM if self._block.width else 10
+        beside = max(self._block.width, about)
+        self.left = max(half + 22, _reference_width([*self.entries, *self.exits]))
+        self.right = half + (arm + beside if beside else 0) + 6
+        self._lead = 8 + 14 * len(self.entries) + (4 if self.entries else 0)
+        self._tail = 4 + 14 * len(self.exits)
+        self._block_down = max(0, (self._box - self._block.height) // 2)
+        text = 14 * len(self._about)
+        self._text_down = self._block_down + self._block.height + 4
+        if not self._block.width:
+            self._text_down = max(0, (self._box - text) // 2)
+        column = self._text_down + text if text else self._block.height
+        self._body = max(self._box, column)
+        self.height = self._lead + self._body + self._tail
+
+    def _label(self) -> None:
+        step, style = self.step, self.sheet.style
+        self._above_name = ""
+        name = step.name
+        if style is PictureStyle.GRAFCET:
+            name = str(step.number) if step.number is not None else step.name
+        elif step.number is not None:
+            self._above_name = f"S{step.number}" if style is PictureStyle.S7GRAPH else str(step.number)
+        self._lines = wrap(name, 13, _NAME_WIDTH, bold=True) or [""]
+        inside = max(widest(self._lines, 13, bold=True), text_width(self._above_name, 11)) + 28
+        least = 44 if style is PictureStyle.GRAFCET else 92
+        self._width = max(least, inside + inside % 2)
+        self._box = max(44 if style is PictureStyle.GRAFCET else 38, 18 + 16 * len(self._lines))
+        if self._above_name:
+            self._box += 12
+
+    def draw(self, canvas: Canvas, x: int, y: int, *, enters: bool, leaves: bool) -> None:
+        """Draw the step on the axis `x` below `y`; `enters` and `leaves`: wires above and below belong to it."""
+        top = y + self._lead
+        bottom = top + self._box
+        _draw_entries(canvas, self.entries, x, y + 6, top, enters=y if enters else None)
+        below = top + self._body
+        if leaves or self.exits:
+            last = below + 8 + 14 * (len(self.exits) - 1)
+            canvas.wire((x, bottom), (x, y + self.height if leaves else last))
+        for number, reference in enumerate(self.exits):
+            level = below + 8 + 14 * number
+            canvas.wire((x, level), (x - 14, level))
+            with _reference(canvas, "Continues at", reference, x, level):
+                canvas.line("head", (x - 18, level), (x - 11, level - 4), (x - 11, level + 4), closed=True)
+        kind = "step" + " initial" * self.step.initial + " excluded" * self.step.exclude
+        area = (x - self._width // 2 - 20, top, self._width // 2 + 20 + self.right - 6, self._body)
+        with canvas.element(kind, f"{self.sheet.prefix}step-{self.step.id}", self._title(), area):
+            self._draw_box(canvas, x, top)
+            self._draw_marks(canvas, x, top)
+            self._draw_beside(canvas, x, top)
+
+    def _draw_box(self, canvas: Canvas, x: int, top: int) -> None:
+        step, left, width, box = self.step, x - self._width // 2, self._width, self._box
+        canvas.box("box", left, top, width, box)
+        if step.initial:
+            canvas.box("inner", left + 4, top + 4, width - 8, box - 8)
+        inset = 8 if step.initial else 5
+        if step.macro is not None:
+            for level in (top + inset, top + box - inset):
+                canvas.line("inner", (left, level), (left + width, level))
+        if step.encloses:
+            right, bottom, cut = left + width, top + box, 11
+            canvas.line("inner", (left, top + cut), (left + cut, top))
+            canvas.line("inner", (right - cut, top), (right, top + cut))
+            canvas.line("inner", (left, bottom - cut), (left + cut, bottom))
+            canvas.line("inner", (right - cut, bottom), (right, bottom - cut))
+        first = top + (box - 16 * (len(self._lines) - 1)) // 2 + 5
+        if self._above_name:
+            first += 6
+            canvas.text("quiet", x, first - 16, self._above_name, anchor="middle")
+        canvas.lines("name", x, first, self._lines, 16, anchor="middle")
+
+    def _draw_marks(self, canvas: Canvas, x: int, top: int) -> None:
+        step, left, box = self.step, x - self._width // 2, self._box
+        inset = 7 if step.initial else 3
+        if step.entry_action is not None:
+            canvas.text("small", left + inset + 1, top + box - inset - 1, "E")
+        if step.exit_action is not None:
+            canvas.text("small", left + self._width - inset - 1, top + box - inset - 1, "X", anchor="end")
+        if step.main_action is not None:
+            edge = left + self._width - inset
+            canvas.line("head", (edge - 8, top + inset), (edge, top + inset), (edge, top + inset + 8), closed=True)
+        for mark, part, level in (("C", step.interlock, top), ("V", step.supervision, top + box - 16)):
+            if part is not None and part.condition is not None:
+                canvas.box("mark", left - 16, level, 16, 16)
+                canvas.text("small", left - 8, level + 12, mark, anchor="middle")
+        if step.name in self.sheet.activated:
+            canvas.text("name", left - 10, top + box - 4, "*", anchor="middle")
+
+    def _draw_beside(self, canvas: Canvas, x: int, top: int) -> None:
+        edge = x + self._width // 2
+        column = edge + (_ARM if self._block.width else 10)
+        if self._block.width:
+            level = self._block.entry(top + self._block_down, top + min(self._box // 2, 22))
+            if level <= top + self._box - 4:
+                canvas.wire((edge, level), (column, level))
+            else:  # the condition over the first action reaches below the box
+                middle = top + self._box // 2
+                canvas.wire((edge, middle), (edge + 10, middle), (edge + 10, level), (column, level))
+            self._block.draw(canvas, column, top + self._block_down)
+        for number, (kind, text) in enumerate(self._about):
+            canvas.text(kind, column, top + self._text_down + 11 + 14 * number, text)
+
+    def _title(self) -> str:
+        step = self.step
+        kind = "Macro-step" if step.macro is not None else "Enclosing step" if step.encloses else "Step"
+        if step.initial:
+            kind = f"Initial {kind.lower()}"
+        parts = [f"{kind} {step.name}", *(text for _, text in self._texts)]
+        return ". ".join(parts)
+
+
+def _about_step(sheet: Sheet, step: Step) -> Iterator[tuple[str, str]]:
+    """Yield the texts below the action block of a step, each with its class."""
+    if sheet.style is PictureStyle.GRAFCET and step.number is not None and step.name != str(step.number):
+        yield "quiet", step.name
+    if step.macro is not None and step.macro.expansion != step.name:
+        yield "quiet", step.macro.expansion or ""
+    for enclosure in step.encloses or ():
+        yield "quiet", f"{enclosure.chart} {{{', '.join(enclosure.activated_steps)}}}"
+    for mark, part in (("C", step.interlock), ("V", step.supervision)):
+        if part is not None and part.condition is not None:
+            title = plain(part.title)
+            yield "quiet", f"{mark}: {sheet.words.condition(part.condition)}" + (f" ({title})" if title else "")
+    times = (("min", step.min_time), ("max", step.max_time), ("warning", step.warning_time))
+    if tuple((time or "").upper() for _, time in times) != _USUAL_TIMES:
+        yield "quiet", ", ".join(f"{label} {time}" for label, time in times if time)
+    yield "remark", plain(step.title)
+    yield "remark", plain(step.comment)
+
+
+_USUAL_TIMES = ("", "T#10S", "T#7S")
+"""What TIA Portal gives every new step: it would be beside all of them."""
+
+
+class TransitionSymbol:
+    """A transition: bar, name, priority, condition and comment.
+
+    `competing`: it is one of several below a step. `waits` are steps elsewhere that it waits for too.
+    """
+
+    def __init__(self, sheet: Sheet, number: int, waits: Sequence[Reference], *, competing: bool) -> None:
+        self.transition = sheet.transitions[number]
+        self.sheet = sheet
+        self.waits = _shown(waits)
+        transition = self.transition
+        self._priority = str(transition.priority) if competing and transition.priority is not None else ""
+        self._names = self._name_lines()
+        condition = sheet.words.condition(transition.condition)
+        widest_line = min(max(_CONDITION_WIDTH, text_width(condition, 12) // 4), 2 * _CONDITION_WIDTH)
+        self._condition = wrap(condition, 12, widest_line)
+        about = [plain(transition.title), plain(transition.comment)]
+        self._about = [line for text in about for line in wrap(text, 11, _REMARK_WIDTH)]
+        self._missing = not self._condition
+        if self._missing:
+            self._condition = ["(no condition)"]
+        self.left = max(20 + widest(self._names, 11), 20 + text_width(self._priority, 11))
+        if self.waits:
+            self.left = max(self.left, 14 + _reference_width(self.waits))
+        self.right = 22 + max(widest(self._condition, 12), widest(self._about, 11))
+        self._text = 15 * len(self._condition) + 13 * len(self._about)
+        self._lead = 14 * len(self.waits) + 16 if self.waits else 0
+        names = 13 * len(self._names) // 2 + (13 if self._priority and self._names else 0)
+        self._above = max(15, self._text // 2 + 5, names + 4)
+        self.height = self._lead + self._above + max(15, (self._text + 1) // 2 + 5, names + 4)
+
+    def _name_lines(self) -> list[str]:
+        transition, style = self.transition, self.sheet.style
+        number = str(transition.number) if transition.number is not None else ""
+        if style is PictureStyle.S7GRAPH and number:
+            return [f"T{number}", *wrap(transition.name, 11, 120)]
+        name = f"({transition.name})" if style is PictureStyle.GRAFCET and transition.name else transition.name
+        return [*wrap(name, 11, 120), *([number] if number else [])]
+
+    def draw(self, canvas: Canvas, x: int, y: int, *, enters: bool, leaves: bool) -> None:
+        """Draw the transition on the axis `x` below `y`."""
+        bar = y + self._lead + self._above
+        bottom = y + self.height
+        start = y if enters else bar - 12
+        if self.waits:
+            double = y + self._lead - 6
+            _draw_entries(canvas, self.waits, x - 12, y + 4, double, enters=None)
+            canvas.wire((x - 26, double), (x + 26, double))
+            canvas.wire((x - 26, double + 4), (x + 26, double + 4))
+            if enters:
+                canvas.wire((x, y), (x, double))
+            start = double + 4
+        canvas.wire((x, start), (x, bottom if leaves else bar + 14))
+        if not leaves:
+            canvas.wire((x - 8, bar + 14), (x + 8, bar + 14))
+        kind = "transition excluded" if self.transition.exclude else "transition"
+        label = self.sheet.labels[self.transition.id]
+        title = f"Transition {label}: {self.sheet.words.condition(self.transition.condition) or '(no condition)'}"
+        names = 20 + max(widest(self._names, 11), text_width(self._priority, 11)) if self._names else 15
+        area = (x - names, bar - self._above, names + self.right, self._above + bottom - bar)
+        with canvas.element(kind, f"{self.sheet.prefix}transition-{self.transition.id}", title, area):
+            canvas.line("bar", (x - 13, bar), (x + 13, bar))
+            first = bar - self._text // 2 + 12
+            canvas.lines("warn" if self._missing else "plain", x + 20, first, self._condition, 15)
+            canvas.lines("remark", x + 20, first + 15 * len(self._condition) - 1, self._about, 13)
+            top = bar - 13 * len(self._names) // 2 + 10
+            canvas.lines("quiet", x - 19, top, self._names, 13, anchor="end")
+            if self._priority:
+                level = top - 12 if self._names else bar - 5
+                canvas.text("quiet", x - 5 if not self._names else x - 19, level, self._priority, anchor="end")
+
+
+class JumpSymbol:
+    """A jump: an arrow and the name of the step that it leads to."""
+
+    def __init__(self, sheet: Sheet, target: int) -> None:
+        self.reference = sheet.step_reference(target)
+        self._name = sheet.steps[target].name
+        self._lines = wrap(self.reference.name, 12, _NAME_WIDTH)
+        half = widest(self._lines, 12) // 2 + 8
+        self.left = self.right = max(half, 14)
+        self.height = 28 + 15 * len(self._lines) + 6
+
+    def draw(self, canvas: Canvas, x: int, y: int, *, enters: bool, leaves: bool) -> None:  # noqa: ARG002
+        """Draw the jump on the axis `x` below `y`; nothing leaves it."""
+        canvas.wire((x, y), (x, y + 18))
+        area = (x - self.left, y + 14, self.left + self.right, self.height - 16)
+        with canvas.element("jump", "", f"Jump to {self._name}", area):
+            canvas.line("head", (x, y + 25), (x - 5, y + 14), (x + 5, y + 14), closed=True)
+            for number, line in enumerate(self._lines):
+                canvas.text("link", x, y + 39 + 15 * number, line, anchor="middle", link=self.reference.element)
+
+
+Symbol = StepSymbol | TransitionSymbol | JumpSymbol
+
+
+def _shown(references: Sequence[Reference]) -> list[Reference]:
+    """Return references for a picture: of many the first ones, and how many more there are."""
+    found = list(dict.fromkeys(references))
+    if len(found) <= _MOST_REFERENCES:
+        return found
+    more = Reference(f"+{len(found) - _MOST_REFERENCES + 1}", "")
+    return [*found[: _MOST_REFERENCES - 1], more]
+
+
+def _reference_width(references: Sequence[Reference]) -> int:
+    return max((text_width(reference.name, 11) + 28 for reference in references), default=0)
+
+
+def _draw_entries(
+    canvas: Canvas, references: Sequence[Reference], x: int, first: int, bottom: int, *, enters: int | None
+) -> None:
+    """Draw arrows from the left into the wire above a symbol, from `first` down, and the wire down to `bottom`.
+
+    `enters`: where a wire from above begins; None: the wire begins at the first arrow.
+    """
+    if enters is not None or references:
+        canvas.wire((x, first + 5 if enters is None else enters), (x, bottom))
+    for number, reference in enumerate(references):
+        level = first + 5 + 14 * number
+        canvas.wire((x - 18, level), (x - 6, level))
+        with _reference(canvas, "From", reference, x, level):
+            canvas.line("head", (x - 1, level), (x - 9, level - 4), (x - 9, level + 4), closed=True)
+
+
+@contextmanager
+def _reference(canvas: Canvas, way: str, reference: Reference, x: int, level: int) -> Iterator[None]:
+    """Write the name of a reference to the left of the axis `x`; its arrow is drawn inside."""
+    width = text_width(reference.name, 11)
+    with canvas.element("reference", "", f"{way} {reference.name}", (x - 22 - width, level - 7, width + 22, 14)):
+        yield
+        canvas.text("back", x - 22, level + 4, reference.name, anchor="end", link=reference.element)

@@ -1,0 +1,138 @@
+"""Conditions and actions in one line of text, as an engineer would note them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from plcopen_sfc.languages.networks import condition_reader
+from plcopen_sfc.languages.networks.results import Helper, NetworkExpression
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.sfc import SfcNetwork, Step
+
+__all__ = ["ActionLine", "Wording"]
+
+
+@dataclass(frozen=True, slots=True)
+class ActionLine:
+    """An action of a step in words: what is done, and when.
+
+    `qualifier` is also ``entry``, ``main`` or ``exit`` of a step action, and ``macro``.
+    """
+
+    what: str
+    qualifier: str = ""
+    event: str = ""
+    duration: str = ""
+
+    def __str__(self) -> str:
+        """Return the action in one line: ``D T#2s Lamp``."""
+        return " ".join(filter(None, (self.event, self.qualifier, self.duration, self.what)))
+
+
+class Wording:
+    """Words for the elements of one chart."""
+
+    def __init__(self, chart: SfcNetwork, dialect: Dialect = Dialect.IEC) -> None:
+        self._dialect = dialect
+        self._read = condition_reader(chart, dialect)
+
+    def condition(self, condition: Condition | None) -> str:
+        """A condition; empty where there is none."""
+        if condition is None:
+            return ""
+        if isinstance(condition, Expression):
+            return _negated(_one_line(condition.text), condition.negated)
+        if isinstance(condition, NamedCondition):
+            return _negated(condition.name, condition.negated)
+        drawn = self._drawn(condition)
+        if drawn:
+            return drawn
+        if isinstance(condition, BodyCondition):
+            return _negated(condition.name or body_words(condition.body), condition.negated)
+        pin = condition.input
+        return _negated(pin.expression or ("(logic)" if pin.connections else "(not wired)"), condition.negated)
+
+    def _drawn(self, condition: BodyCondition | WiredCondition) -> str:
+        """A condition in FBD or LD as an expression; empty where there is none."""
+        if isinstance(condition, BodyCondition) and not isinstance(condition.body, FbdBody | LdBody):
+            return ""
+        read = self._read(condition)
+        if read.tree is None or not read.complete:
+            return ""
+        text = self._text(read.tree)
+        for helper in reversed(read.helpers):
+            if helper.name not in text:
+                continue
+            watched = next((self._text(value) for value in _watched(read, helper)), None)
+            if watched is None:
+                return ""
+            text = text.replace(f"{helper.name}.Q", f"{_EDGES[helper.type_name or '']} edge of {watched}")
+        return text
+
+    def _text(self, tree: n.Expression) -> str:
+        return _one_line(print_node(tree, self._dialect))
+
+    def actions(self, step: Step) -> Iterator[ActionLine]:
+        """What a step does: step actions and associations, each as ``N Motor`` or ``D T#2s Lamp``."""
+        named = (("entry", step.entry_action), ("main", step.main_action), ("exit", step.exit_action))
+        for label, action in named:
+            if action:
+                yield ActionLine(action if isinstance(action, str) else body_words(action), label)
+        for association in step.actions:
+            yield association_words(association)
+        if step.macro is not None:
+            yield ActionLine(step.macro.expansion or "", "macro")
+
+
+_EDGES = {"R_TRIG": "rising", "F_TRIG": "falling"}
+
+
+def _watched(read: NetworkExpression, helper: Helper) -> Iterator[n.Expression]:
+    """Yield what the edge block `helper` watches; nothing where it is none."""
+    for statement in read.before if helper.type_name in _EDGES else ():
+        call = statement.call if isinstance(statement, n.CallStatement) else None
+        if isinstance(call, n.Call) and isinstance(call.callee, n.Name) and call.callee.identifier == helper.name:
+            yield from (argument.value for argument in call.arguments if argument.value is not None)
+
+
+def association_words(association: ActionAssociation) -> ActionLine:
+    """Return a line of an action block in words."""
+    what = association.target or (body_words(association.body) if association.body is not None else "")
+    if association.value is not None:
+        what = f"{what} := {_one_line(association.value)}"
+    if association.forcing is not None:
+        order = association.forcing
+        situation = ", ".join(order.steps) or order.situation.value.strip("{}")
+        what = f"{order.chart}{{{situation}}}"
+    return ActionLine(
+        _negated(what, association.negated),
+        "" if association.qualifier is Qualifier.NONE else association.qualifier.value,
+        association.event.value if association.event is not None else "",
+        association.duration or "",
+    )
+
+
+def body_words(body: Body) -> str:
+    """Return a body in words: its text where that is short, else its language."""
+    if isinstance(body, StBody | IlBody):
+        text = _one_line(body.text)
+        if text and len(text) <= 60:
+            return f"{{{text}}}"
+    return f"({body.language})"
+
+
+def _negated(text: str, negated: bool) -> str:
+    if not negated:
+        return text
+    simple = text.replace("_", "").replace(".", "").isalnum()
+    return f"NOT {text}" if simple else f"NOT ({text})"
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

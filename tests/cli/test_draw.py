@@ -1,0 +1,98 @@
+"""``plcopen-sfc draw``: one chart or all, to a file, a folder or standard output."""
+
+from __future__ import annotations
+
+import io
+import json
+import shutil
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import plcopen_sfc as sfc
+
+
+def test_the_default_is_beside_the_source(cli, fixtures, tmp_path):
+    source = shutil.copy(fixtures / "iectext" / "mixing_plant.st", tmp_path)
+    outcome = cli("draw", source)
+    picture = tmp_path / "mixing_plant.svg"
+    assert (outcome.code, outcome.out) == (0, f"written: {picture}\n")
+    assert picture.read_text(encoding="ascii") == sfc.load(source).pou("Mixer").chart.to_svg()
+
+
+def test_several_charts_are_a_folder(cli, fixtures, tmp_path):
+    source = shutil.copy(fixtures / "codesys" / "sorting_conveyor.xml", tmp_path)
+    outcome = cli("draw", source)
+    folder = tmp_path / "sorting_conveyor-charts"
+    assert outcome.out == f"written: {folder}/, 3 pictures\n"
+    assert {path.name for path in folder.iterdir()} == {"PLC_PRG.svg", "PLC_PRG.ACT_Home.svg", "FB_Pusher.svg"}
+    assert cli("draw", source, f"{tmp_path}/other/", "--quiet").out == ""
+    assert len(list((tmp_path / "other").iterdir())) == 3
+
+
+def test_one_of_several(cli, fixtures, tmp_path):
+    target = tmp_path / "home.svg"
+    assert cli("draw", "codesys/sorting_conveyor.xml", target, "--pou", "plc_prg.act_home").code == 0
+    assert "<title>PLC_PRG.ACT_Home</title>" in target.read_text(encoding="ascii")
+
+
+def test_options_choose_style_and_theme(cli, fixtures):
+    chart = sfc.load("simaticml/FB_Drill.xml").pou("FB_Drill").chart
+    outcome = cli("draw", "simaticml/FB_Drill.xml", "-", "--style", "grafcet", "--theme", "print")
+    assert outcome.out == chart.to_svg(style="grafcet", theme="print")
+
+
+def test_standard_streams(cli, fixtures, monkeypatch):
+    data = Path("iectext/mixing_plant.st").read_bytes()
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(data)))
+    outcome = cli("draw", "-")
+    assert outcome.code == 0
+    assert outcome.out == sfc.loads(data).pou("Mixer").chart.to_svg()
+
+
+def test_json_lists_the_pictures(cli, fixtures, tmp_path):
+    outcome = cli("draw", "iectext/mixing_plant.st", f"{tmp_path}/", "--json")
+    file = str(tmp_path / "Mixer.svg")
+    assert json.loads(outcome.out) == {
+        "file": "iectext/mixing_plant.st",
+        "pictures": [{"chart": "Mixer", "file": file}],
+    }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["codesys/sorting_conveyor.xml", "-"], "error: 3 charts do not fit into one picture"),
+        (["codesys/sorting_conveyor.xml", "x.svg", "--pou", "PLC_PGR"], "chart 'PLC_PGR' (did you mean 'PLC_PRG'?)"),
+        (["scl/conveyor_step7.scl", "x.svg"], "error: the project has no chart to draw"),
+        (["iectext/mixing_plant.st", "x.svg", "--style", "iecc"], "there is no style 'iecc' of pictures"),
+        (["iectext/mixing_plant.st", "x.svg", "--theme", "lihgt"], "there is no theme 'lihgt' of pictures"),
+        (["iectext/mixing_plant.st", ""], "the path is empty"),
+    ],
+)
+def test_what_cannot_be_drawn_is_an_error(cli, fixtures, arguments, message):
+    outcome = cli("draw", *arguments)
+    assert outcome.code == 2
+    assert message in outcome.err
+    assert not Path("x.svg").exists()
+
+
+def test_errors_of_the_file_are_findings(cli, fixtures, tmp_path):
+    outcome = cli("draw", "broken/jump_to_nowhere.xml", tmp_path / "x.svg")
+    assert outcome.code == 1
+    assert "SFC" in outcome.err
+    assert (tmp_path / "x.svg").exists()
+
+
+def test_names_of_charts_are_names_of_files(tmp_path):
+    project = sfc.Project()
+    for name in ("a/b", "a:b", "con"):
+        chart = sfc.SfcNetwork()
+        chart.add_step("S", initial=True)
+        project.pous.append(sfc.Pou(name=name, kind=sfc.PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=chart)]))
+    files = sfc.draw(project, f"{tmp_path}/")
+    assert [path.name for path in files.values()] == ["a_b.svg", "a_b_2.svg", "_con.svg"]
+    with pytest.raises(sfc.ArgumentError, match="draw needs a project"):
+        sfc.draw(project.pous[0].chart, tmp_path)

@@ -1,0 +1,213 @@
+"""What tests measure in pictures of charts: areas of elements, wires, texts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from lxml import etree
+
+SVG = "{http://www.w3.org/2000/svg}"
+SIZES = {"name": 13, "plain": 12, "link": 12, "warn": 12, "small": 11, "quiet": 11, "remark": 11, "back": 11}
+
+Area = tuple[int, int, int, int]
+"""Left, top, right and bottom."""
+Segment = tuple[int, int, int, int]
+"""From x, y to x, y."""
+
+
+@dataclass
+class Picture:
+    """A picture as its reader sees it."""
+
+    root: etree._Element
+    areas: list[tuple[etree._Element, Area]] = field(default_factory=list)
+    wires: list[Segment] = field(default_factory=list)
+
+    def by_class(self, kind: str) -> list[etree._Element]:
+        """All groups of a class."""
+        return [g for g in self.root.iter(f"{SVG}g") if kind in (g.get("class") or "").split()]
+
+    def texts(self, element: etree._Element | None = None) -> list[str]:
+        """All texts of the picture, or of one element."""
+        return [text.text or "" for text in (self.root if element is None else element).iter(f"{SVG}text")]
+
+
+def area(element: etree._Element) -> Area:
+    left, top, width, height = map(int, element.get("data-area").split())
+    return left, top, left + width, top + height
+
+
+def points(path: etree._Element) -> list[tuple[int, int]]:
+    pairs = path.get("d").strip("MZ").split("L")
+    return [tuple(map(int, pair.split())) for pair in pairs]  # type: ignore[misc]
+
+
+def read_picture(svg: str) -> Picture:
+    """Parse a picture; only well-formed ASCII is one."""
+    picture = Picture(etree.fromstring(svg.encode("ascii")))
+    for element in picture.root.iterfind(f"{SVG}g"):
+        if element.get("class") != "part":
+            picture.areas.append((element, area(element)))
+    for path in picture.root.iterfind(f"{SVG}path"):
+        assert path.get("class") == "wire"
+        line = points(path)
+        picture.wires += [(*one, *other) for one, other in pairwise(line)]
+    return picture
+
+
+def assert_tidy(picture: Picture) -> None:
+    """Nothing overlaps, no wire runs through an element or across another, texts are inside of their elements."""
+    width, height = int(picture.root.get("width")), int(picture.root.get("height"))
+    ordered = sorted(picture.areas, key=lambda item: item[1])
+    for position, (one, a) in enumerate(ordered):
+        assert a[0] >= 0, (one.get("id"), a)
+        assert a[1] >= 0, (one.get("id"), a)
+        assert a[2] <= width, (one.get("id"), a, width)
+        assert a[3] <= height, (one.get("id"), a, height)
+        for other, b in ordered[position + 1 :]:
+            if b[0] >= a[2]:
+                break
+            assert b[1] >= a[3] or a[1] >= b[3], (one.get("id"), a, other.get("id"), b)
+    for element, box in picture.areas:
+        axis = _axis(element)
+        for wire in picture.wires:
+            assert not _runs_through(wire, box, axis), (element.get("id"), box, wire)
+    for one in picture.wires:
+        for other in picture.wires:
+            assert not _cross(one, other), (one, other)
+
+
+def _axis(element: etree._Element) -> float:
+    for kind, tag in (("box", "rect"), ("bar", "path"), ("head", "path")):
+        for shape in element.iterfind(f"{SVG}{tag}"):
+            if shape.get("class") == kind:
+                if tag == "rect":
+                    return float(shape.get("x")) + float(shape.get("width")) / 2
+                across = [x for x, _ in points(shape)]
+                return (min(across) + max(across)) / 2
+    raise AssertionError(f"no axis in {etree.tostring(element)!r}")
+
+
+def _runs_through(wire: Segment, box: Area, axis: float) -> bool:
+    left, right = sorted((wire[0], wire[2]))
+    top, bottom = sorted((wire[1], wire[3]))
+    if right <= box[0] + 1 or left >= box[2] - 1 or bottom <= box[1] + 1 or top >= box[3] - 1:
+        return False
+    inside = box[0] <= left and right <= box[2] and box[1] <= top and bottom <= box[3]
+    return not inside and not (left == right == axis)
+
+
+def _cross(one: Segment, other: Segment) -> bool:
+    """True if a horizontal wire and a vertical one cross; those that end at each other only touch."""
+    if one[1] != one[3] or other[0] != other[2]:
+        return False
+    left, right = sorted((one[0], one[2]))
+    top, bottom = sorted((other[1], other[3]))
+    return left < other[0] < right and top < one[1] < bottom
+
+
+Point = tuple[int, int]
+
+
+def links_in(picture: Picture) -> set[tuple[str, str]]:
+    """What the wires, bars, jumps and references of a picture say: which step leads to which transition, and back.
+
+    A person reads it so: down along the wires that touch, from the upper line of a double bar to the lower one.
+    """
+    above: dict[str, Point] = {}
+    below: dict[str, Point] = {}
+    for g in picture.root.iterfind(f"{SVG}g[@id]"):
+        if "step" in g.get("class").split():
+            box = g.find(f"{SVG}rect[@class='box']")
+            x, y, width, height = (int(box.get(name)) for name in ("x", "y", "width", "height"))
+            above[g.get("id")], below[g.get("id")] = (x + width // 2, y), (x + width // 2, y + height)
+        elif "transition" in g.get("class").split():
+            ends = points(g.find(f"{SVG}path[@class='bar']"))
+            middle = ((ends[0][0] + ends[1][0]) // 2, ends[0][1])
+            above[g.get("id")] = below[g.get("id")] = middle
+    net = _Net(picture.wires, set(below.values()))
+    found: dict[int, set[str]] = {}
+    for name, place in above.items():
+        found.setdefault(net.at(place, upper=True), set()).add(name)
+    origins = [(name, net.at(place, upper=False)) for name, place in below.items()]
+    entered = {place: name for name, place in above.items()}
+    direct: set[tuple[str, str]] = set()
+    for g in picture.by_class("jump") + picture.by_class("reference"):
+        left, top, right, _ = area(g)
+        link = next((a.get("href").removeprefix("#") for a in g.iter(f"{SVG}a")), "")
+        if not link:  # how many more there are
+            continue
+        if g.get("class") == "jump":
+            found.setdefault(net.at(((left + right) // 2, top + 4), upper=True), set()).add(link)
+        elif g.findtext(f"{SVG}title").startswith("From"):
+            # the arrow leads down along its wire only, not along a bar from which this wire comes
+            ends = [(x2, y2) for x1, y1, x2, y2 in net.pieces if x1 == x2 and _on((right, top + 7), (x1, y1, x2, y2))]
+            steps = [entered[end] for end in ends if end in entered]
+            direct |= {(link, step) for step in steps}
+            origins += [(link, net.below_bar(end)) for end in ends if end not in entered]
+        else:
+            found.setdefault(net.at((right, top + 7), upper=True), set()).add(link)
+    return direct | {(name, end) for name, start in origins for each in net.down(start) for end in found.get(each, ())}
+
+
+class _Net:
+    """Wires that touch, cut at transitions, and the double bars between them."""
+
+    def __init__(self, wires: list[Segment], cuts: set[Point]) -> None:
+        self.pieces: list[Segment] = []
+        for x1, y1, x2, y2 in wires:
+            inner = sorted(y for x, y in cuts if x == x1 == x2 and y1 < y < y2)
+            levels = [y1, *inner, y2] if x1 == x2 else []
+            self.pieces += [(x1, a, x1, b) for a, b in pairwise(levels)] or [(x1, y1, x2, y2)]
+        self.cuts = cuts
+        self.group = list(range(len(self.pieces)))
+        for i, one in enumerate(self.pieces):
+            for j, other in enumerate(self.pieces):
+                if i < j and self._touch(one, other):
+                    a, b = self._root(i), self._root(j)
+                    self.group[max(a, b)] = min(a, b)
+        self.lines = {(x1, y1, x2): i for i, (x1, y1, x2, y2) in enumerate(self.pieces) if y1 == y2}
+        self.lower: dict[int, set[int]] = {}
+        for (x1, y, x2), i in self.lines.items():
+            if (x1, y + 4, x2) in self.lines:
+                self.lower.setdefault(self._root(i), set()).add(self._root(self.lines[x1, y + 4, x2]))
+
+    def _root(self, i: int) -> int:
+        while self.group[i] != i:
+            i = self.group[i]
+        return i
+
+    def _touch(self, one: Segment, other: Segment) -> bool:
+        ends = [(a, b) for a, b in ((one, other), (other, one))]
+        return any(
+            _on(point, whole) and point not in self.cuts for part, whole in ends for point in (part[:2], part[2:])
+        )
+
+    def at(self, place: Point, *, upper: bool) -> int:
+        """The wires at a place; those that end there from above, or that begin there, where it is a symbol."""
+        for i, (x1, y1, x2, y2) in enumerate(self.pieces):
+            if not _on(place, (x1, y1, x2, y2)) or (place in self.cuts and place != ((x2, y2) if upper else (x1, y1))):
+                continue
+            return self._root(i)
+        return -1 if upper else -2
+
+    def below_bar(self, place: Point) -> int:
+        """The wires below the double bar on whose upper line a place is."""
+        x, y = place
+        return next(self._root(i) for (x1, level, x2), i in self.lines.items() if level == y + 4 and x1 <= x <= x2)
+
+    def down(self, start: int) -> set[int]:
+        """These wires and all that they lead to through double bars."""
+        found, pending = {start}, [start]
+        while pending:
+            new = self.lower.get(pending.pop(), set()) - found
+            found |= new
+            pending += new
+        return found
+
+
+def _on(point: Point, wire: Segment) -> bool:
+    left, right = sorted((wire[0], wire[2]))
+    top, bottom = sorted((wire[1], wire[3]))
+    return left <= point[0] <= right and top <= point[1] <= bottom
