@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any, TypeVar
-from weakref import WeakValueDictionary
 
 from lxml import etree
 
@@ -122,25 +121,15 @@ class LateDocument:
     """A document whose objects are not read yet.
 
     It keeps the bytes, not the tree, which takes many times their memory: a folder may have thousands of documents.
-    Only the document that was loaded last has its tree still, for whoever loads one and looks at it. When the first
-    object of another is read, its bytes are parsed again; the tree stays until the last object is read.
+    When the first object is read, the bytes are parsed again, which takes a fiftieth of the time of reading; that tree
+    stays until the last object is read.
     """
 
-    def __init__(self, root: etree._Element, data: bytes, ctx: DocumentReading) -> None:
+    def __init__(self, data: bytes, ctx: DocumentReading) -> None:
         self._data = data
         self._ctx = ctx
-        self._root: etree._Element | None = root
+        self._root: etree._Element | None = None
         self._waiting = 0
-        self._begun = False
-        last = _LOADED_LAST.get("document")
-        if last is not None:
-            last._forget()
-        _LOADED_LAST["document"] = self
-
-    def _forget(self) -> None:
-        """Free the memory of the tree, if no object of it has been read."""
-        if not self._begun:
-            self._root = None
 
     def object(self, element: etree._Element, place: int, *, keep_id: bool) -> ProjectObject:
         """Return the object at `element`, which is child `place` of the root, unread."""
@@ -199,13 +188,10 @@ class LateDocument:
         return read_later(model, eager, read)
 
     def _tree(self) -> etree._Element:
-        root = self._root
-        if root is None:
-            root = parse_xml(self._data, file=self._ctx.file)
-        if not self._begun or self._ctx.lines is None:
-            self._ctx.lines = SourceLines(root, self._data)
-        self._root, self._begun = root, True
-        return root
+        if self._root is None:
+            self._root = parse_xml(self._data, file=self._ctx.file)
+            self._ctx.lines = SourceLines(self._root, self._data)
+        return self._root
 
     def _context(self) -> DocumentReading:
         """Return a context of its own for each object; the findings about the document are in one list."""
@@ -218,10 +204,6 @@ class LateDocument:
         self._waiting -= 1
         if not self._waiting:
             self._root = self._ctx.lines = None
-
-
-_LOADED_LAST: WeakValueDictionary[str, LateDocument] = WeakValueDictionary()
-"""Document that was loaded last."""
 
 
 PRODUCT = TIA_PORTAL
@@ -270,7 +252,7 @@ def read_project(
     ctx = DocumentReading(version, file=file, lines=SourceLines(root, data))
     if version_named(version.name) is None:
         ctx.warn("XML210", f"TIA Portal {version.name} is not known here; the document is read as one before it", root)
-    late = LateDocument(root, data, ctx)
+    late = LateDocument(data, ctx)
     header: Fields = {"product": PRODUCT, "version": version.name}
     fields: Fields = {"dialect": Dialect.SCL, "header": header, "pous": [], "data_blocks": [], "data_types": []}
     fields["tag_tables"] = []
