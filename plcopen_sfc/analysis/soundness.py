@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.marking import DEFAULT_CAP, marking_graph
-from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.semantics.net import Net, NetStep
 
@@ -243,7 +243,7 @@ def soundness(chart: SfcNetwork | Net, *, restart: bool = False, cap: int = DEFA
     """
     net = chart if isinstance(chart, Net) else Net.of(chart)
     ends = [step for step in net.steps if restart and not net.leaving[step.index]]
-    with collector_paused():  # it would look through the growing net again and again
+    with collecting_rarely():  # it would look through the growing net again and again
         reduced = ReducedNet(net, [(step.bit, net.initial) for step in ends])
     if reduced.unsafe:
         return Soundness(Answer.NO, Answer.UNKNOWN, Answer.UNKNOWN, Proof.REDUCTION)

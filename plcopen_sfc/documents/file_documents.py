@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
-from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.conversion import compare, executed, report_execution
 from plcopen_sfc.diagnostics import DamagedSourceError, Severity
 from plcopen_sfc.documents.sources import FileSource, FolderSource
@@ -43,7 +43,7 @@ def read_document(data: bytes, *, format: str | None, path: str | None, as_tool:
     kind = format_named(format)[0] if format is not None else recognise(data, file=path)
     if as_tool:
         data = as_tool_sees(data, kind, path)
-    with collector_paused():
+    with collecting_rarely():
         reading = kind.codec().read(data, file=path)
         project = reading.project
         for pou in project.pous:
@@ -65,7 +65,7 @@ def as_tool_sees(data: bytes, kind: Format, path: str | None = None) -> bytes:
 
 def fingerprint(project: Project) -> bytes:
     """Return a digest of everything in the model, to tell whether it was edited since it was read."""
-    with collector_paused():
+    with collecting_rarely():
         content = project.__pydantic_serializer__.to_json(project, exclude_none=True, exclude=set(Project.OBJECTS))
         digest = hashlib.blake2b(content)
         for thing in project.objects():
@@ -100,7 +100,7 @@ def encode(
     if not same:
         refuse_reading_errors(project, report)
     options = WriteOptions(version, flavour, same=same, source=source.content if source is not None and same else b"")
-    with collector_paused():
+    with collecting_rarely():
         copy, meant, options, behaviour = prepared(project, kind, options, report)
         data = kind.codec().write(copy, options, report)
         if not (options.flavour and kind.text):  # what a flavour leaves out is for people, and not read back

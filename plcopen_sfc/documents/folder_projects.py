@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, BinaryIO, TypeVar, cast
 
-from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.conversion import compare, executed, report_execution
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.documents.file_documents import (
@@ -73,7 +73,7 @@ def load_folder(
     source = FolderSource(kind.name, "", folder, {}, {}, {}, [], [])
     things: list[ProjectObject] = []
     source.unreadable.update(scan.failures)
-    with collector_paused():
+    with collecting_rarely():
         for name in progress(scan.files) if progress is not None else scan.files:
             try:
                 things += _read(source, kind, name, as_tool=as_tool)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeVar, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
-from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import Location, LoweringError, nearest
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code_texts import TEXTS
@@ -192,7 +192,7 @@ def lower(
         frozenset([at_rest] if isinstance(at_rest, str) else at_rest),
     )
     meant = as_executed(found, semantics)
-    with collector_paused(), errors_of(found.project, found.pou, found.name):
+    with collecting_rarely(), errors_of(found.project, found.pou, found.name):
         made = _constructed(found, meant, wanted, rules)
     options = ProofOptions(accept_untested, searching) if verify else None
     lowered = _lowered(found, made, rules, wanted.style, options, lang=lang)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 
 from pydantic import Field, PrivateAttr
 
-from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
 from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import SfcBody
@@ -262,7 +262,7 @@ class Project(Owned, Element):
 
     def read_all(self) -> None:
         """Read every object and chart that is unread: quicker for all at once than one by one."""
-        with collector_paused():
+        with collecting_rarely():
             for thing in self.objects():
                 thing.read()
             for chart in self.charts():

@@ -9,7 +9,7 @@ from datetime import datetime
 from lxml import etree
 from pydantic import ValidationError
 
-from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import is_added_configuration
 from plcopen_sfc.formats.plcopen.tc6_bodies import read_pou, unfit_data, write_pou
@@ -55,7 +55,7 @@ def load_tc6(
     finish_chart: Callable[[Tc6ReadContext, Fields], None] | None = None,
 ) -> ReadResult:
     """Read a TC6 file. Raises `FormatError` where it cannot be read at all."""
-    with collector_paused():
+    with collecting_rarely():
         root = parse_xml(data, file=file)
         version = find_version(root, file=file)
         fields, ctx = read_project(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from lxml import etree
 from pydantic import ValidationError
 
-from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.simaticml.compile_units import misfit
@@ -121,7 +121,7 @@ class SimaticmlCodec(FolderCodec):
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a document of TIA Portal Openness. Raises `FormatError`."""
-        with collector_paused():
+        with collecting_rarely():
             root = parse_xml(data, file=file)
             version = find_version(root, file=file)
             fields, diagnostics = read_project(root, version, data, file=file)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.languages.networks.drafting import Drafter, Rung
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
 from plcopen_sfc.languages.networks.ladders import LadderDrafter
@@ -56,7 +56,7 @@ def draw_fbd(
     elements count from `first_id` and are unique in the body.
     """
     drafter = Drafter(rules or DrawingRules(), first_id)
-    with collector_paused():
+    with collecting_rarely():
         networks = _sheets(drafter.statements(statements), divided=divided)
         for rungs in networks:
             _stack(rungs, _MARGIN)
@@ -70,7 +70,7 @@ def draw_ld(
     """Statements as a ladder diagram; see `draw_fbd`."""
     drafter = LadderDrafter(rules or DrawingRules(), first_id)
     bodies = []
-    with collector_paused():
+    with collecting_rarely():
         for rungs in _sheets(drafter.statements(statements), divided=divided):
             left = drafter.start(_MARGIN, _MARGIN)
             right, bottom = _stack(rungs, left)

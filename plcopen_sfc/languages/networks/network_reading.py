@@ -6,7 +6,7 @@ import re
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.blocks import BlockReader
@@ -157,7 +157,7 @@ class NetworkReader:
 
     def run(self) -> None:
         """Execute every element; if values are kept, in the order in which the pins `also_used` need them."""
-        with collector_paused():
+        with collecting_rarely():
             pins = [source for sources in self._outer for source in sources]
             for node in self.graph.execution_for(pins) if self._keeps and pins else self.graph.execution():
                 self._execute(node)

@@ -12,7 +12,7 @@ from typing import Any, Generic, TypeVar
 from lark import Lark
 from lark.lexer import Lexer
 
-from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import nodes as n
@@ -83,7 +83,7 @@ def _cached_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
 
 def _fresh_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
     # turning the collector on again makes it look through everything once, which is dear for a short text
-    with collector_paused() if len(text) > _LONG else nullcontext():
+    with collecting_rarely() if len(text) > _LONG else nullcontext():
         declares = start == "declarations"
         found = tokenize_declarations(text, dialect) if declares else tokenize(text, dialect, embedded_code=True)
         with _LOCK:
