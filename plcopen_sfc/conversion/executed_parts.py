@@ -41,8 +41,9 @@ class Part:
 
     Of a transition, `leaves` are the names of the steps that it leaves, as in their keys, and `waiting` is its
     condition together with their minimum times. Of a project, `lists` are the names of its lists of global variables,
-    and `boxes` those of what its networks draw. Of a name that nothing declares, `is_called`: it is that of a function.
-    Of a chart of S7-GRAPH, `parameters` are the casefolded names of the variables that operate it or show its state.
+    `programs` those of its programs, and `boxes` those of what its networks draw. Of a name that nothing declares,
+    `is_called`: it is that of a function. Of a chart of S7-GRAPH, `parameters` are the casefolded names of the
+    variables that operate it or show its state.
     """
 
     path: str
@@ -51,6 +52,7 @@ class Part:
     leaves: tuple[str, ...] = ()
     waiting: Meaning | None = None
     lists: frozenset[str] = frozenset()
+    programs: frozenset[str] = frozenset()
     parameters: frozenset[str] = frozenset()
     boxes: frozenset[str] = frozenset()
     is_called: bool = False

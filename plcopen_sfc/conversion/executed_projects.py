@@ -20,19 +20,21 @@ from plcopen_sfc.conversion.meaning import (
     type_meaning,
 )
 from plcopen_sfc.formats.iectext.text_source import unwrapped
-from plcopen_sfc.formats.task_schedules import schedule_of
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.networks.network_graph import without_places
-from plcopen_sfc.languages.s7_globals import is_retained
+from plcopen_sfc.languages.s7_globals import is_retained, local_tags
+from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.languages.task_schedules import schedule_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import ForeignData
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task
@@ -62,19 +64,20 @@ def executed(
     profile: Profile | None = None,
     *,
     source: Project | None = None,
-    lists: frozenset[str] = frozenset(),
+    compared_with: Part | None = None,
 ) -> Part:
     """Everything that a controller executes of a project, under the rules of `profile`.
 
     `source` is the project as it was read, where its program text was put into another dialect and its tasks into
-    other terms since: the rules of its tool apply to direct addresses, to tasks and to its own data. `lists` are names
-    of lists of global variables that the source of a conversion has: the project may have structures in their place.
+    other terms since: the rules of its tool apply to direct addresses, to tasks and to its own data. `compared_with` is
+    the source of a conversion: the project may have structures in place of its lists of global variables, and instance
+    data blocks and organization blocks in place of its programs and tasks.
     """
-    return _Reader(project, profile or default_profile(project), source or project, lists).read()
+    return _Reader(project, profile or default_profile(project), source or project, compared_with or Part("")).read()
 
 
 class _Reader:
-    def __init__(self, project: Project, profile: Profile, source: Project, lists: frozenset[str]) -> None:
+    def __init__(self, project: Project, profile: Profile, source: Project, compared_with: Part) -> None:
         self.project = project
         self.profile = profile
         self.dialect = project.dialect
@@ -84,11 +87,21 @@ class _Reader:
         self.lists = {s.name.casefold() for s in self.project.global_sections() if s.name}
         self.lists |= {block.name.casefold() for block in project.data_blocks}
         self.whole.lists = frozenset(self.lists)
-        self.lists |= lists | {s.name.casefold() for s in source.global_sections() if s.name}
+        self.lists |= compared_with.lists | {s.name.casefold() for s in source.global_sections() if s.name}
         self.values = _values(project, self.project.global_sections())
         self.starts = StartValues(project, self._number)
-        self.structures = lists
+        self.structures = compared_with.lists
+        self.whole.programs = frozenset(p.name.casefold() for p in project.pous if p.kind is PouKind.PROGRAM)
+        # programs by the names of their instance data blocks: texts in SCL have those names before the blocks are made
+        self.programs = {
+            block.name.casefold(): (block.type_name or "").strip('"').casefold()
+            for block in project.data_blocks
+            if (block.type_name or "").strip('"').casefold() in compared_with.programs
+        }
+        if project.dialect is Dialect.SCL:
+            self.programs |= {block.casefold(): name.casefold() for name, block in names_of_programs(project).items()}
         self.declared = {declaration.name.casefold(): declaration.type for declaration in project.data_types}
+        self.tags = local_tags(project) if project.dialect is Dialect.SCL else {}
         self.global_names = {v.name.casefold() for section in self.project.global_sections() for v in section.variables}
 
     def read(self) -> Part:
@@ -111,7 +124,10 @@ class _Reader:
         self._calls_of_programs(names)
         for occurrence in names.undeclared():
             name = occurrence.reference.name
-            if name.casefold() in _RESULTS | self.global_names or standard_block(name) is not None:
+            if (
+                name.casefold() in _RESULTS | self.global_names | self.programs.keys()
+                or standard_block(name) is not None
+            ):
                 continue
             part = self.whole.add(UNDECLARED, name, occurrence.text_site.report_path)
             part.tell("name", Meaning.of(name))
@@ -119,14 +135,21 @@ class _Reader:
         return self.whole
 
     def _calls_of_programs(self, names: Names) -> None:
-        """Note where CODESYS calls a program, or reads its variables: no tool of IEC 61131-3 has such calls."""
-        programs = {pou.name.casefold(): pou for pou in self.project.pous if pou.kind is PouKind.PROGRAM}
+        """Note where a program is called or its variables are read, as in CODESYS: IEC 61131-3 has no such calls."""
+        pous = {pou.name.casefold(): pou for pou in self.project.pous}
+        programs = {block: pous[program] for block, program in self.programs.items() if program in pous}
+        if self._is_of_codesys:
+            programs |= {key: pou for key, pou in pous.items() if pou.kind is PouKind.PROGRAM}
         found: set[tuple[str, str]] = set()
-        for occurrence in names.occurrences(*programs) if programs and self._is_of_codesys else ():
+        for occurrence in names.occurrences(*programs) if programs else ():
             declaration, caller = occurrence.meaning.declaration, occurrence.text_site.site.pou
             program = programs[occurrence.reference.name.casefold()]
             place = (occurrence.text_site.report_path, program.name)
-            is_named = declaration is not None and declaration.holder is program and caller not in (None, program)
+            holder = declaration.holder if declaration is not None else None
+            is_block = occurrence.reference.name.casefold() in self.programs
+            is_named = (is_block or holder is program) and caller not in (None, program)
+            if caller is not None and caller.kind is PouKind.ORGANIZATION_BLOCK and self._replaces_task(caller):
+                continue
             if is_named and place not in found and not isinstance(occurrence.text_site.holder, ForeignData):
                 found.add(place)
                 part = self.whole.add(PROGRAM_CALL, " ".join(place), f"{place[0]} / {PROGRAM_CALL} {program.name}")
@@ -145,6 +168,8 @@ class _Reader:
             return n.Literal(number) if number is not None else node
         if isinstance(node, n.Name) and node.identifier.casefold() in self.values:
             return n.Literal(self.values[node.identifier.casefold()])
+        if isinstance(node, n.Name) and node.identifier.casefold() in self.programs:
+            return n.Name(self.programs[node.identifier.casefold()])
         is_result = result and isinstance(node, n.Name) and node.identifier.casefold() in (result.casefold(), "ret_val")
         if is_result:
             return n.Name("Ret_Val")
@@ -201,6 +226,8 @@ class _Reader:
             if unread is not None:
                 part = self.whole.add("start values", block.name, block.report_path)
                 part.tell("start values", Meaning.of(" ".join(unread.split())))
+            if block.name.casefold() in self.programs:
+                continue
             if block.type_name is not None or block.kind is DataBlockKind.INSTANCE:
                 kept_all = [is_retained(section, variable) for section in sections for variable in section.variables]
                 around = VariableSection(retain=bool(kept_all) and all(kept_all))
@@ -215,6 +242,15 @@ class _Reader:
                 self._variable(self.whole, "global variable", variable, VariableSection(), "")
             for constant in table.constants:
                 self._variable(self.whole, "global variable", constant, VariableSection(constant=True), "")
+
+    def _local(self, part: Part, pou: Pou, kind: str, variable: Variable, section: VariableSection) -> None:
+        """A variable of a POU; one that is a tag in S7 is global wherever it is."""
+        tag = self.tags.get(pou.name.casefold(), {}).get(variable.name.casefold())
+        if tag is None:
+            self._variable(part, kind, variable, section, "")
+        else:
+            as_tag = variable.model_copy(update={"name": tag.name})
+            self._variable(self.whole, "global variable", as_tag, section.model_copy(update={"name": None}), "")
 
     def _variable(self, owner: Part, kind: str, variable: Variable, section: VariableSection, around: str) -> None:
         place = f"{around}.{variable.name}" if around and owner is self.whole else variable.name
@@ -251,6 +287,7 @@ class _Reader:
                 self._task(task, shared)
             for instance in resource.instances if not self._is_of_codesys else ():  # which runs what a task calls
                 self._instance(self.whole, instance, "", shared)
+        self._callers()
         owners: list[Project | Configuration] = [self.source, *self.source.configurations]
         if self._is_codesys_file:  # none of its exports has configVars: its importer may not read them
             owners = []
@@ -260,6 +297,41 @@ class _Reader:
                 part.tell("type", type_meaning(variable.type, self.dialect))
                 part.tell("address", address_meaning(variable.address, self.addresses))
                 part.tell("initial value", self.starts.of_value(variable.initial))
+
+    def _callers(self) -> None:
+        """Organization blocks in place of tasks."""
+        callers = {pou.name: self._called_programs(pou) for pou in self.project.pous if self._replaces_task(pou)}
+        calls = Counter(self.programs[block] for blocks in callers.values() for block in blocks)
+        instances = Counter(self.programs.values())
+        for name, blocks in callers.items():
+            is_task = name != WITHOUT_TASK
+            around = f"task {name} / " if is_task else ""
+            owner = self.whole.add("task", name, f"task {name}") if is_task else self.whole
+            for block in blocks:
+                program = self.programs[block]
+                part = owner.add("program instance", program, f"{around}program instance {block}")
+                part.tell("program", Meaning.of(program))
+                if calls[program] > 1:
+                    memory = "its own" if instances[program] > 1 else "shared by all calls"
+                    part.tell("variables", Meaning.of(memory))
+
+    def _replaces_task(self, pou: Pou) -> bool:
+        """True for an organization block that does nothing but call programs of the source."""
+        return pou.kind is PouKind.ORGANIZATION_BLOCK and bool(self._called_programs(pou))
+
+    def _called_programs(self, pou: Pou) -> list[str]:
+        """Instance data blocks of programs that a block calls, in lower case; empty if it does anything else."""
+        body = pou.body
+        if not isinstance(body, StBody) or len(pou.bodies) > 1:
+            return []
+        found: list[str] = []
+        for statement in parse_statements(body.text, self.dialect).tree.statements:
+            call = statement.call if isinstance(statement, n.CallStatement) else None
+            callee = call.callee if isinstance(call, n.Call) and not call.arguments else None
+            if not isinstance(callee, n.Name) or callee.identifier.casefold() not in self.programs:
+                return []
+            found.append(callee.identifier.casefold())
+        return found
 
     @property
     def _is_of_codesys(self) -> bool:
@@ -313,7 +385,8 @@ class _Reader:
 
     def _pou(self, pou: Pou) -> None:
         part = self.whole.add("POU", pou.name, pou.report_path)
-        part.tell("kind", Meaning.of(pou.kind.value))
+        is_program = pou.kind is PouKind.FUNCTION_BLOCK and pou.name.casefold() in self.programs.values()
+        part.tell("kind", Meaning.of(PouKind.PROGRAM.value if is_program else pou.kind.value))
         tell_inheritance(part, pou)
         if pou.interface is not None:
             self._result(part, pou.interface.return_type)
@@ -324,7 +397,7 @@ class _Reader:
                         self._result(part, variable.type)
                     else:
                         kind = "variable of a function" if pou.kind is PouKind.FUNCTION else "variable"
-                        self._variable(part, kind, variable, section, "")
+                        self._local(part, pou, kind, variable, section)
         called: set[str] = set()
         programs = 0
         for body in pou.bodies:

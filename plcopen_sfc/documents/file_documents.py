@@ -113,7 +113,7 @@ def encode(
         other_tool = bool(flavour) or own is not family(seen.dialect)
         found = compare(
             behaviour,
-            executed(seen, target, lists=behaviour.lists),
+            executed(seen, target, compared_with=behaviour),
             other_tool=other_tool,
             has_libraries=own is not Dialect.IEC,
         )

@@ -406,7 +406,7 @@ def _convert(
     if behaviour is not None:
         seen = _read_back(contents, kind, version, as_tool=True)
         called = names_in_the_source(project, copy)
-        report_execution(report, compare(behaviour, executed(seen, lists=behaviour.lists)), kind.tool, called)
+        report_execution(report, compare(behaviour, executed(seen, compared_with=behaviour)), kind.tool, called)
         if limit:
             from plcopen_sfc.conversion.compared_runs import report_running  # noqa: PLC0415  # brings the interpreter
 

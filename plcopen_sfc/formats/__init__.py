@@ -3,8 +3,7 @@
 * `format_interface`: the record `Format`, the classes of codecs, and `WriteOptions`. `registry`: the table `FORMATS`,
   and `format_named`.
 * `file_recognition`: `recognise`, and formats that are recognised but not read.
-* `xml` and `text_patch`: common parts of XML and text formats; `provenance`: what was edited since it was read;
-  `task_schedules`: times of tasks.
+* `xml` and `text_patch`: common parts of XML and text formats; `provenance`: what was edited since it was read.
 * The formats: `plcopen`, `codesys`, `simaticml`, `scl`, `iectext`, `json_codec`. `matiec` adapts projects to its
   compiler.
 """

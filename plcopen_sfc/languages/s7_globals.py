@@ -1,24 +1,27 @@
 """Global variables as S7 has them: a named list is a data block, others are tags and constants of a table.
 
-Named lists are those of CODESYS, whose variables texts name with their list: they stand in an application, or are
-objects of a project. In a configuration of IEC 61131-3 the names of lists say nothing. A global variable without a
-list, an address and a value that never changes has no counterpart: S7 keeps data in blocks.
+Named lists are those of CODESYS, whose variables texts name with their list: they belong to an application, or are
+objects of a project. In a configuration of IEC 61131-3 the names of lists say nothing. The variables of a list that
+have an address are tags, in a table with the name of the list: S7 has no addresses in optimised data blocks. A global
+variable without a list, an address and a value that never changes has no counterpart: S7 keeps data in blocks.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from itertools import groupby
 
+from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Kind, Names
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.s7_types import s7_types
+from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.model.base import Carried, ForeignData
-from plcopen_sfc.model.pou import DataBlock
+from plcopen_sfc.model.pou import DataBlock, PouKind
 from plcopen_sfc.model.project import Project, Tag, TagTable, TreeNode
-from plcopen_sfc.model.types import DerivedType, Variable
+from plcopen_sfc.model.types import DerivedType, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 TABLE = "GlobalVariables"
@@ -27,14 +30,19 @@ TABLE = "GlobalVariables"
 def data_blocks_of(project: Project) -> list[DataBlock]:
     """A data block for each named list of global variables, unless the project has an object of that name.
 
-    Instances of function blocks are left out: global data blocks of S7 have none.
+    Instances of function blocks are left out: global data blocks of S7 have none. So are tags.
     """
     things = [*project.pous, *project.data_blocks, *project.data_types]
     taken = {thing.name.casefold() for thing in things}
     blocks = {pou.name.casefold() for pou in project.pous}
+    tags = _tags_of_lists(project)
     found: dict[str, list[VariableSection]] = {}
     for name, section in _lists(project):
-        variables = [v.model_copy(update={"address": None}) for v in section.variables if not _is_instance(v, blocks)]
+        variables = [
+            v.model_copy(update={"address": None})
+            for v in section.variables
+            if not _is_instance(v, blocks) and (name.casefold(), v.name.casefold()) not in tags
+        ]
         if name and name.casefold() not in taken and variables:
             sections = found.setdefault(name, [])
             retain = section.retain or section.persistent
@@ -60,69 +68,189 @@ def by_retention(section: VariableSection) -> Iterator[VariableSection]:
         yield section.model_copy(update={"retain": retain, "variables": [variable for _, variable in group]})
 
 
-def blocks_of_variables(project: Project) -> dict[str, str]:
-    """The data block of each variable of a list that texts may name alone, by its name in lower case.
+def names_in_s7(project: Project) -> dict[str, tuple[str, ...]]:
+    """The names by which S7 knows variables of lists, by those that texts of other tools have, in lower case.
 
-    Names of several lists and of other objects are left out: texts name these with their list.
+    A variable of a data block that a text names alone, ``x``, is named with its block. A tag, ``GVL.x`` or ``x``, is
+    named alone. Names of several lists and of other objects are left out: texts name these with their list.
     """
-    found: dict[str, list[str]] = {}
+    found: dict[str, list[tuple[str, ...]]] = {}
     for block in data_blocks_of(project):
         for variable in block.interface.variables() if block.interface is not None else ():
-            found.setdefault(variable.name.casefold(), []).append(block.name)
+            found.setdefault(variable.name.casefold(), []).append((block.name, variable.name))
+    tags = [(around, name, tag) for (around, name), tag in _tags_of_lists(project).items()]
+    for _, name, tag in tags:
+        found.setdefault(name, []).append((tag.name,))
     others = {
         variable.name.casefold() for name, section in _lists(project) if not name for variable in section.variables
     }
     others |= {thing.name.casefold() for thing in project.objects()}
-    return {name: blocks[0] for name, blocks in found.items() if len(blocks) == 1 and name not in others}
+    names = {name: paths[0] for name, paths in found.items() if len(paths) == 1 and name not in others}
+    for around, local in local_tags(project).items():
+        tags += [(around, name, tag) for name, tag in local.items()]
+    for around, name, tag in tags:
+        names[f"{around}.{name}"] = (tag.name,)
+    return names
+
+
+def names_from_s7(project: Project) -> dict[str, tuple[str, ...]]:
+    """The names of tags in other tools, by those that they have in S7, in lower case."""
+    lists = {name.casefold(): name for name, _ in _lists(project)}
+    found: dict[str, tuple[str, ...]] = {}
+    for (around, _), tag in _tags_of_lists(project).items():
+        found[tag.name.casefold()] = (lists[around], tag.name)
+    tags = local_tags(project)
+    for pou in project.pous:
+        names = {variable.name.casefold(): variable.name for variable in pou.variables()}
+        local = tags.get(pou.name.casefold(), {})
+        for name, tag in local.items():
+            found[tag.name.casefold()] = (pou.name, names[name])
+    return found
+
+
+def _tags_of_lists(project: Project) -> dict[tuple[str, str], Tag]:
+    """The tags that variables of named lists become, by the names of list and variable in lower case.
+
+    A tag has an address that S7 can say, an elementary type and a name that no other global thing has: S7 names it
+    without its list.
+    """
+    counts, types = Counter(global_names(project)), s7_types(project)
+    found: dict[tuple[str, str], Tag] = {}
+    for name, section in _lists(project):
+        for variable in section.variables if name else ():
+            tag = _tag(variable, types)
+            if counts[variable.name.casefold()] == 1 and tag is not None and _is_plain(variable, types):
+                found[name.casefold(), variable.name.casefold()] = tag
+    return found
+
+
+def local_tags(project: Project) -> dict[str, dict[str, Tag]]:
+    """The tags that variables with an address become which a POU declares, by its name and theirs in lower case.
+
+    All instances of a POU have them in common. A tag has the name of the variable if nothing global and no other of
+    them has it, else that of the POU before it.
+    """
+    declared = [
+        (pou, variable)
+        for pou in project.pous
+        for variable in (pou.variables(SectionKind.LOCAL) if pou.kind in _WITH_ADDRESSES else ())
+        if (variable.address or "").startswith("%")
+    ]
+    if not declared:
+        return {}
+    counts, types = Counter(global_names(project)), s7_types(project)
+    counts.update(variable.name.casefold() for _, variable in declared)
+    found: dict[str, dict[str, Tag]] = {}
+    for pou, variable in declared:
+        alone = counts[variable.name.casefold()] == 1
+        name = variable.name if alone else f"{pou.name}_{variable.name}"
+        tag = _tag(variable, types)
+        if tag is not None and _is_plain(variable, types) and (alone or not counts[name.casefold()]):
+            tag.name = name
+            found.setdefault(pou.name.casefold(), {})[variable.name.casefold()] = tag
+    return found
+
+
+_WITH_ADDRESSES = (PouKind.PROGRAM, PouKind.FUNCTION_BLOCK)
+
+
+def global_names(project: Project) -> Iterator[str]:
+    """The names of everything global in a project, in lower case: of variables, lists, objects, tags and constants."""
+    lists: set[str] = set()
+    for name, section in _lists(project):
+        lists.add(name.casefold())
+        yield from (variable.name.casefold() for variable in section.variables)
+    yield from lists
+    for thing in project.objects():
+        yield thing.name.casefold()
+    for table in project.tag_tables:
+        yield from (tag.name.casefold() for tag in table.tags)
+        yield from (constant.name.casefold() for constant in table.constants)
+
+
+def _is_plain(variable: Variable, types: S7Types) -> bool:
+    return isinstance(types.type(variable.type), ElementaryType)
+
+
+def _tag(variable: Variable, types: S7Types) -> Tag | None:
+    """The tag for a variable; None where it has no address that S7 can say."""
+    if not variable.address or "*" in variable.address:
+        return None
+    address = translated_address(variable.address, Dialect.IEC, Dialect.SCL)
+    if address.severity is Severity.ERROR:
+        return None
+    type_ = write_type(types.type(variable.type), Dialect.SCL)
+    return Tag(name=variable.name, type=type_, address=address.text, comment=variable.comment)
 
 
 def tag_tables_of(project: Project) -> list[TagTable]:
-    """A table of the global variables that stand in no list: tags of those with an address, and constants."""
+    """Tables of the global variables that are no data: a table for each list whose variables have addresses.
+
+    Another one has what is in no list: tags of the variables with an address, and constants.
+    """
     known = {tag.name.casefold() for table in project.tag_tables for tag in table.tags}
     known |= {constant.name.casefold() for table in project.tag_tables for constant in table.constants}
     table, types = TagTable(name=TABLE), s7_types(project)
     for section in (section for name, section in _lists(project) if not name):
         for variable in (v for v in section.variables if v.name.casefold() not in known):
-            address = variable.address and translated_address(variable.address, Dialect.IEC, Dialect.SCL).text
-            if address and "*" not in address:
-                type_ = write_type(types.type(variable.type), Dialect.SCL)
-                table.tags.append(Tag(name=variable.name, type=type_, address=address, comment=variable.comment))
-            elif section.constant and variable.initial is not None:
+            tag = _tag(variable, types)
+            if tag is not None:
+                table.tags.append(tag)
+            elif not variable.address and section.constant and variable.initial is not None:
                 table.constants.append(variable.model_copy(update={"address": None}))
-    return [table] if table.tags or table.constants else []
+    tables = {name: TagTable(name=name) for name, _ in _lists(project) if name}
+    lists = {name.casefold(): name for name in tables}
+    for (around, _), tag in _tags_of_lists(project).items():
+        tables[lists[around]].tags.append(tag)
+    for local in local_tags(project).values():
+        table.tags += local.values()
+    return [each for each in (table, *tables.values()) if each.tags or each.constants]
 
 
-def left_out(project: Project) -> Iterator[tuple[str, str]]:
+def left_out(project: Project) -> Iterator[tuple[str, str, str]]:
+    """What blocks, tags and constants do not say of variables: what it is of, its name, and what they leave out."""
+    for place, why in _left_out_globals(project):
+        yield "global variable", place, why
+    tags = local_tags(project)
+    for pou in project.pous:
+        local = tags.get(pou.name.casefold(), {})
+        for section in pou.interface.sections if local and pou.interface is not None else ():
+            for variable in (each for each in section.variables if each.name.casefold() in local):
+                for why in _not_of_tags(variable, section):
+                    yield "variable", f"{pou.report_path} / {variable.name}", why
+
+
+def _not_of_tags(variable: Variable, section: VariableSection) -> Iterator[str]:
+    """What a tag does not say of a variable."""
+    if variable.initial is not None:
+        yield "it is a tag, which has no start value: it starts as FALSE or 0"
+    if is_retained(section, variable):
+        yield "it is a tag: whether it is retained is set for the memory of the controller"
+
+
+def _left_out_globals(project: Project) -> Iterator[tuple[str, str]]:
     """The global variables of which blocks, tags and constants do not say all, each with what they leave out."""
     blocks = {pou.name.casefold() for pou in project.pous}
     tables = [*project.tag_tables, *tag_tables_of(project)]
-    known = {thing.name.casefold() for table in tables for things in (table.tags, table.constants) for thing in things}
+    tags = {tag.name.casefold() for table in tables for tag in table.tags}
+    known = tags | {constant.name.casefold() for table in tables for constant in table.constants}
+    of_lists = _tags_of_lists(project)
     for name, section in _lists(project):
         for variable in section.variables:
-            if name and _is_instance(variable, blocks):
-                yield f"{name}.{variable.name}", "a global data block has no instances of function blocks"
+            place = f"{name}.{variable.name}" if name else variable.name
+            is_tag = not name and variable.name.casefold() in tags
+            if is_tag or (name.casefold(), variable.name.casefold()) in of_lists:
+                yield from ((place, why) for why in _not_of_tags(variable, section))
+            elif name and _is_instance(variable, blocks):
+                yield place, "a global data block has no instances of function blocks"
             elif name and variable.address:
-                yield (
-                    f"{name}.{variable.name}",
-                    f"in a data block it has no address: it is not connected to {variable.address}",
-                )
+                yield place, f"in a data block it has no address: it is not connected to {variable.address}"
             elif not name and variable.name.casefold() not in known:
-                yield (
-                    variable.name,
-                    "S7 keeps data in blocks: without a list, an address or a constant value it has no place",
-                )
+                yield place, "S7 keeps data in blocks: without a list, an address or a constant value it has no place"
 
 
-def uncalled(project: Project) -> Iterator[tuple[str, str, str]]:
-    """What calls programs and connects variables in other tools, and is not written: kind, name, consequence."""
-    for resource in project.resources():
-        for task in resource.tasks:
-            every = f" every {task.interval}" if task.interval else ""
-            called = ", ".join(instance.type_name or instance.name for instance in task.instances) or "nothing"
-            yield "task", f"task {task.name}", f"it calls {called}{every}; no organization block is written that does"
-        for instance in resource.instances:
-            why = f"it is an instance of {instance.type_name or instance.name}; no organization block calls it"
-            yield "program instance", f"program instance {instance.name}", why
+def unconnected(project: Project) -> Iterator[tuple[str, str, str]]:
+    """What connects variables in configurations of other tools, and is not written: kind, name, consequence."""
     for configuration in project.configurations:
         why = "S7 has no such section: its variables have no addresses and values by it"
         if configuration.access_variables is not None and configuration.access_variables.variables:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
@@ -11,7 +11,8 @@ from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.networks import body_statements, condition_reader
-from plcopen_sfc.languages.s7_globals import blocks_of_variables
+from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in_s7
+from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, string_literal
@@ -42,6 +43,7 @@ from plcopen_sfc.model import (
     Qualifier,
     SfcBody,
     SfcNetwork,
+    Tag,
     Variable,
 )
 from plcopen_sfc.model.body import FbdBody, LdBody
@@ -90,8 +92,9 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
         if pou.kind is PouKind.FUNCTION
     }
     globals_ = _Globals(
-        *(s7_types(project), frozenset(_global_names(project)), functions, blocks_of_variables(project)),
+        *(s7_types(project), frozenset(_global_names(project)), functions, _other_names(project, target)),
         Resolver(project, source),
+        local_tags(project) if (source is Dialect.SCL) is not (target is Dialect.SCL) else {},
     )
     texts = [
         text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
@@ -251,6 +254,16 @@ def _names_a_step(text_site: TextSite) -> bool:
     return is_target and holder.qualifier in (Qualifier.ON, Qualifier.OFF)
 
 
+def _other_names(project: Project, target: Dialect) -> dict[str, tuple[str, ...]]:
+    """Global names that are others in the target: those of variables of lists, and of programs that texts call."""
+    if (project.dialect is Dialect.SCL) is (target is Dialect.SCL):
+        return {}
+    programs = names_of_programs(project)
+    if target is Dialect.SCL:
+        return names_in_s7(project) | {program.casefold(): (block,) for program, block in programs.items()}
+    return names_from_s7(project) | {block.casefold(): (program,) for program, block in programs.items()}
+
+
 def _global_names(project: Project) -> set[str]:
     """What the project declares globally."""
     sections = [*project.global_sections()]
@@ -261,23 +274,35 @@ def _global_names(project: Project) -> set[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Globals:
-    """The types of a project as S7 has them, its global names, the inputs of functions, and what is in data blocks.
+    """The types of a project as S7 has them, its global names, the inputs of functions, and names of lists.
 
-    `resolver` tells the types of variables; None: arithmetic stays as it is.
+    `tags` are variables of POUs that are tags in S7. `resolver` tells the types of variables; None: arithmetic stays as
+    it is.
     """
 
     types: S7Types
     names: frozenset[str]
     functions: dict[str, list[str]]
-    blocks: dict[str, str]
+    listed: dict[str, tuple[str, ...]]
     resolver: Resolver | None
+    tags: dict[str, dict[str, Tag]] = field(default_factory=dict)
+
+
+def _names_of_own_tags(pou: Pou | None, target: Dialect, known: _Globals) -> dict[str, tuple[str, ...]]:
+    """Names of the variables of a POU that are tags in S7, as texts of the POU have them: there, or elsewhere."""
+    tags = known.tags.get(pou.name.casefold(), {}) if pou is not None else {}
+    if target is Dialect.SCL:
+        return {name: (tag.name,) for name, tag in tags.items()}
+    names = {variable.name.casefold(): variable.name for variable in pou.variables()} if pou is not None else {}
+    return {tag.name.casefold(): (names[name],) for name, tag in tags.items()}
 
 
 def _translated(
     text_site: TextSite, target: Dialect, renames: Renames, project: Project, known: _Globals
 ) -> Translated:
     source = project.dialect
-    names = _locals(text_site.site)
+    own = _names_of_own_tags(text_site.site.pou, target, known)
+    names = [name for name in _locals(text_site.site) if target is not Dialect.SCL or name.casefold() not in own]
     context = TranslationContext(
         locals=names,
         types=_types(text_site.site),
@@ -288,7 +313,7 @@ def _translated(
         hidden=known.names,
         actions=_parts_of(text_site.site.pou),
         functions=known.functions,
-        blocks=known.blocks,
+        listed=known.listed | own,
     )
     if known.resolver is not None:
         context = _with_types(context, text_site.site, known.resolver, text_site)

@@ -78,8 +78,14 @@ def edge(project: m.Project, name: str) -> str | None:
     return (task.single or "").rpartition(".")[2] or None
 
 
-def never(_: m.Project) -> bool:
-    return False
+def called_blocks(project: m.Project) -> dict[str, list[str]]:
+    """The data blocks that each organization block of S7 calls."""
+    bodies = {pou.name: pou.body for pou in project.pous if pou.kind is m.PouKind.ORGANIZATION_BLOCK}
+    return {
+        name: [call.partition("(")[0].strip().strip('"') for call in body.text.split(";") if call.strip()]
+        for name, body in bodies.items()
+        if isinstance(body, m.StBody)
+    }
 
 
 @dataclass(frozen=True)
@@ -93,6 +99,7 @@ class Case:
 
 
 NO_BLOCK = "no organization block"
+SET_CYCLE = "set the cycle time"
 CASES = {
     "cycles": Case(
         configured("TASK Fast(INTERVAL := T#10ms, PRIORITY := 1); PROGRAM Left1 WITH Fast : Counter;"),
@@ -100,12 +107,12 @@ CASES = {
             cycle(p, "Fast") in ("T#10ms", "PT0.01S", "00:00:00.01", ("t#10ms", "ms"))
             and calls(p)["Fast"] == ["Counter"]
         ),
-        (NO_BLOCK,),
+        (SET_CYCLE,),
     ),
     "cycles of microseconds": Case(
         configured("TASK Fast(INTERVAL := T#1500us, PRIORITY := 1); PROGRAM Left1 WITH Fast : Counter;"),
         lambda p: cycle(p, "Fast") in ("T#1500us", "T#1ms500us", "00:00:00.0015", ("1500", "us")),
-        (NO_BLOCK,),
+        (SET_CYCLE,),
     ),
     "edges": Case(
         configured("TASK T1(SINGLE := start, PRIORITY := 1); PROGRAM Left1 WITH T1 : Counter;"),
@@ -114,7 +121,7 @@ CASES = {
     ),
     "priorities": Case(
         configured("TASK Fast(INTERVAL := T#10ms, PRIORITY := 7); PROGRAM Left1 WITH Fast : Counter;"),
-        lambda p: [task.priority for task in tasks_of(p)] == [7],
+        lambda p: [task.priority for task in tasks_of(p)] == [7] or len(called_blocks(p)) == 1,
         (NO_BLOCK,),
     ),
     "instances of one program": Case(
@@ -122,7 +129,10 @@ CASES = {
             "TASK Fast(INTERVAL := T#10ms, PRIORITY := 1); TASK Slow(INTERVAL := T#1s, PRIORITY := 5);"
             "PROGRAM Left1 WITH Fast : Counter; PROGRAM Right1 WITH Slow : Counter;"
         ),
-        lambda p: {i.name for task in tasks_of(p) for i in task.instances} == {"Left1", "Right1"},
+        lambda p: (
+            {i.name for task in tasks_of(p) for i in task.instances} == {"Left1", "Right1"}
+            or called_blocks(p) == {"Fast": ["Counter_DB"], "Slow": ["Counter_DB_1"]}
+        ),
         (NO_BLOCK, "no variables of its own"),
     ),
     "programs without a task": Case(
@@ -130,6 +140,7 @@ CASES = {
         lambda p: (
             [i.name for c in p.configurations for r in c.resources for i in r.instances if p.source.format != "codesys"]
             == ["Idle1"]
+            or called_blocks(p) == {"Programs": ["Counter_DB"]}
         ),
         (NO_BLOCK, "`Idle1` is NOT executed"),
     ),
@@ -150,13 +161,13 @@ CASES = {
         IN_CODESYS
         + b"PROGRAM Main VAR n : INT; END_VAR Pump(x := 3); n := Pump.y; END_PROGRAM\n"
         + b"PROGRAM Pump VAR_INPUT x : INT; END_VAR VAR y : INT; END_VAR y := y + x; END_PROGRAM\n",
-        lambda p: p.dialect is m.Dialect.CODESYS,
+        lambda p: p.dialect is m.Dialect.CODESYS or "Pump_DB" in {block.name for block in p.data_blocks},
         ("`Pump` is a program",),
     ),
     "cycles in settings": Case(
         exported('KindOfTask="Cyclic" Interval="30000" IntervalUnit="us"'),
         lambda p: cycle(p, "MainTask") in ("T#30ms", "00:00:00.03", ("30000", "us")),
-        (NO_BLOCK,),
+        (SET_CYCLE,),
         "codesys",
     ),
     "a variable as cycle": Case(
@@ -179,7 +190,7 @@ CASES = {
     ),
     "freewheeling": Case(
         exported('KindOfTask="Freewheeling"'),
-        lambda p: p.source.format == "codesys",
+        lambda p: p.source.format == "codesys" or called_blocks(p).get("MainTask") == ["PLC_PRG_DB"],
         (NO_BLOCK, "of the kind Freewheeling"),
         "codesys",
     ),

@@ -132,5 +132,7 @@ def test_what_is_no_file_is_said_as_always() -> None:
 def test_a_folder_is_read_so_too(tmp_path: Path) -> None:
     sfc.save(sfc.load(FIXTURES / "codesys" / "device_export.xml"), f"{tmp_path}/plc/", format="simaticml", partial=True)
     whole, tool = (sfc.load(tmp_path / "plc", as_tool=each) for each in (False, True))
-    assert (len(whole.data_blocks), [block.name for block in tool.data_blocks]) == (0, ["GVL_IO"])
+    assert ([*whole.data_blocks, *whole.tag_tables], [pou.name for pou in whole.pous]) == ([], ["PRG_Pumps"])
+    added = [[thing.name for thing in things] for things in (tool.data_blocks, tool.tag_tables, tool.pous)]
+    assert added == [["PRG_Pumps_DB"], ["GVL_IO"], ["PRG_Pumps", "MainTask"]]
     assert (whole.name, tool.name) == ("PumpStation.project", "")

@@ -18,11 +18,11 @@ from plcopen_sfc.formats.iectext.text_source import (
     unwrapped,
     wrapped,
 )
-from plcopen_sfc.formats.task_schedules import duration_literal, iec_form
 from plcopen_sfc.languages.declarations import write_access_section, write_config_section
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Named, Segment
 from plcopen_sfc.languages.st.lexer import Token, tokenize
+from plcopen_sfc.languages.task_schedules import duration_literal, iec_form
 from plcopen_sfc.model.project import Configuration, PouInstance, Resource, Task
 from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.report import Outcome

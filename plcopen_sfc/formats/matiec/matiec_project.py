@@ -15,9 +15,9 @@ from plcopen_sfc.formats.matiec.matiec_statements import (
     fit_expressions,
     without_for,
 )
-from plcopen_sfc.formats.task_schedules import duration_literal, iec_form, nanoseconds, schedule_of
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.task_schedules import duration_literal, iec_form, nanoseconds, schedule_of
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Node

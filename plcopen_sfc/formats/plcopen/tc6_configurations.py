@@ -28,8 +28,8 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_required,
 )
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, finish_element, given_attributes
-from plcopen_sfc.formats.task_schedules import SCHEDULE_FIELDS, clock_time, codesys_form, iec_form, schedule_fields
 from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.languages.task_schedules import SCHEDULE_FIELDS, clock_time, codesys_form, iec_form, schedule_fields
 from plcopen_sfc.model.project import Configuration, PouInstance, Resource, Task
 from plcopen_sfc.report import Outcome
 

@@ -6,7 +6,7 @@ nothing is lost: the text is read as it is, and the rest of the model is put beh
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from typing import Any
 
 from plcopen_sfc.formats.scl.scl_reader import KEYWORDS, read_source
@@ -34,9 +34,11 @@ from plcopen_sfc.languages.s7_globals import (
     data_blocks_of,
     is_retained,
     left_out,
+    local_tags,
     tag_tables_of,
-    uncalled,
+    unconnected,
 )
+from plcopen_sfc.languages.s7_programs import report_program, report_tasks, s7_programs
 from plcopen_sfc.languages.s7_results import is_void
 from plcopen_sfc.languages.s7_types import NO_START, S7Types, s7_types
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -184,31 +186,40 @@ def _named(pieces: Iterator[WrittenBlock]) -> Iterator[WrittenBlock]:
 
 
 def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
-    types, called = s7_types(project), called_actions(project)
+    types, called, tags = s7_types(project), called_actions(project), local_tags(project)
     for declaration in project.data_types:
         report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
         yield WrittenBlock(("type", declaration.name), _data_type(declaration, types), apart=True)
     for pou in project.pous:
         report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
-        _note_foreign(pou, types, report)
+        _note_foreign(pou, types, tags.get(pou.name.casefold(), ()), report)
         for what, name, why in _not_executed(pou, called):
             outcome = Outcome.EXTENSION_DATA if why == UNCALLED else Outcome.NOT_EXECUTED
             report.add(outcome, what, " / ".join(filter(None, (f"POU {pou.name}", name))), why)
-        yield WrittenBlock(("POU", pou.name), blocks=tuple(_named(_pou(pou, types))), apart=True)
+        yield WrittenBlock(
+            ("POU", pou.name), blocks=tuple(_named(_pou(pou, types, tags.get(pou.name.casefold(), ())))), apart=True
+        )
     for block in project.data_blocks:
         report.add(Outcome.KEPT, "data block", f"data block {block.name}")
         yield WrittenBlock(("data block", block.name), blocks=tuple(_named(_data_block(block, types))), apart=True)
-    for name, why in left_out(project):
-        report.add(Outcome.NOT_EXECUTED, "global variable", name, why)
+    for what, name, why in left_out(project):
+        report.add(Outcome.NOT_EXECUTED, what, name, why)
     for table in tag_tables_of(project):
         for name in [*(tag.name for tag in table.tags), *(constant.name for constant in table.constants)]:
             why = "a source declares no tags and user constants: it must be in the project already"
             report.add(Outcome.NOT_EXECUTED, "global variable", name, why)
-    for what, name, why in uncalled(project):
+    for what, name, why in unconnected(project):
         report.add(Outcome.NOT_EXECUTED, what, name, why)
+    report_tasks(project, report)
+    for pou in (pou for pou in project.pous if pou.kind is PouKind.PROGRAM):
+        report_program(project, pou, report)
+    programs = s7_programs(project)
     for block in data_blocks_of(project):
         report.add(Outcome.TRANSLATED, "global variables", block.name, "a data block")
+    for block in (*data_blocks_of(project), *programs.blocks):
         yield WrittenBlock(("data block", block.name), blocks=tuple(_named(_data_block(block, types))), apart=True)
+    for caller in programs.callers:
+        yield WrittenBlock(("POU", caller.block.name), blocks=tuple(_named(_pou(caller.block, types, ()))), apart=True)
 
 
 def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, str]]:
@@ -216,8 +227,6 @@ def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, 
 
     `called`: the ids of the actions that a step has or a program calls.
     """
-    if pou.kind is PouKind.PROGRAM:
-        yield "program", "", "a function block; no organization block calls it, and it has no instance data block"
     keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
     for number, body in enumerate(pou.bodies):
         if not isinstance(body, StBody) or number:
@@ -233,7 +242,7 @@ def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, 
         yield "method", f"method {method.name}", "blocks of S7 have no methods: what calls it does not execute it"
 
 
-def _note_foreign(pou: Pou, types: S7Types, report: ConversionReport) -> None:
+def _note_foreign(pou: Pou, types: S7Types, tags: Container[str], report: ConversionReport) -> None:
     """Report the declarations of a block that are written although TIA Portal does not know them."""
     sections = pou.interface.sections if pou.interface is not None else []
     for section in (section for section in sections if section.kind is not SectionKind.EXTERNAL):
@@ -247,7 +256,7 @@ def _note_foreign(pou: Pou, types: S7Types, report: ConversionReport) -> None:
             path = f"POU {pou.name} / {variable.name}"
             if types.start(variable) is not None and not _has_start_values(section, pou):
                 report.add(Outcome.NOT_EXECUTED, "initial", path, NO_START)
-            if (variable.address or "").startswith("%"):
+            if (variable.address or "").startswith("%") and variable.name.casefold() not in tags:
                 why = f"variables of blocks have no address in S7: it is not connected to {variable.address}"
                 report.add(Outcome.NOT_EXECUTED, "address", path, why)
             inner = types.type(variable.type)
@@ -341,16 +350,18 @@ def _without_constants(text: str, types: S7Types) -> str:
 # -- blocks
 
 
-def _pou(pou: Pou, types: S7Types) -> Iterator[WrittenBlock]:
+def _pou(pou: Pou, types: S7Types, tags: Container[str]) -> Iterator[WrittenBlock]:
     keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
     result = pou.interface.return_type if pou.interface is not None else None
     written = f" : {write_type(types.type(result), _SCL) if result is not None else 'Void'}"
     yield from _head(keyword, pou.name, written if keyword == "FUNCTION" else "", pou.title, pou.carried)
     yield from _comment(pou.comment)
     for section in pou.interface.sections if pou.interface is not None else []:
-        if section.kind is not SectionKind.EXTERNAL and not is_void(
-            section
-        ):  # S7 has no declarations of global variables in blocks
+        # S7 has no declarations of global variables in blocks
+        if section.kind is not SectionKind.EXTERNAL and not is_void(section):
+            members = [variable for variable in section.variables if variable.name.casefold() not in tags]
+            if len(members) < len(section.variables):
+                section = section.model_copy(update={"variables": members})  # noqa: PLW2901
             yield _section(_in_scl(section, pou, types), types)
     yield WrittenBlock(("begin", ""), "BEGIN")
     text = _without_constants(pou.body.text, types) if isinstance(pou.body, StBody) else ""

@@ -121,8 +121,10 @@ def write_interface(
         add_element(ctx, sections, content)
     left: dict[str, Any] = {}
     given = interface.sections
-    if not ctx.keeps_sections and not are_usual_sections(given, static=static):
-        given, left[LAYOUT] = merged_sections(given, static=static)
+    if ctx.tags or (not ctx.keeps_sections and not are_usual_sections(given, static=static)):
+        given, left[LAYOUT] = merged_sections(given, static=static, apart=ctx.tags)
+        for name, tag in ctx.tags.items():
+            ctx.note(Outcome.TRANSLATED, "address", name, f"a tag, {tag.name} at {tag.address}")
     for section in given:
         _write_section(ctx, sections, section, renamed or {}, static=static)
     for section in interface.sections:

@@ -8,6 +8,7 @@ comment keeps in which they were.
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 from typing import Any
 
 from plcopen_sfc.formats.simaticml.element_reader import Fields
@@ -161,9 +162,12 @@ def are_usual_sections(sections: list[VariableSection], *, static: bool = True) 
 
 
 def merged_sections(
-    sections: list[VariableSection], *, static: bool = True
+    sections: list[VariableSection], *, static: bool = True, apart: Container[str] = ()
 ) -> tuple[list[VariableSection], list[Fields]]:
-    """Return the sections that TIA Portal has for these, and the content of the comment about them."""
+    """Return the sections that TIA Portal has for these, and the content of the comment about them.
+
+    `apart` are names, in lower case, of variables that are no members of the block: the comment has them.
+    """
     found: dict[str, VariableSection] = {}
     layout: list[Fields] = []
     for section in sections:
@@ -172,9 +176,14 @@ def merged_sections(
             layout.append({"section": section.model_dump(mode="json", exclude_none=True)})
             continue
         kept = section.model_dump(mode="json", exclude_none=True, exclude={"variables"})
-        layout.append({"section": kept, "names": [variable.name for variable in section.variables]})
+        members = [variable for variable in section.variables if variable.name.casefold() not in apart]
+        names = [
+            variable.model_dump(mode="json", exclude_none=True) if variable.name.casefold() in apart else variable.name
+            for variable in section.variables
+        ]
+        layout.append({"section": kept, "names": names})
         one = found.setdefault(name, VariableSection(kind=SECTIONS[name]))
-        one.variables = [*one.variables, *(_retained(variable, section) for variable in section.variables)]
+        one.variables = [*one.variables, *(_retained(variable, section) for variable in members)]
     return [found[name] for name in _ORDER if name in found], layout
 
 
@@ -192,7 +201,12 @@ def restored_sections(sections: list[Any], layout: list[Fields]) -> list[Any]:
         section: Fields = dict(entry["section"])
         if "names" in entry:
             kinds = _kinds(section)
-            taken = [pool.pop(name)[0] for name in entry["names"] if name in pool and pool[name][1] in kinds]
+            taken: list[Any] = []
+            for name in entry["names"]:
+                if not isinstance(name, str):
+                    taken.append(name)
+                elif name in pool and pool[name][1] in kinds:
+                    taken.append(pool.pop(name)[0])
             kept = section.get("retain") or section.get("persistent")
             section["variables"] = [_as_before(variable) for variable in taken] if kept else taken
         found.append(section)

@@ -22,10 +22,13 @@ from plcopen_sfc.formats.simaticml.openness_objects import (
     write_tag_table,
 )
 from plcopen_sfc.formats.simaticml.openness_schemas import refuse_older
+from plcopen_sfc.formats.simaticml.scl_token_writer import CALL
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion
-from plcopen_sfc.languages.s7_globals import TABLE, data_blocks_of, left_out, tag_tables_of, uncalled
+from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of, unconnected
+from plcopen_sfc.languages.s7_programs import report_tasks, s7_programs
 from plcopen_sfc.languages.s7_types import s7_types
-from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import FileHeader, Project, TagTable
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -132,6 +135,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
     sub(root, "Engineering", {"version": version.name})
     _document_info(ctx, root, project.header)
     apart = added_objects(project) if options.whole is None else []
+    enumerations = {table.name for table in s7_types(project).tables()}
     added = {id(thing) for thing in (project.objects() if options.added else apart)}
     for thing in _in_order(project, apart):
         if isinstance(thing, Pou):
@@ -144,14 +148,16 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
             write_tag_table(ctx, root, thing)
         if id(thing) in added:
             mark_added(root[-1])
-            if isinstance(thing, DataBlock):
+            if isinstance(thing, DataBlock) and thing.kind is DataBlockKind.GLOBAL:
                 ctx.note(Outcome.TRANSLATED, "global variables", thing.name, "a data block")
-            elif thing.name == TABLE:  # others are of enumerations
+            elif isinstance(thing, TagTable) and thing.name not in enumerations:
                 ctx.note(Outcome.TRANSLATED, "global variables", thing.name, "tags and constants")
-    for name, why in left_out(project):
-        ctx.note(Outcome.NOT_EXECUTED, "global variable", name, why)
-    for what, name, why in uncalled(project):
+    for what, name, why in left_out(project):
         ctx.note(Outcome.NOT_EXECUTED, what, name, why)
+    for what, name, why in unconnected(project):
+        ctx.note(Outcome.NOT_EXECUTED, what, name, why)
+    if any(project.resources()):
+        report_tasks(ctx.project, report)
     for content in project.carried.elements if project.carried is not None else ():
         add_element(ctx, root, content)
     finish(ctx, root, project, _NATIVE, reported=frozenset({"applications", "configurations"}))
@@ -159,19 +165,27 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
     return root
 
 
-def added_objects(project: Project) -> list[DataBlock | TagTable]:
-    """Return the data blocks and tag tables that global variables and the values of enumerations become."""
-    return [*s7_types(project).tables(), *tag_tables_of(project), *data_blocks_of(project)]
+def added_objects(project: Project) -> list[Pou | DataBlock | TagTable]:
+    """Return the objects that only S7 has: those of enumerations, global variables, programs and tasks."""
+    programs = s7_programs(project)
+    for caller in programs.callers:
+        caller.block.carried = Carried(attributes={"SecondaryType": caller.event_class})
+        for body in caller.block.bodies:
+            body.carried = Carried(attributes={f'{CALL}"{block.name}"': "FB" for block in programs.blocks})
+    tables = [*s7_types(project).tables(), *tag_tables_of(project)]
+    blocks = [*data_blocks_of(project), *programs.blocks]
+    return [*tables, *blocks, *(caller.block for caller in programs.callers)]
 
 
 def _in_order(
-    project: Project, added: Sequence[DataBlock | TagTable]
+    project: Project, added: Sequence[Pou | DataBlock | TagTable]
 ) -> list[Pou | DataBlock | DataTypeDeclaration | TagTable]:
     """Objects in the order of the file, else those that others need first; those that are `added` among them."""
     things: list[Pou | DataBlock | DataTypeDeclaration | TagTable]
     tables = [thing for thing in added if isinstance(thing, TagTable)]
     blocks = [thing for thing in added if isinstance(thing, DataBlock)]
-    things = [*project.tag_tables, *tables, *project.data_types, *project.data_blocks, *blocks, *project.pous]
+    pous = [*project.pous, *(thing for thing in added if isinstance(thing, Pou))]
+    things = [*project.tag_tables, *tables, *project.data_types, *project.data_blocks, *blocks, *pous]
 
     def rank(thing: Pou | DataBlock | DataTypeDeclaration | TagTable) -> int:
         text = thing.carried.attributes.get(ID, "") if thing.carried is not None else ""

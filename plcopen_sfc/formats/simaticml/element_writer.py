@@ -17,7 +17,7 @@ from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, add_markup, fie
 from plcopen_sfc.languages.s7_globals import called_actions
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import Carried, Model
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import Project, Tag
 from plcopen_sfc.model.text import MultilingualText, Text, plain
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -60,6 +60,7 @@ class DocumentWriting:
         self.types: dict[str, str] = {}
         """Types of the variables of the block being written (``#name``) and of tags, as TIA Portal spells them."""
         self.constants: frozenset[str] = frozenset()
+        self.tags: dict[str, Tag] = {}
         """Constants of that block, as its texts name them (``#name``), in lower case."""
         source = options.source if options.same else b""
         self.keeps_sections = bool(source) and LAYOUT.encode() not in source

@@ -45,7 +45,8 @@ from plcopen_sfc.formats.simaticml.element_writer import (
     write_object_text,
 )
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, interface_digest
-from plcopen_sfc.languages.s7_globals import UNCALLED
+from plcopen_sfc.languages.s7_globals import UNCALLED, local_tags
+from plcopen_sfc.languages.s7_programs import report_program
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
@@ -128,14 +129,13 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     sections = pou.interface.sections if pou.interface is not None else []
     constants = [variable for section in sections if holds_constants(section) for variable in section.variables]
     ctx.constants = frozenset(f"#{variable.name.lower()}" for variable in constants)
+    ctx.tags = local_tags(ctx.project).get(pou.name.casefold(), {})
     native = {"interface", "bodies"}
     if pou.kind in _POU_TAGS:
         native.add("kind")
         ctx.keep("POU")
-    else:
-        what = "program" if pou.kind is PouKind.PROGRAM else "POU"
-        why = "a function block; no organization block calls it, and it has no instance data block"
-        ctx.note(Outcome.NOT_EXECUTED, what, why=why)
+    elif pou.kind is PouKind.PROGRAM:
+        report_program(ctx.project, pou, ctx.report)
     chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
     if pou.interface is not None:
         static = pou.kind is not PouKind.FUNCTION or ctx.keeps_sections

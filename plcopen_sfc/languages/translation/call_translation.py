@@ -112,7 +112,9 @@ class CallTranslator:
         return isinstance(callee, n.Name) and self._names.is_local(callee) is False
 
     def _callee(self, callee: Expression) -> Expression:
-        return self._names.block(callee) if isinstance(callee, n.Name) else self._translated(callee)
+        if isinstance(callee, n.Name):
+            return self._names.listed(callee) or self._names.block(callee)
+        return self._translated(callee)
 
     def _instance_arguments(self, node: n.Call, block: StandardBlock | None) -> tuple[Argument, ...]:
         if block is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
@@ -105,6 +106,21 @@ class NameTranslator:
             return self._legal(name, self._local_name(name.identifier))
         new = self._context.renames.legal_name(NameScope.GLOBAL, name.identifier, self._hiding, self._target)
         return self._legal(name, new)
+
+    def listed(self, name: n.Name | n.Member) -> Expression | None:
+        """A global name that is another one in the target: see `TranslationContext.listed`."""
+        first = name.base if isinstance(name, n.Member) else name
+        if not isinstance(first, n.Name) or self.is_local(first) is not False:
+            return None
+        path = first.identifier if isinstance(name, n.Name) else f"{first.identifier}.{name.name.identifier}"
+        parts = self._context.listed.get(path.casefold())
+        if parts is None:
+            return None
+        to_scl = self._target is Dialect.SCL
+        found: Expression = n.Name(parts[0], Quoting.GLOBAL if to_scl else Quoting.NONE)
+        for part in parts[1:]:
+            found = n.Member(found, self.member(n.Name(part)) if to_scl else n.Name(part))
+        return replace(found, span=name.span)
 
     def member(self, name: n.Name) -> n.Name:
         """A name behind a dot, or of a parameter in a call."""

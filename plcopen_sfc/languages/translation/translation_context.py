@@ -56,8 +56,8 @@ class TranslationContext:
     user constants in SCL; `hidden` are names that are no values of them, whatever these are called. `actions`: the
     actions and methods of the POU, which S7 cannot call. `functions`: the inputs of the functions of the project by the
     name of the function in lower case: they are called instead of standard functions of the same name, and S7 wants the
-    names of their inputs. `blocks`: the data blocks of S7 that have the variables of lists, by the name of the variable
-    in lower case: CODESYS also names them without their list. `type_of`: the elementary type of a variable or of the
+    names of their inputs. `listed`: global names that are others in the target, part by part, by the name in lower
+    case: ``x`` is ``"GVL".x`` and ``gvl.y`` is ``"y"`` in SCL. `type_of`: the elementary type of a variable or of the
     result of a function of the project, in capitals, empty where it has another; without, arithmetic stays as it is.
     `parameter_type`: the same of the parameter for an argument of a call, by its place. `wanted`: the type of the
     variable that gets the value of an expression.
@@ -72,7 +72,7 @@ class TranslationContext:
     hidden: Collection[str] = ()
     actions: Collection[str] = ()
     functions: Mapping[str, Sequence[str]] = field(default_factory=dict)
-    blocks: Mapping[str, str] = field(default_factory=dict)
+    listed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     type_of: Callable[[Expression], str] | None = None
     parameter_type: Callable[[Call, int], str] | None = None
     wanted: str = ""

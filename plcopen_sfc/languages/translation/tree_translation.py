@@ -140,7 +140,6 @@ class TreeTranslator:
         self._calls = CallTranslator(source, target, self._names, notes, self._expression, types=types)
         self._steps = StepTranslator(context.steps, notes) if context.steps is not None else None
         self._enumerations = {name.casefold() for name in context.enumerations}
-        self._blocks = context.blocks
         self._s7_types = context.s7_types
         alone = context.s7_types is not None and target is Dialect.SCL and source is not Dialect.SCL
         self._alone = context.s7_types.alone(context.hidden) if alone and context.s7_types is not None else {}
@@ -155,9 +154,11 @@ class TreeTranslator:
     def _node(self, node: Node) -> Node:
         match node:
             case n.Name():
-                return self._step(node) or self._enumerated(node) or self._listed(node) or self._names.variable(node)
+                return (
+                    self._step(node) or self._enumerated(node) or self._names.listed(node) or self._names.variable(node)
+                )
             case n.Member():
-                return self._step(node) or self._member(node)
+                return self._step(node) or self._names.listed(node) or self._member(node)
             case n.Literal():
                 return self._literal(node)
             case n.Address(text):
@@ -251,15 +252,6 @@ class TreeTranslator:
         if self._target is Dialect.CODESYS:
             return n.Member(n.Name(value.type), n.Name(value.value), span=node.span)
         return n.Literal(f"{value.type}#{value.value}", span=node.span)
-
-    def _listed(self, node: n.Name) -> Expression | None:
-        """The variable of a list that is named without it: S7 names it with its data block."""
-        block = (
-            self._blocks.get(node.identifier.casefold()) if self._target is Dialect.SCL is not self._source else None
-        )
-        if block is None or self._names.is_local(node) is not False:
-            return None
-        return n.Member(n.Name(block, n.Quoting.GLOBAL), self._names.member(node), span=node.span)
 
     def _constant(self, text: str, node: Expression) -> Expression:
         """The user constant for a value of an enumeration."""

@@ -122,21 +122,21 @@ VAR s : STRING[20] := 'it$'s'; b AT %IX0.3 : BOOL; END_VAR"""
     assert initial["r"] == m.SimpleValue(text="7")
     assert initial["s"] == m.SimpleValue(text="'it$'s'")
     assert " AT " not in text.partition("// {plcopen_sfc")[0], "AT names another variable in SCL"
-    assert told(report, "address") == [
-        "variables of blocks have no address in S7: it is not connected to %IX0.3",
+    assert "b" not in initial
+    assert told(report, "global variable") == [
+        "a source declares no tags and user constants: it must be in the project already",
     ]
     back = sfc.loads(sfc.convert(source("q := 1.0;", declarations), "scl", partial=True)[0])
     assert next(v.address for v in back.pou("Main").variables() if v.name == "b") == "%IX0.3"
 
 
-def test_blocks_that_do_nothing_and_programs_are_told() -> None:
+def test_blocks_that_do_nothing_are_told() -> None:
     project = source("q := 1.0;")
     chart = m.SfcNetwork()
     chart.add_step("S1", initial=True)
     project.pous.append(m.Pou(name="Chart", kind=m.PouKind.PROGRAM, bodies=[m.SfcBody(chart=chart)]))
     _, _, report = written(project)
     assert told(report, "chart") == ["the block is empty and does nothing: SCL has programs in structured text only"]
-    assert "no organization block calls it" in told(report, "program")[0]
     assert {item.path for item in report.with_outcome(Outcome.NOT_EXECUTED)} == {"POU Chart"}
 
 

@@ -183,12 +183,6 @@ def test_actions_and_methods_that_no_step_has_are_told() -> None:
     assert "POU Seq / action Choose" not in told, "the step with it is told"
 
 
-def test_a_program_that_nothing_calls_is_told() -> None:
-    project = project_with()
-    project.pous[0].kind = m.PouKind.PROGRAM
-    assert "no organization block calls it" in lost(converted(project)[1], "program")[0]
-
-
 # -- conditions
 
 
@@ -435,8 +429,8 @@ def test_sections_stand_once_and_in_the_order_of_tia_portal() -> None:
     seen = {v.name: v for v in sfc.loads(data, as_tool=True).pous[0].variables()}
     assert seen["r"].attributes == {"Remanence": "Retain"}
     assert [seen[name].initial for name in "krs"] == [m.SimpleValue(text=text) for text in ("5", "7", "'it$'s'")]
-    assert seen["b"].address is None
-    assert [(item.what, item.path) for item in report.losses] == [("address", "POU F / b"), ("static", "POU F / u")]
+    assert "b" not in seen, "it is a tag"
+    assert [(item.what, item.path) for item in report.losses] == [("static", "POU F / u")]
     back = sfc.loads(data).pous[0].interface
     assert list(differences(back, project.pous[0].interface)) == []
 

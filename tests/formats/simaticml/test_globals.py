@@ -83,7 +83,7 @@ def test_what_a_data_block_cannot_hold_is_told() -> None:
     block = m.Pou(name="Axis", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.StBody(text=";")])
     project.pous.append(block)
     motor = m.Variable(name="motor", type=m.DerivedType(name="Axis"))
-    project.applications[0].global_variables[0].variables += [motor, variable("Lamp", BOOL, address="%QX0.0")]
+    project.applications[0].global_variables[0].variables += [motor, variable("Lamp", BOOL, address="%QX0.8")]
     content, report = sfc.convert(project, "simaticml", partial=True)
     losses = [(item.what, item.path) for item in report.losses]
     assert losses == [("global variable", "Plant.motor"), ("global variable", "Plant.Lamp")]

@@ -1,0 +1,190 @@
+"""Programs and tasks as S7 has them: function blocks with instance data blocks, which organization blocks call.
+
+A program of CODESYS has one set of variables, whoever calls it: one data block. A program of IEC 61131-3 has one for
+each of its instances (6.8.2). A task that runs in every cycle is a program cycle OB; one with an interval is a cyclic
+interrupt OB, whose cycle time is set in TIA Portal: its files have no place for it. A task that an event starts has no
+counterpart in a file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.s7_globals import global_names, local_tags
+from plcopen_sfc.languages.task_schedules import nanoseconds, schedule_of
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
+from plcopen_sfc.model.project import PouInstance, Project, Task
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+WITHOUT_TASK = "Programs"
+"""Name of the organization block for instances of programs that have no task."""
+_FIRST_PROGRAM_CYCLE, _CYCLIC_INTERRUPTS = 123, range(30, 39)
+"""Numbers of organization blocks: OB30 to OB38 are cyclic interrupts, from OB123 on all are free (S7-1500)."""
+_EVERY_CYCLE = frozenset({"", "freewheeling"})
+
+
+class Caller(NamedTuple):
+    """An organization block that calls instances of programs, in place of a task.
+
+    `task` None: the instances have none. `interval` is its cycle time as a literal, empty: it runs in every cycle.
+    """
+
+    block: Pou
+    task: Task | None
+    interval: str
+
+    @property
+    def event_class(self) -> str:
+        """The kind of the block in TIA Portal."""
+        return "CyclicInterrupt" if self.interval else "ProgramCycle"
+
+
+@dataclass(slots=True)
+class S7Programs:
+    """What S7 has in place of programs and tasks.
+
+    `instances` are the instance data blocks, by the name of their program in lower case. `callers` call them.
+    `uncalled` are tasks without an organization block, each with the reason.
+    """
+
+    instances: dict[str, list[DataBlock]] = field(default_factory=dict)
+    callers: list[Caller] = field(default_factory=list)
+    uncalled: list[tuple[Task, str]] = field(default_factory=list)
+
+    @property
+    def blocks(self) -> list[DataBlock]:
+        """All instance data blocks."""
+        return [block for blocks in self.instances.values() for block in blocks]
+
+
+def s7_programs(project: Project) -> S7Programs:
+    """Return what S7 has in place of the programs and tasks of a project of another tool."""
+    found = S7Programs()
+    programs = {pou.name.casefold(): pou for pou in project.pous if pou.kind is PouKind.PROGRAM}
+    if not programs:
+        return found
+    taken = set(global_names(project)) | {
+        tag.name.casefold() for local in local_tags(project).values() for tag in local.values()
+    }
+    shares = project.dialect is Dialect.CODESYS or bool(project.applications)
+    numbers = {pou.number for pou in project.pous if pou.kind is PouKind.ORGANIZATION_BLOCK}
+
+    def instance_of(program: Pou) -> DataBlock:
+        """Return the data block for one more call of a program."""
+        blocks = found.instances.setdefault(program.name.casefold(), [])
+        if not blocks or not shares:
+            name = _free(f"{program.name}_DB", taken)
+            blocks.append(DataBlock(name=name, kind=DataBlockKind.INSTANCE, type_name=program.name))
+        return blocks[-1]
+
+    def add_caller(name: str, task: Task | None, instances: list[PouInstance], interval: str) -> None:
+        called = [programs[key] for each in instances if (key := _program(each)) in programs]
+        if not called:
+            return
+        usual = iter(_CYCLIC_INTERRUPTS if interval else ())
+        number = next((each for each in usual if each not in numbers), _FIRST_PROGRAM_CYCLE)
+        while number in numbers:
+            number += 1
+        numbers.add(number)
+        text = "\n".join(f'"{instance_of(program).name}"();' for program in called)
+        interface = Interface(sections=[VariableSection(kind=SectionKind.TEMP)])
+        block = Pou(
+            name=_free(name, taken),
+            number=number,
+            kind=PouKind.ORGANIZATION_BLOCK,
+            interface=interface,
+            bodies=[StBody(text=text)],
+        )
+        found.callers.append(Caller(block, task, interval))
+
+    for resource in project.resources():
+        for task in resource.tasks:
+            interval, why = _cycle(task)
+            if why:
+                found.uncalled.append((task, why))
+            else:
+                add_caller(task.name, task, task.instances, interval)
+        if not resource.tasks or not shares:  # CODESYS runs what its tasks call
+            add_caller(WITHOUT_TASK, None, resource.instances, "")
+    for program in programs.values():
+        if program.name.casefold() not in found.instances:
+            instance_of(program)
+    return found
+
+
+def names_of_programs(project: Project) -> dict[str, str]:
+    """The data blocks of the programs that others can call and read: the only ones of theirs; by program."""
+    names = {pou.name.casefold(): pou.name for pou in project.pous}
+    return {names[key]: blocks[0].name for key, blocks in s7_programs(project).instances.items() if len(blocks) == 1}
+
+
+def report_program(project: Project, pou: Pou, report: ConversionReport) -> None:
+    """Report what becomes of a program of `project`."""
+    found = s7_programs(project)
+    names = [block.name for block in found.instances[pou.name.casefold()]]
+    why = f"a function block with the instance data block {' and '.join(names)}"
+    if not any(f'"{name}"()' in _text(caller) for caller in found.callers for name in names):
+        why += "; no task calls it, so no organization block does"
+    report.add(Outcome.TRANSLATED, "program", pou.report_path, why)
+
+
+def report_tasks(project: Project, report: ConversionReport) -> None:
+    """Report what becomes of the tasks of `project`."""
+    found = s7_programs(project)
+    for task, why in found.uncalled:
+        called = ", ".join(each.type_name or each.name for each in task.instances) or "nothing"
+        reason = f"{why}; no organization block is written that calls {called}"
+        report.add(Outcome.NOT_EXECUTED, "task", f"task {task.name}", reason)
+    for block, stands_for, interval in found.callers:
+        if stands_for is None:
+            continue
+        path = f"task {stands_for.name}"
+        report.add(Outcome.TRANSLATED, "task", path, f"the organization block {block.name} (OB{block.number})")
+        kind = schedule_of(stands_for).kind
+        if kind:
+            report.add(Outcome.TRANSLATED, "kind of task", path, f"{kind} is a program cycle")
+        if interval:
+            why = f"set the cycle time of {block.name} to {interval} in TIA Portal: its files have no place for it"
+            report.add(Outcome.APPROXIMATED, "interval", path, why)
+        if len(found.callers) > 1:
+            why = f"set the priority of {block.name} in TIA Portal: in the source it is {stands_for.priority}"
+            report.add(Outcome.APPROXIMATED, "priority", path, why)
+        else:
+            report.add(Outcome.TRANSLATED, "priority", path, "there is one organization block only")
+
+
+def _text(caller: Caller) -> str:
+    body = caller.block.body
+    return body.text if isinstance(body, StBody) else ""
+
+
+def _program(instance: PouInstance) -> str:
+    """Name, in lower case, of the program that an instance executes. A task of CODESYS calls a program by its name."""
+    return (instance.type_name or instance.name).strip().casefold()
+
+
+def _cycle(task: Task) -> tuple[str, str]:
+    """Return the cycle time of a task, empty for every cycle; and why it has none that S7 could keep."""
+    schedule = schedule_of(task)
+    if schedule.event is not None:
+        return "", f"it starts at a rising edge of {schedule.event}"
+    if schedule.kind.casefold() not in _EVERY_CYCLE:
+        return "", f"it is a task of the kind {schedule.kind}"
+    if schedule.interval is None:
+        return "", ""
+    if nanoseconds(schedule.interval) is None:
+        return "", f"its interval is the variable {schedule.interval}"
+    return schedule.interval, ""
+
+
+def _free(wish: str, taken: set[str]) -> str:
+    name, number = wish, 0
+    while name.casefold() in taken:
+        number += 1
+        name = f"{wish}_{number}"
+    taken.add(name.casefold())
+    return name

@@ -1,0 +1,278 @@
+"""Programs, tasks and addresses of other tools in TIA Portal: instance data blocks, organization blocks and tags."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import Outcome
+from plcopen_sfc import model as m
+from plcopen_sfc.model.compare import differences
+from plcopen_sfc.semantics.programs import Controller
+
+TARGETS = ["simaticml", "scl"]
+STATION = """
+VAR_GLOBAL
+    Start AT %IX0.3 : BOOL;
+    Valve AT %QX1.0 : BOOL;
+END_VAR
+PROGRAM Main
+VAR_EXTERNAL Start : BOOL; Valve : BOOL; END_VAR
+Valve := Start;
+END_PROGRAM
+CONFIGURATION Plc
+    RESOURCE Cpu ON Plc
+        {}
+    END_RESOURCE
+END_CONFIGURATION
+"""
+
+
+def codesys(
+    *pous: str, schedule: m.TaskSettings | None = None, lists: list[m.VariableSection] | None = None
+) -> m.Project:
+    """A project of CODESYS with these POUs, whose task calls the first."""
+    project = sfc.loads("\n".join(pous).encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    called = [m.PouInstance(name=project.pous[0].name)]
+    tasks = [m.Task(name="MainTask", instances=called, settings=schedule or m.TaskSettings(kind="Freewheeling"))]
+    project.applications = [m.Resource(name="App", tasks=tasks, global_variables=lists or [])]
+    return project
+
+
+def io_list(*variables: tuple[str, str, str]) -> m.VariableSection:
+    """A list of global variables at addresses: name, type, address."""
+    made = [
+        m.Variable(name=name, type=m.ElementaryType(name=m.Elementary(kind)), address=address)
+        for name, kind, address in variables
+    ]
+    return m.VariableSection(kind=m.SectionKind.GLOBAL, name="GVL_IO", variables=made)
+
+
+def told(report: sfc.ConversionReport, outcome: Outcome) -> list[tuple[str, str]]:
+    return [(item.what, item.path) for item in report.with_outcome(outcome)]
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_task_without_interval_is_a_program_cycle(target: str) -> None:
+    source = codesys("PROGRAM PLC_PRG VAR n : INT; END_VAR n := n + 1; END_PROGRAM")
+    data, report = sfc.convert(source, target, strict=True)
+    assert not report.losses
+    seen = sfc.loads(data, format=target, as_tool=True)
+    (instance,) = seen.data_blocks
+    assert (instance.name, instance.kind, instance.type_name) == ("PLC_PRG_DB", m.DataBlockKind.INSTANCE, "PLC_PRG")
+    caller = seen.pou("MainTask")
+    assert (caller.kind, caller.number) == (m.PouKind.ORGANIZATION_BLOCK, 123 if target == "simaticml" else None)
+    assert isinstance(caller.body, m.StBody)
+    assert '"PLC_PRG_DB"();' in caller.body.text
+    assert "<SecondaryType>ProgramCycle</SecondaryType>" in data.decode() or target == "scl"
+
+
+def test_an_organization_block_runs_what_the_task_ran() -> None:
+    source = sfc.loads(STATION.format("PROGRAM Line : Main;").encode(), format="iec-text")
+    data, report = sfc.convert(source, "simaticml", strict=True)
+    assert not report.losses
+    seen = sfc.loads(data, as_tool=True)
+    assert [(tag.name, tag.address) for table in seen.tag_tables for tag in table.tags] == [
+        ("Start", "%I0.3"),
+        ("Valve", "%Q1.0"),
+    ]
+    caller = Controller(seen).instance("Programs")
+    outputs = []
+    for start in (False, True, True, False, False):
+        caller["Start"] = start
+        caller.scan()
+        outputs.append(caller["Valve"])
+    assert outputs == [False, True, True, False, False]
+
+
+def test_the_cycle_time_of_an_interrupt_is_left_to_the_user() -> None:
+    settings = m.TaskSettings(kind="Cyclic", interval="t#20ms")
+    source = codesys("PROGRAM PLC_PRG VAR n : INT; END_VAR n := n + 1; END_PROGRAM", schedule=settings)
+    data, report = sfc.convert(source, "simaticml")
+    assert told(report, Outcome.NOT_EXECUTED) == []
+    (item,) = report.with_outcome(Outcome.APPROXIMATED)
+    assert (item.what, item.path) == ("interval", "task MainTask")
+    assert "set the cycle time of MainTask to t#20ms" in item.why
+    assert "<SecondaryType>CyclicInterrupt</SecondaryType>" in data.decode()
+    with pytest.raises(sfc.LossError):
+        sfc.convert(source, "simaticml", strict=True)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_task_at_an_event_has_no_organization_block(target: str) -> None:
+    settings = m.TaskSettings(kind="Event", event="xStart")
+    source = codesys("PROGRAM PLC_PRG VAR n : INT; END_VAR n := n + 1; END_PROGRAM", schedule=settings)
+    data, report = sfc.convert(source, target, partial=True)
+    assert told(report, Outcome.NOT_EXECUTED) == [("task", "task MainTask")]
+    seen = sfc.loads(data, format=target, as_tool=True)
+    assert [pou.name for pou in seen.pous] == ["PLC_PRG"]
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_program_that_no_task_calls_has_its_data_only(target: str) -> None:
+    source = sfc.loads(b"PROGRAM Alone VAR n : INT; END_VAR n := n + 1; END_PROGRAM", format="iec-text")
+    data, report = sfc.convert(source, target, strict=True)
+    assert any("no task calls it" in item.why for item in report.with_outcome(Outcome.TRANSLATED))
+    seen = sfc.loads(data, format=target, as_tool=True)
+    assert ([pou.name for pou in seen.pous], [block.name for block in seen.data_blocks]) == (["Alone"], ["Alone_DB"])
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_program_is_called_and_read_by_its_data_block(target: str) -> None:
+    source = codesys(
+        "PROGRAM PLC_PRG VAR total : INT; END_VAR Counting(); Counting(); total := Counting.n; END_PROGRAM",
+        "PROGRAM Counting VAR n : INT; END_VAR n := n + 1; END_PROGRAM",
+    )
+    data, report = sfc.convert(source, target, strict=True)
+    assert not report.losses
+    seen = sfc.loads(data, format=target, as_tool=True)
+    caller = Controller(seen).instance("MainTask")
+    caller.scan()
+    caller.scan()
+    assert caller["PLC_PRG_DB.total"] == 4
+    back = again(data, target, "codesys")
+    assert [next(differences(*pair), None) for pair in zip(source.pous, back.pous, strict=True)] == [None, None]
+
+
+def again(data: bytes, target: str, back: str) -> m.Project:
+    """What was converted, converted back."""
+    return sfc.loads(sfc.convert(sfc.loads(data, format=target), back, partial=True)[0])
+
+
+def test_each_instance_of_a_program_has_data_of_its_own() -> None:
+    tasks = "TASK Fast(PRIORITY := 1); PROGRAM A WITH Fast : Main; PROGRAM B WITH Fast : Main;"
+    source = sfc.loads(STATION.format(tasks).encode(), format="iec-text")
+    data, report = sfc.convert(source, "simaticml", partial=True)
+    assert told(report, Outcome.NOT_EXECUTED) == []
+    seen = sfc.loads(data, as_tool=True)
+    assert [block.name for block in seen.data_blocks] == ["Main_DB", "Main_DB_1"]
+    caller = seen.pou("Fast").body
+    assert isinstance(caller, m.StBody)
+    assert caller.text.split() == ['"Main_DB"();', '"Main_DB_1"();']
+
+
+def test_the_name_of_a_data_block_is_free() -> None:
+    source = codesys(
+        "PROGRAM PLC_PRG VAR n : INT; END_VAR n := n + 1; END_PROGRAM",
+        "FUNCTION_BLOCK PLC_PRG_DB VAR n : INT; END_VAR END_FUNCTION_BLOCK",
+        "FUNCTION_BLOCK MainTask VAR n : INT; END_VAR END_FUNCTION_BLOCK",
+    )
+    data, report = sfc.convert(source, "simaticml", strict=True)
+    assert not report.losses
+    seen = sfc.loads(data, as_tool=True)
+    assert [block.name for block in seen.data_blocks] == ["PLC_PRG_DB_1"]
+    assert [pou.name for pou in seen.pous] == ["PLC_PRG", "PLC_PRG_DB", "MainTask", "MainTask_1"]
+
+
+def test_addresses_of_a_list_are_tags() -> None:
+    lists = [io_list(("Start", "BOOL", "%IX0.3"), ("Level", "INT", "%IW2"), ("Valve", "BOOL", "%QX1.0"))]
+    text = "PROGRAM PLC_PRG VAR n : INT; END_VAR Valve := GVL_IO.Start; n := GVL_IO.Level; END_PROGRAM"
+    source = codesys(text, lists=lists)
+    data, report = sfc.convert(source, "simaticml", strict=True)
+    assert not report.losses
+    seen = sfc.loads(data, as_tool=True)
+    (table,) = seen.tag_tables
+    assert (table.name, [(tag.name, tag.address) for tag in table.tags]) == (
+        "GVL_IO",
+        [("Start", "%I0.3"), ("Level", "%IW4"), ("Valve", "%Q1.0")],
+    )
+    body = seen.pou("PLC_PRG").body
+    assert isinstance(body, m.StBody)
+    assert body.text.split(";")[:2] == ['"Valve" := "Start"', ' #n := "Level"']
+    back = again(data, "simaticml", "codesys").pou("PLC_PRG").body
+    assert isinstance(back, m.StBody)
+    assert back.text == "GVL_IO.Valve := GVL_IO.Start; n := GVL_IO.Level;"
+
+
+BLOCKS = """
+FUNCTION_BLOCK Axis
+VAR Lamp AT %QX2.0 : BOOL; Own AT %QX2.1 : BOOL; END_VAR
+Lamp := NOT Lamp; Own := Lamp;
+END_FUNCTION_BLOCK
+PROGRAM PLC_PRG
+VAR Lamp AT %QX1.0 : BOOL; Start AT %IX0.0 : BOOL; Level AT %IW1 : INT; first : Axis; n : INT; END_VAR
+Lamp := Start; n := Level; first();
+END_PROGRAM
+"""
+
+
+def test_addresses_in_blocks_are_tags() -> None:
+    source = sfc.loads(BLOCKS.encode(), format="iec-text")
+    data, report = sfc.convert(source, "simaticml", strict=True)
+    assert not report.losses
+    seen = sfc.loads(data, as_tool=True)
+    tags = [(tag.name, tag.address) for table in seen.tag_tables for tag in table.tags]
+    assert tags == [
+        ("Axis_Lamp", "%Q2.0"),
+        ("Own", "%Q2.1"),
+        ("PLC_PRG_Lamp", "%Q1.0"),
+        ("Start", "%I0.0"),
+        ("Level", "%IW2"),
+    ]
+    body = seen.pou("PLC_PRG").body
+    assert isinstance(body, m.StBody)
+    assert body.text == '"PLC_PRG_Lamp" := "Start"; #n := "Level"; #first();'
+    back = again(data, "simaticml", "plcopen-2.01")
+    assert [pou.body.text for pou in back.pous if isinstance(pou.body, m.StBody)] == [
+        "Lamp := NOT Lamp; Own := Lamp;",
+        "Lamp := Start; n := Level; first();",
+    ]
+    assert [v.address for v in back.pou("PLC_PRG").variables()] == ["%QX1.0", "%IX0.0", "%IW1", None, None]
+
+
+CHART = """
+PROGRAM Main
+VAR Start AT %IX0.3 : BOOL; Valve AT %QX1.0 : BOOL; END_VAR
+INITIAL_STEP Ready: END_STEP
+TRANSITION FROM Ready TO Filling := Start; END_TRANSITION
+STEP Filling: Valve(N); END_STEP
+TRANSITION FROM Filling TO Ready := NOT Start; END_TRANSITION
+END_PROGRAM
+"""
+
+
+def test_a_chart_drives_the_tag_at_the_address() -> None:
+    source = sfc.loads(CHART.encode(), format="iec-text")
+    data, report = sfc.convert(source, "simaticml", strict=True, limit=20)
+    assert not report.losses
+    chart = sfc.loads(data, as_tool=True).pou("Main").chart
+    assert chart is not None
+    assert chart.step("Filling").actions[0].target == '"Valve"'
+    assert report.compared["POU Main"].startswith("equal")
+
+
+@pytest.mark.parametrize(
+    ("declared", "what"), [("AT %QX0.0 : BOOL := TRUE", "start value"), ("AT %QW0 : ARRAY[0..1] OF INT", "no address")]
+)
+def test_what_a_tag_does_not_say_of_a_variable_is_told(declared: str, what: str) -> None:
+    source = sfc.loads(f"PROGRAM P VAR x {declared}; END_VAR ; END_PROGRAM".encode(), format="iec-text")
+    report = sfc.convert(source, "simaticml", partial=True).report
+    assert any(what in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
+
+
+@pytest.mark.parametrize(
+    ("variable", "why"),
+    [
+        (("PLC_PRG", "BOOL", "%IX0.3"), "not connected to %IX0.3"),  # the name of a block
+        (("Start", "BOOL", "%IX0.9"), "not connected to %IX0.9"),  # S7 has eight bits in a byte
+    ],
+)
+def test_what_no_tag_can_be_stays_in_the_data_block(variable: tuple[str, str, str], why: str) -> None:
+    lists = [io_list(variable)]
+    source = codesys(f"PROGRAM PLC_PRG VAR b : BOOL; END_VAR b := GVL_IO.{variable[0]}; END_PROGRAM", lists=lists)
+    data, report = sfc.convert(source, "simaticml", partial=True)
+    assert any(why in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
+    assert [block.name for block in sfc.loads(data, as_tool=True).data_blocks] == ["GVL_IO", "PLC_PRG_DB"]
+
+
+def test_a_folder_has_a_file_for_each_block(tmp_path: Path) -> None:
+    lists = [io_list(("Start", "BOOL", "%IX0.3"))]
+    source = codesys("PROGRAM PLC_PRG VAR b : BOOL; END_VAR b := GVL_IO.Start; END_PROGRAM", lists=lists)
+    report = sfc.save(source, f"{tmp_path}/out/", format="simaticml", strict=True)
+    assert not report.losses
+    files = {path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("*.xml")}
+    blocks = {f"Program blocks/{name}.xml" for name in ("PLC_PRG", "PLC_PRG_DB", "MainTask")}
+    assert blocks | {"PLC tags/GVL_IO.xml"} <= files
