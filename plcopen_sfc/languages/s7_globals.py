@@ -21,7 +21,7 @@ from plcopen_sfc.languages.translation.literal_translation import translated_add
 from plcopen_sfc.model.base import Carried, ForeignData
 from plcopen_sfc.model.pou import DataBlock, PouKind
 from plcopen_sfc.model.project import Project, Tag, TagTable, TreeNode
-from plcopen_sfc.model.types import DerivedType, ElementaryType, Variable
+from plcopen_sfc.model.types import DerivedType, ElementaryType, SimpleValue, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 TABLE = "GlobalVariables"
@@ -108,19 +108,24 @@ def names_from_s7(project: Project) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _tags_of_lists(project: Project) -> dict[tuple[str, str], Tag]:
-    """The tags that variables of named lists become, by the names of list and variable in lower case.
+def _tags_of_lists(project: Project) -> dict[tuple[str, str], Tag | Variable]:
+    """The tags and user constants that variables of named lists become, by the names of both in lower case.
 
-    A tag has an address that S7 can say, an elementary type and a name that no other global thing has: S7 names it
-    without its list.
+    A tag has an address that S7 can say; a constant has a value. Both have an elementary type and a name that no other
+    global thing has: S7 names them without their list.
     """
     counts, types = Counter(global_names(project)), s7_types(project)
-    found: dict[tuple[str, str], Tag] = {}
+    found: dict[tuple[str, str], Tag | Variable] = {}
     for name, section in _lists(project):
         for variable in section.variables if name else ():
+            key = name.casefold(), variable.name.casefold()
+            if counts[key[1]] > 1 or not _is_plain(variable, types):
+                continue
             tag = _tag(variable, types)
-            if counts[variable.name.casefold()] == 1 and tag is not None and _is_plain(variable, types):
-                found[name.casefold(), variable.name.casefold()] = tag
+            if tag is not None:
+                found[key] = tag
+            elif section.constant and not variable.address and isinstance(variable.initial, SimpleValue):
+                found[key] = variable
     return found
 
 
@@ -200,8 +205,11 @@ def tag_tables_of(project: Project) -> list[TagTable]:
                 table.constants.append(variable.model_copy(update={"address": None}))
     tables = {name: TagTable(name=name) for name, _ in _lists(project) if name}
     lists = {name.casefold(): name for name in tables}
-    for (around, _), tag in _tags_of_lists(project).items():
-        tables[lists[around]].tags.append(tag)
+    for (around, _), found in _tags_of_lists(project).items():
+        if isinstance(found, Tag):
+            tables[lists[around]].tags.append(found)
+        else:
+            tables[lists[around]].constants.append(found)
     for local in local_tags(project).values():
         table.tags += local.values()
     return [each for each in (table, *tables.values()) if each.tags or each.constants]
@@ -239,7 +247,10 @@ def _left_out_globals(project: Project) -> Iterator[tuple[str, str]]:
         for variable in section.variables:
             place = f"{name}.{variable.name}" if name else variable.name
             is_tag = not name and variable.name.casefold() in tags
-            if is_tag or (name.casefold(), variable.name.casefold()) in of_lists:
+            listed = of_lists.get((name.casefold(), variable.name.casefold()))
+            if isinstance(listed, Variable):
+                continue
+            if is_tag or listed is not None:
                 yield from ((place, why) for why in _not_of_tags(variable, section))
             elif name and _is_instance(variable, blocks):
                 yield place, "a global data block has no instances of function blocks"

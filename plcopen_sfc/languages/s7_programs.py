@@ -65,7 +65,7 @@ def s7_programs(project: Project) -> S7Programs:
     """Return what S7 has in place of the programs and tasks of a project of another tool."""
     found = S7Programs()
     programs = {pou.name.casefold(): pou for pou in project.pous if pou.kind is PouKind.PROGRAM}
-    if not programs:
+    if not programs and not any(project.resources()):
         return found
     taken = set(global_names(project)) | {
         tag.name.casefold() for local in local_tags(project).values() for tag in local.values()
@@ -84,6 +84,8 @@ def s7_programs(project: Project) -> S7Programs:
     def add_caller(name: str, task: Task | None, instances: list[PouInstance], interval: str) -> None:
         called = [programs[key] for each in instances if (key := _program(each)) in programs]
         if not called:
+            if task is not None:
+                found.uncalled.append((task, "the project has no program that it calls"))
             return
         usual = iter(_CYCLIC_INTERRUPTS if interval else ())
         number = next((each for each in usual if each not in numbers), _FIRST_PROGRAM_CYCLE)
@@ -136,9 +138,10 @@ def report_tasks(project: Project, report: ConversionReport) -> None:
     """Report what becomes of the tasks of `project`."""
     found = s7_programs(project)
     for task, why in found.uncalled:
-        called = ", ".join(each.type_name or each.name for each in task.instances) or "nothing"
-        reason = f"{why}; no organization block is written that calls {called}"
-        report.add(Outcome.NOT_EXECUTED, "task", f"task {task.name}", reason)
+        called = ", ".join(each.type_name or each.name for each in task.instances)
+        outcome = Outcome.NOT_EXECUTED if called else Outcome.TRANSLATED
+        reason = f"{why}; no organization block is written that calls {called or 'nothing'}"
+        report.add(outcome, "task", f"task {task.name}", reason)
     for block, stands_for, interval in found.callers:
         if stands_for is None:
             continue

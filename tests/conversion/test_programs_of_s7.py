@@ -187,6 +187,36 @@ def test_addresses_of_a_list_are_tags() -> None:
     assert back.text == "GVL_IO.Valve := GVL_IO.Start; n := GVL_IO.Level;"
 
 
+def test_constants_of_a_list_are_user_constants() -> None:
+    limit = m.Variable(name="LIMIT", type=m.ElementaryType(name=m.Elementary.INT), initial=m.SimpleValue(text="12"))
+    lists = [m.VariableSection(kind=m.SectionKind.GLOBAL, name="GVL", constant=True, variables=[limit])]
+    source = codesys("PROGRAM PLC_PRG VAR n : INT; END_VAR n := GVL.LIMIT + LIMIT; END_PROGRAM", lists=lists)
+    data, report = sfc.convert(source, "simaticml", strict=True)
+    assert not report.losses
+    seen = sfc.loads(data, as_tool=True)
+    (constant,) = seen.tag_tables[0].constants
+    assert (constant.name, constant.initial, seen.data_blocks[0].name) == ("LIMIT", limit.initial, "PLC_PRG_DB")
+    caller = Controller(seen).instance("MainTask")
+    caller.scan()
+    assert caller["PLC_PRG_DB.n"] == 24
+    back = again(data, "simaticml", "codesys").pou("PLC_PRG").body
+    assert isinstance(back, m.StBody)
+    assert back.text == "n := GVL.LIMIT + GVL.LIMIT;"
+
+
+@pytest.mark.parametrize(
+    ("called", "outcome"), [([], Outcome.TRANSLATED), ([m.PouInstance(name="Elsewhere")], Outcome.NOT_EXECUTED)]
+)
+def test_a_task_that_calls_nothing_here_has_no_organization_block(
+    called: list[m.PouInstance], outcome: Outcome
+) -> None:
+    source = codesys("PROGRAM PLC_PRG VAR n : INT; END_VAR n := n + 1; END_PROGRAM")
+    source.applications[0].tasks[0].instances = called
+    data, report = sfc.convert(source, "simaticml", partial=True)
+    assert ("task", "task MainTask") in told(report, outcome)
+    assert [pou.name for pou in sfc.loads(data, as_tool=True).pous] == ["PLC_PRG"]
+
+
 BLOCKS = """
 FUNCTION_BLOCK Axis
 VAR Lamp AT %QX2.0 : BOOL; Own AT %QX2.1 : BOOL; END_VAR
