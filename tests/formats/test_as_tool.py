@@ -134,5 +134,5 @@ def test_a_folder_is_read_so_too(tmp_path: Path) -> None:
     whole, tool = (sfc.load(tmp_path / "plc", as_tool=each) for each in (False, True))
     things = [[*project.data_blocks, *project.tag_tables, *project.pous] for project in (whole, tool)]
     names = [{thing.name for thing in found} for found in things]
-    assert (names[1] - names[0], names[0] - names[1]) == ({"PRG_Pumps_DB", "GVL_IO", "MainTask"}, set())
+    assert (names[1] - names[0], names[0] - names[1]) == ({"PRG_Pumps_DB", "GVL_IO", "MainTask", "E_PumpMode"}, set())
     assert (whole.name, tool.name) == ("PumpStation.project", "")
