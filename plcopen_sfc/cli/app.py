@@ -299,19 +299,20 @@ def _draw(  # noqa: PLR0917  # typer calls it by name
     pou: o.PouName = None,
     style: o.PictureStyle = None,
     theme: o.Theme = "light",
+    to: o.PictureFormat = None,
     report: o.Report = None,
     as_json: o.AsJson = False,
     quiet: o.Quiet = False,
     verbose: o.Verbose = 0,
 ) -> None:
-    """Draw charts as SVG pictures.
+    """Draw charts as pictures: SVG, PNG or PDF.
 
     A file with several charts needs a folder for them, or --pou.
     """
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
         from plcopen_sfc.cli.commands import draw  # noqa: PLC0415
 
-        screen.exit_code = draw.run(screen, file, target, pou=pou, style=style, theme=theme)
+        screen.exit_code = draw.run(screen, file, target, pou=pou, style=style, theme=theme, format=to)
 
 
 def _schema(quiet: o.Quiet = False, verbose: o.Verbose = 0) -> None:

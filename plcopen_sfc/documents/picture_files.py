@@ -1,20 +1,28 @@
-"""Pictures of the charts of a project, written to files."""
+"""Pictures of the charts of a project, written to files: SVG, and PNG and PDF made of it."""
 
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 from plcopen_sfc.documents.folder_documents import FileNames
 from plcopen_sfc.drawing.pictures import Theme, chart_svg
-from plcopen_sfc.errors import ModelError, check_argument, nearest
+from plcopen_sfc.errors import ModelError, SfcError, check_argument, nearest
 from plcopen_sfc.files import refuse_empty, write_all
 from plcopen_sfc.model.project import Chart, Project
 
-__all__ = ["draw"]
+__all__ = ["PICTURE_FORMATS", "draw"]
 
-_EXTENSION = ".svg"
+PICTURE_FORMATS = ("svg", "png", "pdf")
+"""The formats of pictures, which are their extensions too."""
 _SHOWN = 20
+_SIZE = re.compile(r' width="(\d+)" height="(\d+)"')
+_PNG_PIXELS = 32_000
+"""The images of cairo have at most 32 767 rows and columns."""
+_PNG_SCALE = 2.0
+_PDF_PIXELS = 19_200
+"""The pages of Acrobat have at most 14 400 points, of which 72 are 96 pixels."""
 
 
 def draw(
@@ -24,20 +32,55 @@ def draw(
     pou: str | None = None,
     style: str | None = None,
     theme: str = Theme.LIGHT,
+    format: str | None = None,
 ) -> dict[str, Path]:
-    """Draw the charts of a project, or the one called `pou` (``Main``, ``Main.Fill``), as SVG files.
+    """Draw the charts of a project, or the one called `pou` (``Main``, ``Main.Fill``), into files.
 
     `target` is a file for one chart, or a folder, which exists or ends in a slash; there each picture has the name of
-    its chart. `style` and `theme` as in `SfcNetwork.to_svg`. Returns the files by the names of the charts. All are
-    written or none. Raises `ModelError` where there is no such chart, or several for one file, and `FileAccessError`.
+    its chart. `style` and `theme` as in `SfcNetwork.to_svg`. `format` is ``svg``, ``png`` (two pixels for one of the
+    SVG) or ``pdf`` (one page of the size of the picture); the default is what the extension of a file says, else
+    ``svg``. PNG and PDF need the extra ``pictures``. Returns the files by the names of the charts. All are written or
+    none. Raises `ModelError` where there is no such chart, format, style or theme, or several charts for one file,
+    `SfcError` where the extra is missing, and `FileAccessError`.
     """
     check_argument(project, Project, "draw needs a project", "A chart draws itself: chart.to_svg().")
     path = os.fspath(target)
     refuse_empty(path)
+    kind = _format(path, format)
     charts = _chosen(project, pou)
-    files = _files(charts, path)
-    write_all({files[each.name]: chart_svg(each.chart, style, theme).encode("ascii") for each in charts})
+    files = _files(charts, path, f".{kind}")
+    write_all({files[each.name]: _encoded(chart_svg(each.chart, style, theme), kind) for each in charts})
     return files
+
+
+def _format(path: str, wanted: str | None) -> str:
+    extension = Path(path).suffix.lower().removeprefix(".")
+    if wanted is None:
+        return extension if extension in PICTURE_FORMATS else PICTURE_FORMATS[0]
+    check_argument(wanted, str, "the format of a picture is a text")
+    if wanted.lower() not in PICTURE_FORMATS:
+        hint = "There are: " + ", ".join(PICTURE_FORMATS)
+        raise ModelError(f"there is no format {wanted!r} of pictures{nearest(wanted, PICTURE_FORMATS)}", hint=hint)
+    return wanted.lower()
+
+
+def _encoded(svg: str, kind: str) -> bytes:
+    data = svg.encode("ascii")
+    if kind == "svg":
+        return data
+    try:
+        import cairosvg  # noqa: PLC0415  # an extra
+    except (ImportError, OSError) as error:  # OSError: its library cairo is not on this machine
+        missing = "CairoSVG" if isinstance(error, ImportError) else "the library cairo, which CairoSVG uses,"
+        hint = "pip install plcopen-sfc[pictures]; on Windows cairo comes with GTK. SVG needs neither."
+        raise SfcError(f"{missing} is missing: {kind.upper()} cannot be written", hint=hint) from None
+    size = _SIZE.search(svg)
+    longest = max(map(int, size.groups())) if size is not None else 1
+    if kind == "png":
+        made: bytes = cairosvg.svg2png(bytestring=data, scale=min(_PNG_SCALE, _PNG_PIXELS / longest))
+    else:
+        made = cairosvg.svg2pdf(bytestring=data, scale=min(1.0, _PDF_PIXELS / longest))
+    return made
 
 
 def _chosen(project: Project, pou: str | None) -> list[Chart]:
@@ -54,11 +97,11 @@ def _chosen(project: Project, pou: str | None) -> list[Chart]:
     return chosen
 
 
-def _files(charts: list[Chart], path: str) -> dict[str, Path]:
+def _files(charts: list[Chart], path: str, extension: str) -> dict[str, Path]:
     """Return the files for the charts, by their names."""
     if path.endswith(("/", os.sep)) or Path(path).is_dir():
         names = FileNames()
-        return {each.name: Path(path, names.free("", each.name, _EXTENSION)) for each in charts}
+        return {each.name: Path(path, names.free("", each.name, extension)) for each in charts}
     if len(charts) > 1:
         hint = "Name a folder (pictures/), or one of the charts."
         raise ModelError(f"{len(charts)} charts do not fit into one picture", hint=hint)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import shutil
+import struct
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,6 +13,7 @@ from types import SimpleNamespace
 import pytest
 
 import plcopen_sfc as sfc
+from tests.drawing.nets import make
 
 
 def test_the_default_is_beside_the_source(cli, fixtures, tmp_path):
@@ -61,6 +63,43 @@ def test_json_lists_the_pictures(cli, fixtures, tmp_path):
     }
 
 
+@pytest.mark.parametrize(("extension", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF")])
+def test_other_formats(cli, fixtures, tmp_path, extension, start):
+    require_cairo()
+    target = tmp_path / f"x.{extension}"
+    assert cli("draw", "iectext/mixing_plant.st", target).code == 0
+    assert target.read_bytes().startswith(start)
+    outcome = cli("draw", "codesys/sorting_conveyor.xml", f"{tmp_path}/all/", "--to", extension)
+    assert outcome.code == 0
+    assert {path.suffix for path in (tmp_path / "all").iterdir()} == {f".{extension}"}
+
+
+@pytest.mark.slow
+def test_long_charts_are_images_that_programs_can_show(tmp_path):
+    require_cairo()
+    chart = make(600, [([i], [(i + 1) % 600]) for i in range(600)])
+    project = sfc.Project(pous=[sfc.Pou(name="A", kind=sfc.PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=chart)])])
+    sfc.draw(project, tmp_path / "x.png")
+    width, height = struct.unpack(">II", (tmp_path / "x.png").read_bytes()[16:24])
+    assert width < height <= 32_767
+
+
+def require_cairo() -> None:
+    try:
+        import cairosvg  # noqa: F401, PLC0415
+    except (ImportError, OSError) as error:
+        pytest.skip(f"no CairoSVG with its library: {error}")
+
+
+def test_without_cairo_the_error_says_what_to_do(cli, fixtures, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cairosvg", None)
+    outcome = cli("draw", "iectext/mixing_plant.st", tmp_path / "x.png")
+    assert outcome.code == 2
+    assert "CairoSVG is missing: PNG cannot be written" in outcome.err
+    assert "pip install plcopen-sfc[pictures]" in outcome.err
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -69,6 +108,7 @@ def test_json_lists_the_pictures(cli, fixtures, tmp_path):
         (["scl/conveyor_step7.scl", "x.svg"], "error: the project has no chart to draw"),
         (["iectext/mixing_plant.st", "x.svg", "--style", "iecc"], "there is no style 'iecc' of pictures"),
         (["iectext/mixing_plant.st", "x.svg", "--theme", "lihgt"], "there is no theme 'lihgt' of pictures"),
+        (["iectext/mixing_plant.st", "x.svg", "--to", "gif"], "there is no format 'gif' of pictures"),
         (["iectext/mixing_plant.st", ""], "the path is empty"),
     ],
 )

@@ -6,24 +6,32 @@ from pathlib import Path
 
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.documents.picture_files import draw
-
-_EXTENSION = ".svg"
+from plcopen_sfc.documents.picture_files import PICTURE_FORMATS, draw
 
 
-def run(screen: Screen, source: str, target: str | None, *, pou: str | None, style: str | None, theme: str) -> int:
+def run(
+    screen: Screen,
+    source: str,
+    target: str | None,
+    *,
+    pou: str | None,
+    style: str | None,
+    theme: str,
+    format: str | None,
+) -> int:
     """Draw the charts of `source`, or the one called `pou`, into `target` (None: next to it, ``-``: standard output).
 
     From standard input (``-``) None is standard output.
     """
+    extension = f".{format or PICTURE_FORMATS[0]}"
     project = load_input(screen, source)
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
     if target is None:
         several = pou is None and len(list(project.charts())) > 1
-        target = STANDARD_STREAM if source == STANDARD_STREAM else _beside(Path(source), several=several)
-    with written_to_stdout(screen, target, _EXTENSION) as place:
-        files = draw(project, place, pou=pou, style=style, theme=theme)
+        target = STANDARD_STREAM if source == STANDARD_STREAM else _beside(Path(source), extension, several=several)
+    with written_to_stdout(screen, target, extension) as place:
+        files = draw(project, place, pou=pou, style=style, theme=theme, format=format)
     written = {name: target if target == STANDARD_STREAM else str(path) for name, path in files.items()}
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         if len(written) == 1:
@@ -36,7 +44,7 @@ def run(screen: Screen, source: str, target: str | None, *, pou: str | None, sty
     return exit_code_for(screen, project.diagnostics)
 
 
-def _beside(source: Path, *, several: bool) -> str:
+def _beside(source: Path, extension: str, *, several: bool) -> str:
     """Return the name of a file next to `source`; of a folder if there are `several` charts."""
     place = source.resolve() if source.is_dir() else source
-    return f"{place.with_name(f'{place.stem}-charts')}/" if several else str(place.with_suffix(_EXTENSION))
+    return f"{place.with_name(f'{place.stem}-charts')}/" if several else str(place.with_suffix(extension))
