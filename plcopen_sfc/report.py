@@ -9,6 +9,8 @@ from enum import StrEnum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from plcopen_sfc.errors import ObjectPath
+
 
 class Outcome(StrEnum):
     """What became of an item of the source."""
@@ -139,11 +141,7 @@ class Converted(NamedTuple):
 
 def line_of(path: str, lines: Mapping[str, int]) -> int | None:
     """The line of an object by its path, or of what is around it."""
-    while path:
-        if path in lines:
-            return lines[path]
-        path = path.rpartition(" / ")[0]
-    return None
+    return next((lines[each] for each in ObjectPath.of(path).outwards() if each in lines), None)
 
 
 @dataclass(frozen=True, slots=True)

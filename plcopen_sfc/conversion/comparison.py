@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from plcopen_sfc.conversion.executed_parts import PLAIN_VARIABLES, STORED, UNDECLARED, UNDECLARED_TYPE, Key, Part
 from plcopen_sfc.conversion.meaning import Meaning, is_stronger, same
+from plcopen_sfc.errors import ObjectPath
 
 __all__ = ["Difference", "compare"]
 
@@ -264,7 +265,7 @@ def _name(part: Part, key: Key) -> str:
     """The name of a part as its file spells it."""
     if key.kind in (UNDECLARED, UNDECLARED_TYPE):
         return part.aspects["name"].show()
-    last = part.path.rpartition(" / ")[2]
+    last = ObjectPath.of(part.path).last
     return last.removeprefix(f"{key.kind} ") if key.name else ""
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from plcopen_sfc.conversion.comparison import Difference
 from plcopen_sfc.conversion.executed_parts import PLAIN_VARIABLES, PROGRAM_CALL, STORED, UNDECLARED, UNDECLARED_TYPE
+from plcopen_sfc.errors import ObjectPath
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
 __all__ = ["UNSAID", "in_the_source", "report_execution"]
@@ -42,6 +43,7 @@ def report_execution(
     said = {name for item in report.items if item.outcome in LOSSES for name in _IN_PLACE.findall(item.why)}
     replaced = {_bare(item.path) for item in report.items if item.outcome in LOSSES and _IN_PLACE.search(item.why)}
     noticed = {item.path for item in report.items if item.outcome is not Outcome.KEPT}
+    around_noticed = {around for path in noticed for around in ObjectPath.of(path).outwards()}
     words = {
         word.casefold()
         for item in report.items
@@ -55,7 +57,7 @@ def report_execution(
         place = in_the_source(difference.path, called)
         names = {(place, each) for each in (what, *_ALSO_CALLED.get(what, ()))}
         if difference.kind == "method":
-            names.add((place.rpartition(" / ")[0], "methods"))
+            names.add((ObjectPath.of(place).around, "methods"))
         if difference.left is None and difference.kind in (UNDECLARED, "action") and difference.name in said:
             continue
         if difference.kind in (UNDECLARED, UNDECLARED_TYPE) and difference.name.casefold() in words:
@@ -71,7 +73,12 @@ def report_execution(
         told |= names
         why = _why(difference, tool)
         is_box = difference.kind == UNDECLARED and difference.left is not None
-        if not (is_box or _is_noticed(difference, noticed) or _is_final_scan(difference) or _is_later(difference)):
+        if not (
+            is_box
+            or _is_noticed(difference, noticed, around_noticed)
+            or _is_final_scan(difference)
+            or _is_later(difference)
+        ):
             why += UNSAID
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
@@ -105,8 +112,8 @@ def _rewritten_steps(differences: Iterable[Difference], settled: Counter[tuple[s
 
 def _step_of(path: str) -> str:
     """The step that something belongs to; the path itself where it is in no step."""
-    before, step, rest = path.partition(" / step ")
-    return before + step + rest.partition(" / ")[0]
+    found = (each for each in reversed([*ObjectPath.of(path).outwards()]) if each.last.startswith("step "))
+    return next(found, ObjectPath.of(path))
 
 
 _ACTIONS = ("action", "action association", "entry action", "main action", "exit action")
@@ -126,8 +133,8 @@ def _is_rewritten(
     if difference.aspect == "condition" and difference.is_stronger:
         return any(settled[step, what] for step in difference.steps for what in ("supervision", "min time"))
     if difference.aspect == "type":
-        owner = difference.path.partition(" / ")[0]
-        return any(what == "length of a string" and path.partition(" / ")[0] == owner for path, what in settled)
+        owner = ObjectPath.of(difference.path).owner
+        return any(what == "length of a string" and ObjectPath.of(path).owner == owner for path, what in settled)
     if difference.aspect in ("initial value", "start values", "retain"):
         return False
     if difference.kind in _OF_THE_PROJECT - _OF_THE_CONFIGURATION:
@@ -136,7 +143,7 @@ def _is_rewritten(
     if difference.aspect == "acknowledge errors required":
         return any(what == "supervision" and path.startswith(difference.path) for path, what in settled)
     if difference.kind in ("step", "transition") and difference.left is None:  # it stays, but does nothing
-        chart = difference.path.rpartition(" / ")[0]
+        chart = ObjectPath.of(difference.path).around
         return any(what == "exclude" and path.startswith(chart) for path, what in settled)
     return False
 
@@ -150,7 +157,7 @@ def _is_superseded(item: Item, told: set[tuple[str, str]]) -> bool:
     """True for extension data of which it is said now that the target does not execute it."""
     if item.outcome is not Outcome.EXTENSION_DATA:
         return False
-    return any(what == item.what and f"{path} / ".startswith(f"{item.path} / ") for path, what in told)
+    return any(what == item.what and ObjectPath.of(path).is_in(item.path) for path, what in told)
 
 
 _ALSO_CALLED = {
@@ -180,7 +187,7 @@ def _without_repetition(differences: Iterable[Difference], said: set[str]) -> It
     `said`: the global variables of which a writer says already that they are lost.
     """
     found = list(differences)
-    without = {d.path.rpartition(" / ")[0] for d in found if d.kind == "action" and d.aspect == "interlock"}
+    without = {ObjectPath.of(d.path).around for d in found if d.kind == "action" and d.aspect == "interlock"}
     lists: dict[str, list[str]] = {}
     missing = {_last(d.name) for d in found if d.right is None and not d.aspect}
     missing |= {d.name.partition(".")[0].casefold() for d in found if d.kind == "global variable"}
@@ -207,7 +214,9 @@ def _last(name: str) -> str:
 
 def _bare(path: str) -> str:
     """The path of an action without what not all writers say of it: its kind, and the signs of S7."""
-    return path.replace(" / action ", " / ").replace("#", "").replace('"', "")
+    parts = ObjectPath.of(path).parts
+    bare = (*parts[:1], *(part.removeprefix("action ") for part in parts[1:]))
+    return ObjectPath(*(part.replace("#", "").replace('"', "") for part in bare))
 
 
 def _a(noun: str) -> str:
@@ -216,31 +225,25 @@ def _a(noun: str) -> str:
 
 def in_the_source(path: str, called: Mapping[str, str]) -> str:
     """The path of something in the source: names may be others in the target."""
-    around, rest = path, ""
-    while around:
+    whole = ObjectPath.of(path)
+    for around in whole.outwards():
         if around in called:
-            return called[around] + rest
-        around, _, last = around.rpartition(" / ")
-        rest = f" / {last}{rest}"
+            return ObjectPath(*ObjectPath.of(called[around]).parts, *whole.inside(around).parts)
     return path
 
 
-def _is_noticed(difference: Difference, noticed: set[str]) -> bool:
+def _is_noticed(difference: Difference, noticed: set[str], around_noticed: set[ObjectPath]) -> bool:
     """True if a writer said something of the part, of something in it, or of what it is in."""
-    path = difference.path
+    path = ObjectPath.of(difference.path)
     if (
         difference.kind in _OF_THE_PROJECT | _KEPT_AS_TEXT
         or (difference.kind == UNDECLARED and difference.right == "")
         or difference.aspect in _LEFT_TO_THE_READER
         or difference.aspect.startswith(STORED)
-        or any(other.startswith(f"{path} / ") for other in noticed)
+        or path in around_noticed
     ):
         return True
-    while path:
-        if path in noticed:
-            return True
-        path = path.rpartition(" / ")[0]
-    return False
+    return any(around in noticed for around in path.outwards())
 
 
 _LEFT_TO_THE_READER = frozenset({"static", "arguments", "edge", "extends", "implements", "union"})

@@ -12,7 +12,7 @@ from plcopen_sfc.conversion import compare, executed, report_execution
 from plcopen_sfc.diagnostics import DamagedSourceError, Severity
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.documents.writer_preparation import prepared
-from plcopen_sfc.errors import LossError, UnknownFormatError, nearest
+from plcopen_sfc.errors import LossError, ObjectPath, UnknownFormatError, nearest
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest, is_from, place_in_folder, remember_body
@@ -162,7 +162,7 @@ def locate_in_folder(project: Project, report: ConversionReport, called: Mapping
     source = project.source
     if not isinstance(source, FolderSource):
         return
-    told = {item.path.partition(" / ")[0] for item in report.items if item.outcome is not Outcome.KEPT}
+    told = {ObjectPath.of(item.path).owner for item in report.items if item.outcome is not Outcome.KEPT}
     told |= {called[path] for path in told & called.keys()}
     told_in: dict[str, set[str]] = {}
     for thing in project.objects():
@@ -174,7 +174,7 @@ def locate_in_folder(project: Project, report: ConversionReport, called: Mapping
         if path in source.documents:
             document = source.documents[path].source
             lines = codec.lines(document.content, project)
-            here = {place: line for place, line in lines.items() if place.partition(" / ")[0] in names}
+            here = {place: line for place, line in lines.items() if ObjectPath.of(place).owner in names}
             report.locate(here, document.path, called=called)
 
 

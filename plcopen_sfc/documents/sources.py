@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from plcopen_sfc.errors import FormatError, Location
+from plcopen_sfc.errors import FormatError, Location, ObjectPath
 from plcopen_sfc.formats.provenance import place_in_folder
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
@@ -143,7 +143,7 @@ def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
     known: dict[int, tuple[str | None, Mapping[str, int]]] = {}
     found: list[Location] = []
     for path in paths:
-        document = documents.get(path.partition(" / ")[0].removeprefix("POU "))
+        document = documents.get(ObjectPath.of(path).owner.removeprefix("POU "))
         if document is None:
             found.append(Location(path=path))
             continue

@@ -11,7 +11,7 @@ from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.api import save
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen, Table
-from plcopen_sfc.errors import LossError
+from plcopen_sfc.errors import LossError, ObjectPath
 from plcopen_sfc.files import refuse_empty
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.report import ConversionReport, Item, Outcome
@@ -168,14 +168,14 @@ def _grouped(items: Iterable[Item], key: Callable[[Item], str]) -> dict[str, lis
 
 def _owner(item: Item) -> str:
     """The chart or the object that an item belongs to: its path up to a step or a transition."""
-    places = item.path.split(" / ")
-    inside = (i for i, place in enumerate(places) if place.startswith(("step ", "transition ")))
-    return " / ".join(places[: next(inside, len(places))])
+    found = (each for each in ObjectPath.of(item.path).outwards() if each.last.startswith(("step ", "transition ")))
+    inside = [*found]
+    return inside[-1].around if inside else item.path
 
 
 def _inside(item: Item) -> str:
     """The step or transition that an item belongs to; empty: it concerns the whole object."""
-    return next(iter(item.path.removeprefix(_owner(item)).removeprefix(" / ").split(" / ")), "")
+    return ObjectPath.of(item.path).inside(_owner(item)).owner
 
 
 def _position(item: Item) -> str:

@@ -20,7 +20,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location
+from plcopen_sfc.errors import Location, ObjectPath
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML, Tc6Version
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, inner_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
@@ -121,7 +121,7 @@ class Tc6ReadContext:
 
     def report(self, code: str, severity: Severity, message: str, element: etree._Element, subject: str = "") -> None:
         """Say something about `element` of the file."""
-        path = " / ".join((*self.place, subject) if subject else self.place)
+        path = ObjectPath(*self.place, subject)
         line = self.lines.line(element) if self.lines is not None else line_of(element)
         location = Location(self.file, line, None, path or None)
         self.diagnostics.append(Diagnostic(code, severity, message, location))

@@ -15,6 +15,7 @@ from typing import Any
 
 from lxml import etree
 
+from plcopen_sfc.errors import ObjectPath
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.tc6_reading import FIELDS_DATA, NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML, Tc6Version
@@ -107,7 +108,7 @@ class Tc6WriteContext:
 
     def note(self, outcome: Outcome, what: str, name: str = "", why: str = "") -> None:
         """Put the outcome of an item into the report."""
-        self.report.add(outcome, what, " / ".join((*self.place, name) if name else self.place), why)
+        self.report.add(outcome, what, ObjectPath(*self.place, name), why)
 
 
 def add_child(

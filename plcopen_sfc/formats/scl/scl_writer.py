@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from typing import Any
 
+from plcopen_sfc.errors import ObjectPath
 from plcopen_sfc.formats.scl.scl_reader import KEYWORDS, read_source
 from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values, write_start_values
 from plcopen_sfc.formats.text_patch import SourceText, WrittenBlock, numbered
@@ -195,7 +196,7 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
         _note_foreign(pou, types, tags.get(pou.name.casefold(), ()), report)
         for what, name, why in _not_executed(pou, called):
             outcome = Outcome.EXTENSION_DATA if why == UNCALLED else Outcome.NOT_EXECUTED
-            report.add(outcome, what, " / ".join(filter(None, (f"POU {pou.name}", name))), why)
+            report.add(outcome, what, ObjectPath(f"POU {pou.name}", name), why)
         yield WrittenBlock(
             ("POU", pou.name), blocks=tuple(_named(_pou(pou, types, tags.get(pou.name.casefold(), ())))), apart=True
         )

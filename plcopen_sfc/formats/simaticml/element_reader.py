@@ -15,7 +15,7 @@ from lxml import etree
 from pydantic import ValidationError
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location, StructureError
+from plcopen_sfc.errors import Location, ObjectPath, StructureError
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, neutral, schema_of
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, markup
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
@@ -67,7 +67,7 @@ class DocumentReading:
     def report(self, code: str, severity: Severity, message: str, element: etree._Element) -> None:
         """Add a finding about `element` of the file."""
         line = self.lines.line(element) if self.lines is not None else None
-        location = Location(self.file, line, None, " / ".join(self.place) or None)
+        location = Location(self.file, line, None, ObjectPath(*self.place) or None)
         self.diagnostics.append(Diagnostic(code, severity, message, location))
 
     def warn(self, code: str, message: str, element: etree._Element) -> None:

@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 
 from lxml import etree
 
+from plcopen_sfc.errors import ObjectPath
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.simaticml.declaration_spelling import LAYOUT
 from plcopen_sfc.formats.simaticml.element_reader import VERBATIM, N
@@ -77,7 +78,7 @@ class DocumentWriting:
 
     def note(self, outcome: Outcome, what: str, name: str = "", why: str = "") -> None:
         """Put the outcome of an item into the report."""
-        self.report.add(outcome, what, " / ".join((*self.place, name) if name else self.place), why)
+        self.report.add(outcome, what, ObjectPath(*self.place, name), why)
 
     def keep(self, what: str, name: str = "") -> None:
         """Put an item into the report that is written as it is."""

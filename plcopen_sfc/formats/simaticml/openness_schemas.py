@@ -21,7 +21,7 @@ from dataclasses import replace
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import FormatError, Location, OldVersionError, VersionNeed
+from plcopen_sfc.errors import FormatError, Location, ObjectPath, OldVersionError, VersionNeed
 from plcopen_sfc.formats.simaticml.document_reader import find_version
 from plcopen_sfc.formats.simaticml.graph_reader import ALL_CATEGORIES, USUAL_CATEGORIES
 from plcopen_sfc.formats.simaticml.tia_versions import (
@@ -272,4 +272,4 @@ def _path(element: etree._Element) -> str:
             names.append(f"network {number}")
         elif local.startswith("SW.") and local != "SW.Blocks.CompileUnit":
             names.append(f"{_OBJECTS.get(local, 'POU')} {node.findtext('AttributeList/Name', '')}")
-    return " / ".join(reversed(names))
+    return ObjectPath(*reversed(names))
