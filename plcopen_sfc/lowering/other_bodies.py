@@ -140,7 +140,8 @@ def with_actions(
                 for step, flag in _by_name(found.step_flags).items():
                     flags.setdefault(step, flag)
             calling.append(_action_named(pou, action.name).body)
-    if not rules.profile.graph_parameters:  # blocks of S7-GRAPH have one body
+    # the code of the chart itself has its flags; blocks of S7-GRAPH have one body
+    if not rules.profile.graph_parameters and len(list(pou.named_bodies())) > len(pou.bodies):
         pou = with_step_data(pou, flags, dialect)
     return replace(made, pou=pou, data_types=tuple(data_types))
 

@@ -158,7 +158,7 @@ def _bound(body: Body, dialect: Dialect) -> BoundBody:
 
 def called_actions(body: Body | None, pou: Pou, dialect: Dialect) -> set[str]:
     """The actions of a POU (names in lower case) that a body in it calls, or may call where it cannot be read."""
-    if body is None:
+    if body is None or not pou.actions:  # to read networks takes as long as to draw them
         return set()
     bound = bind(body, dialect)
     own = {"this", "super", pou.name.casefold()}
