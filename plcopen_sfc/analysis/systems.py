@@ -323,6 +323,7 @@ class ProgramSystem:
     def reset(self) -> None:
         """Go to the state before the first scan."""
         self.instance.restore(self._initial)
+        self.instance.scans = 0  # errors tell the scan of this run, not of all that were searched
         self._waiting = self._begins
         self._queue = (None,) * self._kept
 
@@ -395,6 +396,7 @@ class ProgramSystem:
     def pass_time(self, scans: int) -> None:
         """Let the time of some scans go by, in which nothing but clocks would go on."""
         self._controller.now += scans * self.clock.scan_time
+        self.instance.scans += scans
 
     def observed(self) -> tuple[Any, ...] | None:
         """What is compared; None: this scan has no counterpart."""

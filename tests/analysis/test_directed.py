@@ -119,6 +119,18 @@ def test_every_step_of_a_fixture_can_be_entered(file: str) -> None:
         assert missing == NOT_ENTERED.get(f"{file}: {name}", set()), str(verdict)
 
 
+def test_an_error_of_one_side_tells_the_scan_of_its_own_run() -> None:
+    def failing(value: str) -> Project:
+        text = f"IF Go AND Raw = 321 THEN n := n + 1; END_IF; IF n > 3 THEN Q := 1 / ({value}) > 0; END_IF;"
+        return project(f"TRANSITION FROM A TO B := Sensor; END_TRANSITION {BACK}", text)
+
+    verdict = equivalent(failing("n"), failing("n - n"), "iec", cap=1, runs=20)
+    assert verdict.counterexample is not None
+    (error,) = {each.error for each in verdict.counterexample.differences}
+    count = len(verdict.counterexample.inputs)
+    assert error.startswith(f"only the second fails: scan {count}: "), error
+
+
 # -- mutants
 
 
