@@ -5,7 +5,8 @@
 * Conditions: `exclusivity`, with `knowledge` of names, `formulas` and `z3_terms` for z3.
 * Comparisons: `equivalence` with its `verdict` and `coverage`; `systems` and `pairing` (what is compared),
   `system_comparison`, `product` (the search for a proof), `directed` with `goals` and `stimuli` (the search without
-  one), `decomposition`, `slicing` and `sole_bodies` (parts), `delay`, `search_limits`.
+  one), `decomposition`, `slicing` and `sole_bodies` (parts), `delay`, `search_limits`,
+  `processes` (several comparisons at once).
 * State of a search: `domains`, `intervals` and `number_terms` (values of inputs), `dead_variables`, `clocking` and
   `timers` (what is no part of it), `free_calls` (unknown code), `deciding_parts` (MC/DC).
 """

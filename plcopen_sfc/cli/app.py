@@ -257,6 +257,7 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
     verify: o.Verify = True,
     accept_untested: o.AcceptUntested = False,
     limit: o.Limit = None,
+    jobs: o.Jobs = 1,
     skip_refused: o.SkipRefused = False,
     tia: o.Tia = "",
     accept_errors: o.AcceptErrors = False,
@@ -288,7 +289,18 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
         }
         wanted = tuple(free or ())
         how = lower.LowerOptions(
-            to, tia, pou, construction, options, skip_refused, verify, accept_untested, wanted, limit, accept_errors
+            to,
+            tia,
+            pou,
+            construction,
+            options,
+            skip_refused,
+            verify,
+            accept_untested,
+            wanted,
+            limit,
+            jobs,
+            accept_errors,
         )
         screen.exit_code = lower.run(screen, file, target, how)
 

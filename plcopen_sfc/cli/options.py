@@ -89,6 +89,7 @@ AcceptUntested = Annotated[
     bool, _option("--accept-untested", "Accept charts of which not all was reached in the comparison.")
 ]
 Limit = Annotated[str | None, _option("--limit", "Compare a chart for no longer than this: 5, 60s, 2m30s.", "TIME")]
+Jobs = Annotated[int, _option("--jobs", "Compare so many charts at a time, each in a process.", "N", min=1)]
 ConvertLimit = Annotated[str, _option("--limit", "Run the charts in both tools for so long; 0 leaves it out.", "TIME")]
 Charts = Annotated[
     bool | None, _option("--charts/--no-charts", "Outline each chart. The default is to do so for few charts.")

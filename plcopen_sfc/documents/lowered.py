@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching
+from plcopen_sfc.analysis.processes import results
 from plcopen_sfc.analysis.search_limits import SearchProgress
 from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.documents.storage import (
@@ -93,13 +94,15 @@ def lower_to_file(
     free_inputs: Iterable[str] | str = (),
     limit: float | str | None = None,
     progress: Callable[[SearchProgress], None] | None = None,
+    jobs: int = 1,
     **options: Unpack[LoweringOptions],
 ) -> LoweredFile:
     """Lower all charts of a project, or the one called `pou`, save the project, and prove the file.
 
     `construction`, `verify` to `progress` and `options` as in `lower`, `format` and `tia` as in `save`. What the format
     does not hold is reported. Nothing is written where a chart is refused, in lowering or because its code in the file
-    is not proven; with `skip_refused` such charts stay charts and the others are written.
+    is not proven; with `skip_refused` such charts stay charts and the others are written. `jobs` charts are compared at
+    a time, each in a process of its own; then there is no `progress`. Verdicts and their order do not depend on it.
     """
     name = format_to_write(project, format, tia, target)
     searching: Searching = {"free_inputs": free_inputs, "limit": limit, "progress": progress}
@@ -118,7 +121,7 @@ def lower_to_file(
             for each in left_out:
                 why = "it was not asked for, and SCL has no charts: the file has no such block"
                 draft.report.add(Outcome.NOT_EXECUTED, "chart", each.report_path, why)
-            pous, late = draft.all_proven(lowered.pous, proof_options)
+            pous, late = draft.all_proven(lowered.pous, proof_options, jobs)
             refused |= late
             stopped = any(isinstance(error, UntestedError) and error.verdict.interrupted for error in late.values())
             if late and skip_refused and not stopped:
@@ -143,24 +146,35 @@ class _Draft:
         self.report = save_project(project, f"{self._path}/" if self._is_folder else self._path, **options)
 
     def all_proven(
-        self, lowered: Iterable[LoweredPou], options: ProofOptions | None
+        self, lowered: Iterable[LoweredPou], options: ProofOptions | None, jobs: int = 1
     ) -> tuple[tuple[LoweredPou, ...], dict[str, LoweringError]]:
         """Return the same with the proofs of their code in the draft, and errors by the names of charts.
 
         None as `options`: there are no proofs. After an interruption all others are returned as they were given.
         """
         seen = self._seen() if options is not None else None
+        if jobs > 1 and options is not None:  # nothing can be shown from another process
+            options = options._replace(searching={**options.searching, "progress": None})
         found: dict[str, LoweredPou] = {each.name: each for each in lowered}
         refused: dict[str, LoweringError] = {}
-        for name, each in list(found.items()):
-            try:
-                found[name] = self.proven(each, options, seen)
-            except LoweringError as error:
-                refused[name] = error
-                del found[name]
-                if isinstance(error, UntestedError) and error.verdict.interrupted:
-                    break
+        proven = partial(self._proven_or_refused, options, seen)
+        for name, made in zip(list(found), results(proven, list(found.values()), jobs), strict=False):
+            if isinstance(made, LoweredPou):
+                found[name] = made
+                continue
+            refused[name] = made
+            del found[name]
+            if isinstance(made, UntestedError) and made.verdict.interrupted:
+                break
         return tuple(found.values()), refused
+
+    def _proven_or_refused(
+        self, options: ProofOptions | None, seen: Project | None, lowered: LoweredPou
+    ) -> LoweredPou | LoweringError:
+        try:
+            return self.proven(lowered, options, seen)
+        except LoweringError as error:
+            return error
 
     def proven(self, lowered: LoweredPou, options: ProofOptions | None, seen: Project | None = None) -> LoweredPou:
         """Return the same with the proof of its code in the draft, which `seen` is as its tool reads it."""

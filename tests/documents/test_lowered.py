@@ -11,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.analysis.verdict import UntestedError
-from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.errors import ArgumentError, LoweringError
 from tests.lowering.charts import boolean, training_chain
 
 
@@ -42,6 +42,32 @@ def test_saved_code_is_proven_as_its_tool_reads_it(tmp_path: Path) -> None:
     assert report.compared["POU Ablauf"].startswith("equal (proof: ")
     assert report.written == [str(tmp_path / "chain.scl")]
     assert "CASE" in (tmp_path / "chain.scl").read_text(encoding="utf-8-sig")
+
+
+def test_verdicts_and_their_order_are_the_same_in_several_processes(tmp_path: Path) -> None:
+    project = plant("Second", "Broken", "First")
+    stuck = project.pous[1]
+    assert stuck.sfc is not None
+    assert stuck.interface is not None
+    stuck.interface.sections.append(m.VariableSection(kind=m.SectionKind.LOCAL, variables=[boolean("Never")]))
+    stuck.sfc.transitions[0].condition = m.Expression(text="Never")
+    made = [
+        sfc.lower_to_file(project, str(tmp_path / f"{jobs}.scl"), "case", skip_refused=skip, jobs=jobs)
+        for jobs in (1, 2)
+        for skip in (False, True)
+    ]
+    for one, two in ((made[0], made[2]), (made[1], made[3])):
+        assert [(each.name, str(each.proof)) for each in one.pous] == [(e.name, str(e.proof)) for e in two.pous]
+        assert [(name, str(e)) for name, e in one.refused.items()] == [
+            (name, str(e)) for name, e in two.refused.items()
+        ]
+    assert [each.name for each in made[3].pous] == ["Second", "First"]
+    assert (tmp_path / "1.scl").read_bytes() == (tmp_path / "2.scl").read_bytes()
+
+
+def test_jobs_are_a_number_of_processes(tmp_path: Path) -> None:
+    with pytest.raises(ArgumentError, match="jobs needs a number of processes, not 0"):
+        sfc.lower_to_file(plant("Ablauf"), str(tmp_path / "a.scl"), "case", jobs=0)
 
 
 def test_code_that_only_we_read_is_not_saved(tmp_path: Path) -> None:

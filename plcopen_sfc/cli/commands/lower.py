@@ -36,6 +36,7 @@ class LowerOptions:
     accept_untested: bool = False
     free: tuple[str, ...] = ()
     limit: str | None = None
+    jobs: int = 1
     accept_errors: bool = False
 
 
@@ -67,6 +68,7 @@ def run(screen: Screen, source: str, target: str | None, how: LowerOptions) -> i
             free_inputs=how.free,
             limit=how.limit,
             progress=progress,
+            jobs=how.jobs,
             **how.options,
         )
     if target == STANDARD_STREAM and made.path is not None:
