@@ -102,7 +102,8 @@ PictureStyle = Annotated[
     _option("--style", "Draw as in iec, grafcet or s7graph. The default is what the chart is of.", "STYLE"),
 ]
 PictureFormat = Annotated[
-    str | None, _option("--to", "Write svg, png or pdf. The default is the extension of DST, else svg.", "FORMAT")
+    str | None,
+    _option("--to", "Write svg, png, pdf, mermaid or dot. The default is the extension of DST, else svg.", "FORMAT"),
 ]
 Theme = Annotated[str, _option("--theme", "Draw in light or dark colours, or in black on white: print.", "THEME")]
 

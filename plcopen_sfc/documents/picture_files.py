@@ -1,4 +1,4 @@
-"""Pictures of the charts of a project, written to files: SVG, and PNG and PDF made of it."""
+"""Pictures of the charts of a project in files: SVG, PNG and PDF made of it, texts for Mermaid and Graphviz."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ import re
 from pathlib import Path
 
 from plcopen_sfc.documents.folder_documents import FileNames
-from plcopen_sfc.drawing.pictures import Theme, chart_svg
+from plcopen_sfc.drawing.pictures import Theme, chart_svg, dot_text, mermaid_text
 from plcopen_sfc.errors import ModelError, SfcError, check_argument, nearest
 from plcopen_sfc.files import refuse_empty, write_all
 from plcopen_sfc.model.project import Chart, Project
 
 __all__ = ["PICTURE_FORMATS", "draw"]
 
-PICTURE_FORMATS = ("svg", "png", "pdf")
-"""The formats of pictures, which are their extensions too."""
+PICTURE_FORMATS = {"svg": ".svg", "png": ".png", "pdf": ".pdf", "mermaid": ".mmd", "dot": ".dot"}
+"""The formats of pictures and their extensions."""
+_DEFAULT = "svg"
 _SHOWN = 20
 _SIZE = re.compile(r' width="(\d+)" height="(\d+)"')
 _PNG_PIXELS = 32_000
@@ -38,8 +39,9 @@ def draw(
 
     `target` is a file for one chart, or a folder, which exists or ends in a slash; there each picture has the name of
     its chart. `style` and `theme` as in `SfcNetwork.to_svg`. `format` is ``svg``, ``png`` (two pixels for one of the
-    SVG) or ``pdf`` (one page of the size of the picture); the default is what the extension of a file says, else
-    ``svg``. PNG and PDF need the extra ``pictures``. Returns the files by the names of the charts. All are written or
+    SVG), ``pdf`` (one page of the size of the picture), or a text for a program that draws graphs, without style and
+    theme: ``mermaid`` or ``dot``. The default is what the extension of a file says, else ``svg``. PNG and PDF need the
+    extra ``pictures``. Returns the files by the names of the charts. All are written or
     none. Raises `ModelError` where there is no such chart, format, style or theme, or several charts for one file,
     `SfcError` where the extra is missing, and `FileAccessError`.
     """
@@ -48,15 +50,15 @@ def draw(
     refuse_empty(path)
     kind = _format(path, format)
     charts = _chosen(project, pou)
-    files = _files(charts, path, f".{kind}")
-    write_all({files[each.name]: _encoded(chart_svg(each.chart, style, theme), kind) for each in charts})
+    files = _files(charts, path, PICTURE_FORMATS[kind])
+    write_all({files[each.name]: _picture(each, kind, style, theme) for each in charts})
     return files
 
 
 def _format(path: str, wanted: str | None) -> str:
-    extension = Path(path).suffix.lower().removeprefix(".")
     if wanted is None:
-        return extension if extension in PICTURE_FORMATS else PICTURE_FORMATS[0]
+        extension = Path(path).suffix.lower()
+        return next((kind for kind, each in PICTURE_FORMATS.items() if each == extension), _DEFAULT)
     check_argument(wanted, str, "the format of a picture is a text")
     if wanted.lower() not in PICTURE_FORMATS:
         hint = "There are: " + ", ".join(PICTURE_FORMATS)
@@ -64,7 +66,10 @@ def _format(path: str, wanted: str | None) -> str:
     return wanted.lower()
 
 
-def _encoded(svg: str, kind: str) -> bytes:
+def _picture(chart: Chart, kind: str, style: str | None, theme: str) -> bytes:
+    if kind in _TEXTS:
+        return _TEXTS[kind](chart.chart).encode("utf-8")
+    svg = chart_svg(chart.chart, style, theme)
     data = svg.encode("ascii")
     if kind == "svg":
         return data
@@ -81,6 +86,9 @@ def _encoded(svg: str, kind: str) -> bytes:
     else:
         made = cairosvg.svg2pdf(bytestring=data, scale=min(1.0, _PDF_PIXELS / longest))
     return made
+
+
+_TEXTS = {"mermaid": mermaid_text, "dot": dot_text}
 
 
 def _chosen(project: Project, pou: str | None) -> list[Chart]:

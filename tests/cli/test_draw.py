@@ -74,6 +74,14 @@ def test_other_formats(cli, fixtures, tmp_path, extension, start):
     assert {path.suffix for path in (tmp_path / "all").iterdir()} == {f".{extension}"}
 
 
+@pytest.mark.parametrize(("name", "extension"), [("mermaid", "mmd"), ("dot", "dot")])
+def test_texts_for_other_programs(cli, fixtures, tmp_path, name, extension):
+    piped = cli("draw", "iectext/mixing_plant.st", "-", "--to", name)
+    assert piped.out.startswith({"mermaid": "flowchart TD", "dot": "digraph"}[name])
+    assert cli("draw", "iectext/mixing_plant.st", tmp_path / f"x.{extension}").code == 0
+    assert (tmp_path / f"x.{extension}").read_text(encoding="utf-8") == piped.out
+
+
 @pytest.mark.slow
 def test_long_charts_are_images_that_programs_can_show(tmp_path):
     require_cairo()

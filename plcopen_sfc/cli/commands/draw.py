@@ -23,7 +23,7 @@ def run(
 
     From standard input (``-``) None is standard output.
     """
-    extension = f".{format or PICTURE_FORMATS[0]}"
+    extension = PICTURE_FORMATS.get((format or "svg").lower(), "")
     project = load_input(screen, source)
     for finding in project.diagnostics:
         screen.finding(finding, result=False)

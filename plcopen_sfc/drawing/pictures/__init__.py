@@ -1,13 +1,15 @@
-"""Pictures of charts as SVG.
+"""Pictures of charts as SVG, and as texts for programs that draw graphs.
 
 * `chart_picture`: a chart with the charts inside it, as the text of an SVG file
 * `chart_arrangement`: the nested branches of a chart on the page
 * `symbol_pictures`, `action_pictures`: steps, transitions and jumps; action blocks
+* `graph_texts`: Mermaid and Graphviz
 * `svg_canvas`: shapes, texts and themes; `text_measures`: widths of texts, wrapped texts
 """
 
 from plcopen_sfc.drawing.pictures.chart_picture import chart_svg
+from plcopen_sfc.drawing.pictures.graph_texts import dot_text, mermaid_text
 from plcopen_sfc.drawing.pictures.svg_canvas import Theme
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle
 
-__all__ = ["PictureStyle", "Theme", "chart_svg"]
+__all__ = ["PictureStyle", "Theme", "chart_svg", "dot_text", "mermaid_text"]

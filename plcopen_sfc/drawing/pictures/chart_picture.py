@@ -37,7 +37,7 @@ def chart_svg(chart: SfcNetwork, style: str | None = None, theme: str = Theme.LI
     look = _choice(PictureStyle, style, "style") if style is not None else usual_style(chart)
     colours = _choice(Theme, theme, "theme")
     dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
-    parts = list(_charts_in(chart))
+    parts = list(charts_in(chart))
     activated = {
         enclosure.chart: frozenset(enclosure.activated_steps)
         for part in parts
@@ -76,8 +76,8 @@ def _choice(kind: type[Choice], value: str, what: str) -> Choice:
 
 
 @dataclass(slots=True)
-class _Part:
-    """A chart in the picture. `name`: of a partial chart; `heading`: what its frame says."""
+class ChartPart:
+    """A chart in the picture. `name`: of a partial chart; `heading`: what its frame says, empty for the whole chart."""
 
     chart: SfcNetwork
     name: str = ""
@@ -85,15 +85,15 @@ class _Part:
     arrangement: Arrangement | None = None
 
 
-def _charts_in(chart: SfcNetwork) -> Iterator[_Part]:
+def charts_in(chart: SfcNetwork) -> Iterator[ChartPart]:
     """Yield a chart and the charts inside it: partial charts, contents of macro-steps, charts as actions."""
-    pending = [_Part(chart)]
+    pending = [ChartPart(chart)]
     while pending:
         part = pending.pop()
         yield part
-        inner = [_Part(p.chart, p.name, f"{p.name} ({p.kind.value})") for p in part.chart.partial_charts]
+        inner = [ChartPart(p.chart, p.name, f"{p.name} ({p.kind.value})") for p in part.chart.partial_charts]
         for step in part.chart.steps:
-            inner += [_Part(body.chart, heading=f"{step.name}: {what}") for what, body in _inner_bodies(step)]
+            inner += [ChartPart(body.chart, heading=f"{step.name}: {what}") for what, body in _inner_bodies(step)]
         pending += reversed(inner)
 
 
@@ -108,7 +108,7 @@ def _inner_bodies(step: Step) -> Iterator[tuple[str, SfcBody]]:
     yield from ((what, body) for what, body in bodies if isinstance(body, SfcBody))
 
 
-def _place(canvas: Canvas, parts: list[_Part]) -> tuple[int, int]:
+def _place(canvas: Canvas, parts: list[ChartPart]) -> tuple[int, int]:
     """Draw the parts in rows from left to right; return the size of the picture."""
     x = y = _MARGIN
     right = row = 0
