@@ -119,6 +119,22 @@ def test_every_step_of_a_fixture_can_be_entered(file: str) -> None:
         assert missing == NOT_ENTERED.get(f"{file}: {name}", set()), str(verdict)
 
 
+def test_what_the_tool_gives_an_input_address_is_an_input() -> None:
+    text = """PROGRAM Main
+VAR Part AT %I* : BOOL; Count AT %Q* : INT; END_VAR
+INITIAL_STEP A: END_STEP
+STEP B: Act(N); END_STEP
+TRANSITION FROM A TO B := Part; END_TRANSITION
+TRANSITION FROM B TO A := NOT Part; END_TRANSITION
+ACTION Act: Count := 1; END_ACTION
+END_PROGRAM
+"""
+    chart = sfc.loads(text.encode(), format="iec-text")
+    verdict = equivalent(chart, chart, "codesys")
+    assert (verdict.proven, verdict.inputs, verdict.frozen) == (True, ("Part",), ()), str(verdict)
+    assert verdict.coverage[0].counts["step"] == (2, 2)
+
+
 def test_an_error_of_one_side_tells_the_scan_of_its_own_run() -> None:
     def failing(value: str) -> Project:
         text = f"IF Go AND Raw = 321 THEN n := n + 1; END_IF; IF n > 3 THEN Q := 1 / ({value}) > 0; END_IF;"

@@ -105,6 +105,7 @@ def _declare_variable(callee: Callee, section: VariableSection, variable: m.Vari
     direction = Direction.CONSTANT if section.constant else _DIRECTIONS.get(section.kind, Direction.LOCAL)
     field = callee.layout.add(variable.name, type_, direction)
     field.declared = True
+    field.given = variable.address is not None and variable.address.upper().startswith("%I")
     field.retained = direction is not Direction.TEMP
     if direction is Direction.IN_OUT:
         field.initial = "None"

@@ -154,6 +154,8 @@ class Field:
     """True if the declaration gives it another value than that of its type."""
     declared: bool = False
     """True if the project declares it: not what charts and the simulator bring with them."""
+    given: bool = False
+    """True if it is at an input address that the tool chooses (``AT %I*``)."""
     retained: bool = True
     """True if a later call can see the value: not of what is temporary."""
 

@@ -151,9 +151,11 @@ class VariableUse:
                     yield inner, name, part
 
     def is_freed(self, field: Field) -> bool:
-        """True if the user wants a variable as an input that its declaration does not make one."""
+        """True for a variable at an input address, and for one that the user wants as an input."""
         if not field.declared or not is_plain(field.type):
             return False
+        if field.given:
+            return True
         if field.direction not in (Direction.LOCAL, Direction.EXTERNAL) or field.name.casefold() in self._not_free:
             return False
         return ALL_FREE in self._freed or field.name.casefold() in self._freed
