@@ -7,10 +7,11 @@ from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.analysis.verdict import Counterexample, VerdictKind
+from plcopen_sfc.conversion.executed_parts import SHOWN_STATE, UNDECLARED
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.report import LOSSES, ConversionReport, Outcome
+from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
@@ -20,7 +21,7 @@ __all__ = ["report_running"]
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
-_APART = frozenset({"operating inputs", "retain", "address", "interval", "max time", "maximum time"})
+_APART = frozenset({"operating inputs", SHOWN_STATE, "retain", "address", "interval", "max time", "maximum time"})
 """Losses that running a chart does not show: what operates it rests, nothing looks at addresses or times of tasks."""
 
 
@@ -80,12 +81,17 @@ def _pairs(
 ) -> Iterator[tuple[Chart, Chart]]:
     """The charts that are to be run: of the source, with that of the result."""
     found = {in_the_source(chart.report_path, called).casefold(): chart for chart in result.charts()}
-    lossy = [f"{item.path} / " for item in report.items if item.outcome in LOSSES and item.what not in _APART]
+    lossy = [f"{item.path} / " for item in report.items if item.outcome in LOSSES and not _is_apart(item)]
     for chart in source.charts():
         inside = f"{chart.report_path} / "
         here = found.get(chart.report_path.casefold())
         if here is not None and not any(path.startswith(inside) or inside.startswith(path) for path in lossy):
             yield chart, here
+
+
+def _is_apart(item: Item) -> bool:
+    """True for a loss beside which a run shows more: a name that nothing declares is the same input on both sides."""
+    return item.what in _APART or (item.what == UNDECLARED and item.outcome is Outcome.APPROXIMATED)
 
 
 def _why(example: Counterexample, tool: str) -> str:

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from plcopen_sfc.conversion.executed_parts import PLAIN_VARIABLES, STORED, UNDECLARED, UNDECLARED_TYPE, Key, Part
+from plcopen_sfc.conversion.executed_parts import (
+    PLAIN_VARIABLES,
+    SHOWN_STATE,
+    STORED,
+    UNDECLARED,
+    UNDECLARED_TYPE,
+    Key,
+    Part,
+)
 from plcopen_sfc.conversion.meaning import Meaning, is_stronger, same
 from plcopen_sfc.errors import ObjectPath
 
@@ -37,7 +45,9 @@ _OF_NO_EFFECT = frozenset(
     | {"unit", "property", "data of the tool"}
 )
 """Kinds of parts that may be added: what nothing names does nothing."""
-_AT_REST = frozenset({"operating inputs", "order of transitions"})
+_OF_EVERY_BLOCK = frozenset({"en", "eno"})
+"""Names that nothing declares: a tool has them in every block, or has nothing like them."""
+_AT_REST = frozenset({"operating inputs", SHOWN_STATE, "order of transitions"})
 """Aspects that may be added: a chart runs as before as long as nobody operates it."""
 
 
@@ -45,13 +55,14 @@ def compare(left: Part, right: Part, *, other_tool: bool = False, has_libraries:
     """The differences between two trees of `plcopen_sfc.conversion.executed`, parts before what is in them.
 
     `other_tool`: the second is for another tool, which does not have the libraries of the first. `has_libraries`: the
-    first is of a tool that has some, so that what it does not declare may come from there.
+    first is of a tool that has some, so that functions and types which it does not declare may come from there.
     """
     yield from _compare(left, right, Key("project", ""), ())
     for key, part in left.parts.items() if other_tool else ():
         other = right.parts.get(key)
-        if other is not None and (key.kind == UNDECLARED_TYPE or (key.kind == UNDECLARED and other.is_called)):
-            yield Difference(part.path, key.kind, _name(part, key), "", None if has_libraries else "", "")
+        if other is not None and key.kind in (UNDECLARED, UNDECLARED_TYPE) and key.name not in _OF_EVERY_BLOCK:
+            is_of_library = has_libraries and (key.kind == UNDECLARED_TYPE or other.is_called)
+            yield Difference(part.path, key.kind, _name(part, key), "", None if is_of_library else "", "")
 
 
 def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Iterator[Difference]:

@@ -7,7 +7,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Protocol
 
-from plcopen_sfc.conversion.executed_parts import PLAIN_VARIABLES, STORED, Part, duration_meaning, plain_name
+from plcopen_sfc.conversion.executed_parts import (
+    PLAIN_VARIABLES,
+    SHOWN_STATE,
+    STORED,
+    Part,
+    duration_meaning,
+    plain_name,
+)
 from plcopen_sfc.conversion.meaning import (
     Meaning,
     condition_meaning,
@@ -26,7 +33,7 @@ from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step,
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
 from plcopen_sfc.semantics.profile import ActionControl, Profile
-from plcopen_sfc.semantics.system_inputs import PARAMETER_NAMES, system_inputs
+from plcopen_sfc.semantics.system_inputs import MEMBER_NAMES, OUTPUT_NAMES, PARAMETER_NAMES, system_inputs
 
 __all__ = ["ChartReader"]
 
@@ -291,7 +298,6 @@ class ChartReader:
         for flag in sorted(self.flags):
             chart.tell(flag.variable, Meaning.of(True, flag.variable))
         inputs = [variable.name for variable in self.pou.variables(SectionKind.INPUT)]
-        outputs = [variable.name for variable in self.pou.variables(SectionKind.OUTPUT)]
         flags = {flag.variable.casefold() for flag in self.flags}
         operating = system_inputs(self.pou, self.owner.profile, inputs)
         operating -= {name for name in operating if name.rpartition(".")[2].casefold() in flags}
@@ -299,9 +305,15 @@ class ChartReader:
             chart.tell(
                 "operating inputs", Meaning.of(frozenset(map(str.casefold, operating)), ", ".join(sorted(operating)))
             )
+        outputs = [variable.name for variable in self.pou.variables(SectionKind.OUTPUT)]
         named = [name for name in (*inputs, *outputs) if name.casefold() in PARAMETER_NAMES]
+        named += [v.name for v in self.pou.variables() if v.name.casefold() in MEMBER_NAMES and v.name not in named]
         if self.owner.profile.graph_parameters:
             chart.parameters = frozenset(map(str.casefold, named))
+            rows = {plain_name(row.target or "") for step in self.chart.steps for row in step.actions}
+            shown = [name for name in outputs if name.casefold() in OUTPUT_NAMES and plain_name(name) not in rows]
+            if shown:
+                chart.tell(SHOWN_STATE, Meaning.of(frozenset(map(str.casefold, shown)), ", ".join(shown)))
         elif named and self.chart.graph_settings is None:  # it was no chart of S7-GRAPH before
             chart.tell(PLAIN_VARIABLES, Meaning.of(frozenset(map(str.casefold, named)), ", ".join(named)))
         graph = self.chart.graph_settings

@@ -13,7 +13,16 @@ from typing import NamedTuple
 
 from plcopen_sfc.conversion.meaning import Meaning, literal_meaning
 
-__all__ = ["PROGRAM_CALL", "UNDECLARED", "UNDECLARED_TYPE", "Key", "Part", "duration_meaning", "plain_name"]
+__all__ = [
+    "PROGRAM_CALL",
+    "SHOWN_STATE",
+    "UNDECLARED",
+    "UNDECLARED_TYPE",
+    "Key",
+    "Part",
+    "duration_meaning",
+    "plain_name",
+]
 
 UNDECLARED = "undeclared name"
 """The kind of parts that are names which nothing declares."""
@@ -21,6 +30,8 @@ STORED = "stored value of "
 """The beginning of the aspect that tells what the rows of a step store in an operand."""
 PLAIN_VARIABLES = "plain variables"
 """The aspect that lists variables of a chart of another tool whose names are parameters of charts of S7-GRAPH."""
+SHOWN_STATE = "shown state"
+"""The aspect that lists outputs by which a chart of S7-GRAPH tells its state."""
 UNDECLARED_TYPE = "undeclared type"
 """The kind of parts that are names of types which nothing declares."""
 PROGRAM_CALL = "call of a program"

@@ -124,11 +124,14 @@ class _Reader:
         self._calls_of_programs(names)
         for occurrence in names.undeclared():
             name = occurrence.reference.name
+            own = occurrence.text_site.site.pou
             if (
                 name.casefold() in _RESULTS | self.global_names | self.programs.keys()
                 or standard_block(name) is not None
             ):
                 continue
+            if own is not None and own.kind is PouKind.FUNCTION and name.casefold() == own.name.casefold():
+                continue  # its result
             part = self.whole.add(UNDECLARED, name, occurrence.text_site.report_path)
             part.tell("name", Meaning.of(name))
             part.is_called = _is_call(occurrence)

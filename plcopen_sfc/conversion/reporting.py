@@ -8,7 +8,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from plcopen_sfc.conversion.comparison import Difference
-from plcopen_sfc.conversion.executed_parts import PLAIN_VARIABLES, PROGRAM_CALL, STORED, UNDECLARED, UNDECLARED_TYPE
+from plcopen_sfc.conversion.executed_parts import (
+    PLAIN_VARIABLES,
+    PROGRAM_CALL,
+    SHOWN_STATE,
+    STORED,
+    UNDECLARED,
+    UNDECLARED_TYPE,
+)
 from plcopen_sfc.errors import ObjectPath
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
@@ -319,7 +326,7 @@ def _whole(difference: Difference, tool: str) -> str:
     if kind in (UNDECLARED, UNDECLARED_TYPE):
         what = "type" if kind == UNDECLARED_TYPE else "name"
         if difference.left == "":
-            return f"the {what} `{name}` is declared neither in the source nor in {tool}, which needs a library with it"
+            return f"the {what} `{name}` is declared neither in the source nor in {tool}, which does not compile it"
         origin = "" if difference.left is None else f": it is {difference.left} of the library of its tool"
         return f"the {what} `{name}` is not declared in {tool}{origin}"
     if kind == "data of the tool":
@@ -380,6 +387,7 @@ _MISSING = {
     "retain": "`{name}` does not keep its value over a power failure in {tool}",
     "constant": "`{name}` is no constant in {tool}",
     "operating inputs": "no effect in {tool}: {left}",
+    SHOWN_STATE: "nothing sets these outputs in {tool}: {left}",
     PLAIN_VARIABLES: "variables of this name operate the sequence or show its state in {tool}: {left}",
     "code": "the {kind} has no program in {tool}",
     "extends": "the {kind} does not extend `{left}` in {tool}: nothing of that is in it",

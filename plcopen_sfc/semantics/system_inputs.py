@@ -1,4 +1,4 @@
-"""Inputs that operate a chart instead of being signals of the machine: commands, modes, SFC flags."""
+"""Parameters that operate a chart or tell its state, and are no signals of the machine: commands, modes, SFC flags."""
 
 from __future__ import annotations
 
@@ -7,15 +7,20 @@ from collections.abc import Iterable
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, PARAMETERS
+from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, ALL_OUTPUTS, PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 
-__all__ = ["PARAMETER_NAMES", "system_inputs"]
+__all__ = ["MEMBER_NAMES", "OUTPUT_NAMES", "PARAMETER_NAMES", "system_inputs"]
 
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 _SEQUENCER = frozenset(name.casefold() for name in ALL_INPUTS)
-PARAMETER_NAMES = _SEQUENCER | frozenset(name.casefold() for name in PARAMETERS)
-"""Casefolded names of the variables by which S7-GRAPH is told what to do with a sequence, and tells its state."""
+OUTPUT_NAMES = frozenset(name.casefold() for name in ALL_OUTPUTS)
+"""Casefolded names of the outputs by which S7-GRAPH tells the state of a sequence."""
+PARAMETER_NAMES = _SEQUENCER | OUTPUT_NAMES
+"""Casefolded names of the inputs and outputs by which S7-GRAPH is told what to do with a sequence, and tells its state.
+"""
+MEMBER_NAMES = frozenset(name.casefold() for name in (*PARAMETERS, "RT_DATA"))
+"""Casefolded names of what a block of S7-GRAPH usually has, so that no other variable of the block has such a name."""
 _SIGNS = frozenset({"off_sq", "init_sq"})
 """A block without a chart that has one of these is a sequencer that was lowered."""
 

@@ -143,6 +143,8 @@ _PARAMETERS = {
 """Standard parameter set (S7-GRAPH V6, TIA Portal V14 SP1 to V21)."""
 _OPERATING = frozenset({"off_sq", "init_sq"})
 """A block with one of these has a parameter set of its own."""
+_RUNTIME_DATA = "rt_data"
+"""The member in which TIA Portal keeps the state of the sequences."""
 _BEHIND = {"Input": ("Base",), "Output": ("Base", "Input")}
 
 
@@ -166,6 +168,13 @@ def add_system_parts(ctx: DocumentWriting, sections: etree._Element) -> None:
             mark_added(member)
             section.insert(at, member)
     ctx.note(Outcome.TRANSLATED, "interface", why="it got the standard parameters of S7-GRAPH")
+
+
+def system_members(variables: set[str]) -> set[str]:
+    """Return the casefolded names of what a GRAPH block has beside its `variables` and the members for its steps."""
+    if variables & _OPERATING:
+        return {_RUNTIME_DATA}
+    return {_RUNTIME_DATA, *(name.casefold() for names in _PARAMETERS.values() for name in names)}
 
 
 def _section(sections: etree._Element, name: str) -> etree._Element | None:

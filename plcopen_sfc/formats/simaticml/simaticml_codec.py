@@ -144,7 +144,7 @@ class SimaticmlCodec(FolderCodec):
             for chart in project.charts():
                 fit_alarms(chart.chart, _version(project, options))
         version = _version(project, options)
-        adapt(project, report)
+        adapt(project, report, foreign=not options.same)
         if not project.header.product:  # a project made in Python: nothing is lost when the file names its reader
             project.header.product, project.header.version = PRODUCT, version.name
         exchange_markup(project, Markup.SIMATICML, markup_of(project))

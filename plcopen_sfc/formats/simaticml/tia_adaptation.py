@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from plcopen_sfc.formats.simaticml.added_elements import system_members
 from plcopen_sfc.formats.simaticml.coils_and_contacts import put_coils
 from plcopen_sfc.formats.simaticml.declaration_spelling import version_of
 from plcopen_sfc.formats.simaticml.network_boxes import mark_calls, put_operands, put_standard_blocks
@@ -32,8 +33,11 @@ _WITH_TEXTS = (
 )
 
 
-def adapt(project: Project, report: ConversionReport) -> None:
-    """Give steps and transitions the numbers and names that S7-GRAPH requires, and texts their language."""
+def adapt(project: Project, report: ConversionReport, *, foreign: bool) -> None:
+    """Give steps and transitions the numbers and names that S7-GRAPH requires, and texts their language.
+
+    `foreign`: the project comes from another tool or format.
+    """
     # standard blocks come first: the others know flip-flops, coils and calls by the names and pins they get there
     put_standard_blocks(project)
     put_operands(project, report)
@@ -52,6 +56,8 @@ def adapt(project: Project, report: ConversionReport) -> None:
     for chart in project.charts():
         _shift_logic(chart.chart)
         variables = {each.name.casefold() for each in chart.pou.variables() if not _is_own_member(each)}
+        if foreign:
+            _report_names(chart.chart, chart.report_path, variables, report)
         _numbers(chart.chart, chart.report_path, variables, report)
 
 
@@ -171,11 +177,8 @@ def _languages(thing: Any, language: str) -> None:
 def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: ConversionReport) -> None:
     _number(chart.steps)
     _number(chart.transitions)
-    for kind, things in (("step", chart.steps), ("transition", chart.transitions)):
-        for name in (thing.name for thing in things if thing.name.casefold() in variables):
-            why = f"a variable of the block is called {name} too: TIA Portal does not compile it"
-            report.add(Outcome.NOT_EXECUTED, kind, f"{place} / {kind} {name}", why)
-    taken = {step.name.casefold() for step in chart.steps} | {t.name.casefold() for t in chart.transitions} | variables
+    taken = {step.name.casefold() for step in chart.steps} | {t.name.casefold() for t in chart.transitions}
+    taken |= variables | system_members(variables)
     for transition in chart.transitions:
         if not transition.name:
             transition.name = _free(f"Trans{transition.number}", taken)
@@ -191,6 +194,19 @@ def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: Convers
         if len(group) > 1:
             for rank, transition in enumerate(sorted(group, key=lambda t: (t.priority is None, t.priority or 0)), 1):
                 transition.priority = rank
+
+
+def _report_names(chart: SfcNetwork, place: str, variables: set[str], report: ConversionReport) -> None:
+    """Report steps and transitions with the name of something else: all of these are members of the block."""
+    called = dict.fromkeys(variables | system_members(variables), "variable of the block")
+    things: list[tuple[str, Step | Transition]] = [("step", step) for step in chart.steps]
+    things += [("transition", transition) for transition in chart.transitions if transition.name]
+    for kind, thing in things:
+        other = called.get(thing.name.casefold())
+        if other is not None:
+            why = f"a {other} is called {thing.name} too: TIA Portal does not compile it"
+            report.add(Outcome.NOT_EXECUTED, kind, f"{place} / {kind} {thing.name}", why)
+        called.setdefault(thing.name.casefold(), kind)
 
 
 def _connected(chart: SfcNetwork) -> list[list[int]]:

@@ -60,7 +60,8 @@ def test_other_formats_get_the_text_as_they_write_it(form: str, target: str) -> 
 def test_a_condition_is_an_expression_in_every_format(target: str) -> None:
     """In its own file it stays where it is."""
     plain = chart(step(1, "S1", 2, initial=True), transition(2, 1, condition="go"))
-    data = project(plain.replace("<xhtml:p>go</xhtml:p>", "go"))
+    declared = plain.replace("<body>", f"{VARIABLES}<body>", 1)
+    data = project(declared.replace("<xhtml:p>go</xhtml:p>", "go"))
     loaded = sfc.loads(data)
     assert _condition(loaded) == "go"
     assert sfc.dumps(loaded) == data

@@ -336,9 +336,10 @@ def test_step_actions_of_codesys_run_as_often_in_tc6(kind: str, target: str) -> 
 def test_a_main_action_that_is_executed_once_more_is_approximated() -> None:
     source = codesys_block(main_action="Other.Run")
     _, report = sfc.convert(source, "plcopen")
-    (item,) = report.losses
+    item, other = report.losses
     assert item.outcome is Outcome.APPROXIMATED
     assert "executed once more" in item.why
+    assert other.why.startswith("the name `Other` is declared neither in the source nor in ")
 
 
 @pytest.mark.parametrize("target", ["plcopen-2.01", "plcopen-1.01"])

@@ -43,6 +43,14 @@ ALL_INPUTS = (
     *"S_SELOK T_PREV T_NEXT".split(),
 )
 """All inputs that operate a sequencer, those of the maximum parameter set included (S7-GRAPH V6)."""
+ALL_OUTPUTS = (
+    *_OUTPUTS,
+    *(lamp for _, lamp in MODES.values()),
+    *"S_TIME S_TIMEOK S_CRITLOC S_CRITLOCERR S_CRITSUP S_STATE T_NO T_MORE T_CRIT T_CRITOLD T_CRITFLT".split(),
+    *"ERROR FAULT SQ_ISOFF SQ_HALTED TM_HALTED OP_ZEROED IL_ENABLED SV_ENABLED ACKREQ_ENABLED".split(),
+    *"SSKIP_ENABLED SACT_DISP SEF_DISP SALL_DISP".split(),
+)
+"""All outputs by which a sequencer tells its state, those of the maximum parameter set included (S7-GRAPH V6)."""
 PARAMETERS = (*_COMMANDS, *MODES, "S_SEL", *_OUTPUTS, *(lamp for _, lamp in MODES.values()))
 """All parameters that are known."""
 

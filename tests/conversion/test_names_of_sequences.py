@@ -1,0 +1,92 @@
+"""Names that a chart of S7-GRAPH has of itself, and names that nothing declares, in conversions to and from it."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import LOSSES, Item, Outcome
+from tests.conversion.features import Feature, Rig, feature_project, variable
+
+OUTPUT, LOCAL = m.SectionKind.OUTPUT, m.SectionKind.LOCAL
+
+
+def converted(rig_of: object, source: str, target: str) -> tuple[bytes, list[Item]]:
+    """The chart of a feature in another format, and what is lost there."""
+    project = feature_project(Feature("", (source,), rig_of), source)  # type: ignore[arg-type]
+    original = sfc.loads(sfc.dumps(project, format=source, partial=True), format=source)
+    data, report = sfc.convert(original, target, partial=True)
+    return data, [item for item in report.items if item.outcome in LOSSES]
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+@pytest.mark.parametrize(("name", "kind"), [("S_NO", "INT"), ("ERR_FLT", "BOOL"), ("S_CRITLOC", "BOOL")])
+def test_outputs_that_show_the_state_of_a_sequence_are_not_set_elsewhere(name: str, kind: str, target: str) -> None:
+    _, losses = converted(lambda rig: rig.declare(OUTPUT, variable(name, kind)), "simaticml", target)
+    (item,) = losses
+    assert (item.outcome, item.path) == (Outcome.NOT_EXECUTED, "POU Main")
+    assert item.why.startswith("nothing sets these outputs in ")
+    assert item.why.endswith(f": {name}")
+
+
+def test_an_output_that_the_chart_sets_itself_shows_no_state() -> None:
+    def build(rig: Rig) -> None:
+        rig.declare(OUTPUT, variable("ERROR"))
+        rig.act("Work", "ERROR")
+
+    assert not converted(build, "simaticml", "codesys")[1]
+
+
+@pytest.mark.parametrize(
+    ("condition", "name"),
+    [("#S_NO = 2", "S_NO"), ("#RT_DATA.MOP.AUTO", "RT_DATA"), ("#Trans1.TT", "Trans1"), ('"DB".x', "DB"), ('"T"', "T")],
+)
+@pytest.mark.parametrize("target", ["codesys", "plcopen", "iec-text"])
+def test_a_variable_that_nothing_declares_is_told_in_another_tool(condition: str, name: str, target: str) -> None:
+    def build(rig: Rig) -> None:
+        rig.chart.transitions[1].condition = m.Expression(text=condition)
+
+    _, losses = converted(build, "simaticml", target)
+    found = [item for item in losses if item.what == "undeclared name"]
+    assert [(item.outcome, item.path.partition(" / ")[0]) for item in found] == (
+        [] if target == "iec-text" else [(Outcome.APPROXIMATED, "POU Main")]
+    )
+    assert all(item.why.startswith(f"the name `{name}` is declared neither in the source nor in ") for item in found)
+
+
+def test_strict_refuses_a_name_that_nothing_declares() -> None:
+    project = feature_project(Feature("", ("simaticml",), lambda rig: rig.act("Work", "q", value='"Tag"')), "simaticml")
+    with pytest.raises(sfc.SfcError, match="Tag"):
+        sfc.convert(project, "codesys", strict=True)
+
+
+@pytest.mark.parametrize(("name", "section"), [("RT_DATA", LOCAL), ("S_NO", LOCAL), ("S_CRITLOC", OUTPUT)])
+@pytest.mark.parametrize("source", ["codesys", "plcopen", "iec-text"])
+def test_variables_with_names_of_a_sequence_are_told(source: str, name: str, section: m.SectionKind) -> None:
+    def build(rig: Rig) -> None:
+        rig.declare(section, variable(name))
+        rig.act("Work", name)
+
+    (item,) = converted(build, source, "simaticml")[1]
+    assert item.outcome is Outcome.NOT_EXECUTED
+    assert item.why.endswith(f"in TIA Portal: {name}")
+
+
+@pytest.mark.parametrize("name", ["RT_DATA", "T_PUSH"])
+@pytest.mark.parametrize("source", ["codesys", "plcopen", "iec-text"])
+def test_steps_with_names_of_members_of_the_block_are_told(source: str, name: str) -> None:
+    _, losses = converted(lambda rig: rig.chart.rename_step("Work", name), source, "simaticml")
+    assert [(item.outcome, item.path) for item in losses] == [(Outcome.NOT_EXECUTED, f"POU Main / step {name}")]
+
+
+def test_transitions_with_the_names_of_steps_and_of_transitions_are_told() -> None:
+    def build(rig: Rig) -> None:
+        first, second, third = rig.chart.transitions
+        first.name, second.name, third.name = "Ready", "Done", "ready"
+
+    _, losses = converted(build, "iec-text", "simaticml")
+    assert {(item.path, item.why.partition(":")[0]) for item in losses} == {
+        ("POU Main / transition Done", "a step is called Done too"),
+        ("POU Main / transition ready", "a transition is called ready too"),
+    }
