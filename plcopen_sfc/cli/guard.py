@@ -68,7 +68,7 @@ def guarded(*, as_json: bool, quiet: bool, verbose: int, report: Path | None = N
 
 
 def describe_exhaustion(error: MemoryError | RecursionError) -> str:
-    """What to tell a person about a file that is too much."""
+    """Return the message for a file that takes too much memory or nesting."""
     if isinstance(error, MemoryError):
         return "not enough memory for this file"
     return "the content of this file is nested too deeply"

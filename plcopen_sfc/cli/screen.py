@@ -1,4 +1,4 @@
-"""What commands print with: results on standard output, messages on standard error, colours for people only.
+"""Output of the commands: results on standard output, messages on standard error, colours for people only.
 
 Works on Linux terminals, in Windows consoles and in pipes.
 """
@@ -164,7 +164,7 @@ class Screen:
         self._write(sys.stderr, [("error: ", "bold red"), (text, "")])
 
     def advise(self, text: str) -> None:
-        """What to do about the error above."""
+        """Print what to do about the error above."""
         self._write(sys.stderr, [(f"  {text}", "dim")])
 
     def error(self, error: SfcError) -> None:

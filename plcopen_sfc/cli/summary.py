@@ -51,7 +51,7 @@ class ChartSummary:
 
 @dataclass(frozen=True)
 class FileSummary:
-    """What a file is and what it holds. `documents`: how many a folder has.
+    """Summary of a file. `documents`: how many a folder has.
 
     `blocks` are those with a number (``FB 10 FB_Drill``), `cultures` the languages of its texts (``de-DE``), both of
     TIA Portal only.

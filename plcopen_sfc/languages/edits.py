@@ -1,4 +1,4 @@
-"""Changes of a text: what stands at some places is replaced, all the rest stays as it is."""
+"""Changes of a text: what is at some places is replaced, all the rest stays as it is."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class Edit(NamedTuple):
-    """Replaces what stands from `start` to `end` (not included)."""
+    """Replaces what is from `start` to `end` (not included)."""
 
     start: int
     end: int
@@ -30,7 +30,7 @@ def apply_edits(text: str, edits: Iterable[Edit], start: int = 0, end: int | Non
 
 
 def without(text: str, spans: Iterable[tuple[int, int]]) -> str:
-    """`text` without what stands at `spans`; all the rest stays in its line, and words stay apart."""
+    """`text` without what is at `spans`; all the rest stays in its line, and words stay apart."""
     return apply_edits(text, [Edit(start, end, _left_of(text, start, end)) for start, end in spans])
 
 

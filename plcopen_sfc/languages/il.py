@@ -54,7 +54,7 @@ class Instruction:
 
     @property
     def is_function(self) -> bool:
-        """Whether `operator` names a function."""
+        """True if `operator` names a function."""
         word = self.operator.upper()
         return bool(word) and (word[0].isalpha() or word[0] == "_") and word not in OPERATORS
 

@@ -1,4 +1,4 @@
-"""What is wrong with a text, and where."""
+"""Problems of a text, and their places."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """What is wrong at `span`, offsets into a text."""
+    """A problem at `span`, offsets into a text."""
 
     message: str
     span: tuple[int, int]

@@ -39,7 +39,7 @@ _SET_ENO = frozenset("ADD SUB MUL DIV MOD NEG INC DEC CONVERT ROUND TRUNC CEIL F
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """A network, and where it stands in the words of reports."""
+    """A network, and where it is in the words of reports."""
 
     network: LogicNetwork
     path: str

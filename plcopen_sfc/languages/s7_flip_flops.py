@@ -47,7 +47,7 @@ def put_logic(project: Project, report: ConversionReport) -> None:
 
 
 def put_boxes(project: Project) -> None:
-    """Put the flip-flops back that `put_logic` has written otherwise, where nobody has changed the logic."""
+    """Put the flip-flops back that `put_logic` has written otherwise, where the logic was not changed."""
     for _, _, body in project.bodies():
         for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
             for node in list(network.nodes):

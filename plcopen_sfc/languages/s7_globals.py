@@ -216,7 +216,7 @@ def tag_tables_of(project: Project) -> list[TagTable]:
 
 
 def left_out(project: Project) -> Iterator[tuple[str, str, str]]:
-    """What blocks, tags and constants do not say of variables: what it is of, its name, and what they leave out."""
+    """Yield what blocks, tags and constants leave out of variables: of what, its name, and what it is."""
     for place, why in _left_out_globals(project):
         yield "global variable", place, why
     tags = local_tags(project)
@@ -229,7 +229,7 @@ def left_out(project: Project) -> Iterator[tuple[str, str, str]]:
 
 
 def _not_of_tags(variable: Variable, section: VariableSection) -> Iterator[str]:
-    """What a tag does not say of a variable."""
+    """Yield what a tag leaves out of a variable."""
     if variable.initial is not None:
         yield "it is a tag, which has no start value: it starts as FALSE or 0"
     if is_retained(section, variable):
@@ -261,7 +261,7 @@ def _left_out_globals(project: Project) -> Iterator[tuple[str, str]]:
 
 
 def unconnected(project: Project) -> Iterator[tuple[str, str, str]]:
-    """What connects variables in configurations of other tools, and is not written: kind, name, consequence."""
+    """Yield connections of variables in configurations of other tools, not written: kind, name, consequence."""
     for configuration in project.configurations:
         why = "S7 has no such section: its variables have no addresses and values by it"
         if configuration.access_variables is not None and configuration.access_variables.variables:

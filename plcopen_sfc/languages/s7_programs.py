@@ -45,7 +45,7 @@ class Caller(NamedTuple):
 
 @dataclass(slots=True)
 class S7Programs:
-    """What S7 has in place of programs and tasks.
+    """Counterparts of programs and tasks in S7.
 
     `instances` are the instance data blocks, by the name of their program in lower case. `callers` call them.
     `uncalled` are tasks without an organization block, each with the reason.

@@ -16,7 +16,7 @@ from plcopen_sfc.languages.st.nodes import Operator
 
 
 class BlockKind(StrEnum):
-    """What a standard block is.
+    """Kinds of standard blocks.
 
     OPERATOR: a function that structured text writes as an operator. FUNCTION: any other function. FUNCTION_BLOCK: it
     has a state, so each use needs an instance.
@@ -44,7 +44,7 @@ class Pin:
 
 @dataclass(frozen=True, slots=True)
 class ToolNames:
-    """What a tool calls a block, and those of its pins that it names otherwise: from the IEC name to its own."""
+    """Name of a block in a tool, and of those pins that it names otherwise: from the IEC name to its own."""
 
     name: str
     pins: dict[str, str]
@@ -67,7 +67,7 @@ class StandardBlock:
 
     @property
     def stateful(self) -> bool:
-        """Whether it has a state, and so an instance."""
+        """True if it has a state, and so an instance."""
         return self.kind is BlockKind.FUNCTION_BLOCK
 
     @property
@@ -85,7 +85,7 @@ class StandardBlock:
         return (*self.inputs, *(Pin(f"{stem}{n}", last.type) for n in more))
 
     def tool_pin(self, pin: str, tool: Tool) -> str:
-        """What `tool` calls the pin that IEC 61131-3 calls `pin`."""
+        """Return the name of a pin in `tool`; `pin` is that of IEC 61131-3."""
         names = self.tools.get(tool)
         if names is None or pin in names.pins:
             return names.pins[pin] if names is not None else pin

@@ -35,7 +35,7 @@ class TextFinder:
     In XML a text fills an element or an attribute; elsewhere it may be a part of anything.
 
     The same text asked for again is looked for behind the place where it was found before, so that asking in the order
-    of the file finds each where it stands.
+    of the file finds each where it is.
     """
 
     def __init__(self, content: str, *, xml: bool) -> None:
@@ -45,7 +45,7 @@ class TextFinder:
         self._found: dict[str, int] = {}
 
     def places(self, text: str, offsets: Sequence[int]) -> list[tuple[int, int]] | None:
-        """Line and column in the file of what stands at each of `offsets` in `text`; None if the text is not found."""
+        """Line and column in the file of what is at each of `offsets` in `text`; None if the text is not found."""
         before, after = self._around
         found = re.compile(f"{before}({_pattern(text)}){after}").search(self._content, self._found.get(text, 0))
         if found is None:

@@ -43,12 +43,12 @@ TRANSLATED_KEYWORDS = KEYWORDS | frozenset("AND_THEN OR_ELSE GOTO JMP REGION END
 
 
 def is_plain(name: str) -> bool:
-    """Whether a name consists of letters of any alphabet, digits and underscores, and starts with no digit."""
+    """True if a name consists of letters of any alphabet, digits and underscores, and starts with no digit."""
     return re.fullmatch(r"[^\W\d]\w*", name) is not None
 
 
 def needs_quotes(name: str) -> bool:
-    """Whether a name stands in quotes in SCL wherever it is used."""
+    """True if a name is in quotes in SCL wherever it is used."""
     return not is_plain(name) or name.upper() in TRANSLATED_KEYWORDS
 
 

@@ -1,4 +1,4 @@
-"""What steps do: action associations with their qualifiers, events and GRAFCET kinds."""
+"""Actions of steps: action associations with their qualifiers, events and GRAFCET kinds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every object of the model has in common."""
+"""Base classes of the objects of the model."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Model(Checked):
 
 
 class UnknownDataRule(StrEnum):
-    """What a tool that does not know a piece of foreign data should do with it (TC6 2.0 ``handleUnknown``)."""
+    """Handling of foreign data by a tool that does not know it (TC6 2.0 ``handleUnknown``)."""
 
     PRESERVE = "preserve"
     DISCARD = "discard"

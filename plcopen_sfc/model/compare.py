@@ -52,7 +52,7 @@ class Difference(NamedTuple):
 
 
 def differences(left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), path: str = "") -> Iterator[Difference]:
-    """What differs between two model objects. Fields named in `ignore` are not looked at."""
+    """Return the differences between two model objects. Fields named in `ignore` are not looked at."""
     if type(left) is not type(right):
         yield Difference(path, left, right)
     elif isinstance(left, Model | MarkupText | MultilingualText):

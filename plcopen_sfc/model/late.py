@@ -85,7 +85,7 @@ class LateElement(Owned, Element):
         return super().__deepcopy__(memo)
 
     def __getstate__(self) -> dict[Any, Any]:
-        """What is pickled: the content, not the file that it may still be in."""
+        """Return the content for a pickle, not the file that it may still be in."""
         self.read()
         return super().__getstate__()
 

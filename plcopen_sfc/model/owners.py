@@ -92,7 +92,7 @@ class Owned(Model):
         return copy
 
     def __getstate__(self) -> dict[Any, Any]:
-        """What is pickled: the object, not where it is."""
+        """Return the object for a pickle, without its owner."""
         owner, self._owner = self._owner, None
         try:
             state = super().__getstate__()

@@ -20,7 +20,7 @@ from plcopen_sfc.model.variables import Interface, SectionKind
 
 
 class PouKind(StrEnum):
-    """What a POU is (IEC 61131-3 ed. 3, 6.6)."""
+    """Kinds of POUs (IEC 61131-3 ed. 3, 6.6)."""
 
     PROGRAM = "program"
     FUNCTION_BLOCK = "functionBlock"
@@ -148,7 +148,7 @@ class Pou(ProjectObject):
 
 
 class DataBlockKind(StrEnum):
-    """What a data block of TIA Portal holds: variables of its own, an instance, or one array."""
+    """Contents of a data block of TIA Portal: variables of its own, an instance, or one array."""
 
     GLOBAL = "global"
     INSTANCE = "instance"

@@ -172,7 +172,7 @@ class Chart(NamedTuple):
 
 
 class Source(Protocol):
-    """What a project was read from, as the model and the rules of tools need it; see `plcopen_sfc.documents`."""
+    """The file or folder that a project was read from, as the model needs it; see `plcopen_sfc.documents`."""
 
     format: str
     version: str

@@ -355,7 +355,7 @@ class SfcNetwork(LateElement):
         return used if SfcFlag.ERROR in used else used - _NEED_ERROR
 
     def label(self, transition: Transition) -> str:
-        """What people call a transition: its name, or from where to where it leads."""
+        """Return the name of a transition, or from where to where it leads."""
         if transition.name:
             return transition.name
         return self._label(transition, {step.id: step.name for step in self.steps})

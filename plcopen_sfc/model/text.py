@@ -23,7 +23,7 @@ Text = str | MarkupText | MultilingualText
 
 
 def plain(text: Text | None, language: str = "") -> str:
-    """What a person reads of `text`; of a multilingual one that in `language` (``de-DE``, ``de``), else the first."""
+    """Return the words of `text`; of a multilingual one that in `language` (``de-DE``, ``de``), else the first."""
     if text is None:
         return ""
     if isinstance(text, str):

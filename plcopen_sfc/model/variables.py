@@ -45,7 +45,7 @@ class VariableSection(Element):
 
 
 class Interface(Element):
-    """What a POU declares.
+    """Declarations of a POU.
 
     `declaration` is the text as it was typed, where the file has it (CODESYS "interface as plain text"): the only form
     that keeps pragmas and comments between the variables.

@@ -1,4 +1,4 @@
-"""What the wires and bars of a drawing mean: from which steps to which steps each transition leads.
+"""Meaning of the wires and bars of a drawing: from which steps to which steps each transition leads.
 
 Every reader that meets a drawing and every writer that must know whether a drawing still fits its chart uses this one
 interpretation. It accepts what tools really draw (evidence: 82 CODESYS and TwinCAT exports, 10 847 steps):

@@ -63,7 +63,7 @@ from plcopen_sfc.model.variables import SectionKind, VariableSection
 
 @dataclass(frozen=True, slots=True)
 class TranslatedText:
-    """What became of one text: where it stands, in the words of reports, and what there is to say about it."""
+    """Result of the translation of one text: its path, in the words of reports, and what there is to say about it."""
 
     path: str
     changed: bool
@@ -248,7 +248,7 @@ def _names_of_results(project: Project, source: Dialect, target: Dialect) -> Ren
 
 
 def _names_a_step(text_site: TextSite) -> bool:
-    """Whether a text is the bare name of a step: the target of ON and OFF (S7-GRAPH)."""
+    """True if a text is the bare name of a step: the target of ON and OFF (S7-GRAPH)."""
     holder = text_site.holder
     is_target = isinstance(holder, ActionAssociation) and text_site.key == "target"
     return is_target and holder.qualifier in (Qualifier.ON, Qualifier.OFF)
@@ -265,7 +265,7 @@ def _other_names(project: Project, target: Dialect) -> dict[str, tuple[str, ...]
 
 
 def _global_names(project: Project) -> set[str]:
-    """What the project declares globally."""
+    """Global declarations of the project."""
     sections = [*project.global_sections()]
     names = {variable.name for section in sections for variable in section.variables}
     names |= {section.name for section in sections if section.name}

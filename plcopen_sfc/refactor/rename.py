@@ -1,6 +1,6 @@
 """Renaming: what is declared gets another name, and every use of it in every body follows.
 
-Only the name itself is changed in a text: layout and comments stay. Where nobody can tell what a name means, it stays
+Only the name itself is changed in a text: layout and comments stay. Where it is not known what a name means, it stays
 as it is and is listed.
 """
 
@@ -30,7 +30,7 @@ from plcopen_sfc.report import RenameResult, Undecided
 
 
 def visible_clashes(names: Names, declaration: Declaration, uses: Sequence[Occurrence], new: str) -> Iterator[str]:
-    """What is called `new` already: in the scope of `declaration`, or where it is used."""
+    """Yield the declarations that are called `new` already: in the scope of `declaration`, or where it is used."""
     beside = list(_beside(names, declaration, new))
     yield from (f"there is a {other} already" for other in beside)
     for use in uses if not beside else ():
@@ -77,7 +77,7 @@ def _beside(names: Names, declaration: Declaration, new: str) -> Iterator[Declar
 
 
 def _is_hidden(declaration: Declaration, other: Declaration) -> bool:
-    """Whether `declaration` may have the name of `other`, which its scope then hides.
+    """True if `declaration` may have the name of `other`, which its scope then hides.
 
     People call steps after values of enumerations and instances after their type, and tools take it.
     """
@@ -220,7 +220,7 @@ def _text_changes(found: list[Occurrence], declaration: Declaration, new: str, d
 
 
 def _spelt(new: str, reference: Reference, text_site: TextSite, dialect: Dialect) -> str:
-    """The new name as it is written in a place: in SCL some need quotes, where it stands in program text."""
+    """The new name as it is written in a place: in SCL some need quotes, where it is in program text."""
     alone = text_site.reading is SiteKind.NAME or reference.role is Role.TYPE
     if dialect is not Dialect.SCL or alone or reference.quoting in (Quoting.GLOBAL, Quoting.LOCAL_QUOTED):
         return new
@@ -235,7 +235,7 @@ _MARKUP = re.compile(
 def edit_markup(markup: str, text: str, edits: Iterable[Edit]) -> str | None:
     """`markup` with the edits of `text`, which is what a person reads of it; None if it is not.
 
-    Blanks at both ends do not count. An edit that reaches over a tag goes to what stands before it.
+    Blanks at both ends do not count. An edit that reaches over a tag goes to what is before it.
     """
     characters: list[str] = []
     places: list[tuple[int, int]] = []
@@ -274,5 +274,5 @@ _NAME = re.compile(r'<(?!BooleanAttribute)\w+\b[^<>]*?\bName="([^"]*)"')
 
 
 def is_tokens(markup: str) -> bool:
-    """Whether a markup is the ``StructuredText`` of TIA Portal."""
+    """True if a markup is the ``StructuredText`` of TIA Portal."""
     return markup.lstrip().startswith("<StructuredText")

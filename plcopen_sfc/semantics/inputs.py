@@ -176,7 +176,7 @@ class CsvInputs:
             except ValueError:
                 raise InputError(f"{self.headers[place]}: {cell!r} is no number", location=location) from None
             if start < (starts[-1] if starts else 0):
-                raise InputError(f"{self.headers[place]}: {cell} stands behind a later row", location=location)
+                raise InputError(f"{self.headers[place]}: {cell} is behind a later row", location=location)
             starts.append(start)
         return starts
 
@@ -192,7 +192,7 @@ class CsvInputs:
         for row in self.rows:
             if len(row.cells) < width or any(cell.strip() for cell in row.cells[width:]):
                 message = f"the row has {len(row.cells)} cells, the header {width}"
-                hint = "Values with a decimal comma or the separator in them must stand in quotes."
+                hint = "Values with a decimal comma or the separator in them must be in quotes."
                 raise InputError(message, location=Location(self.file, row.line), hint=hint)
 
 

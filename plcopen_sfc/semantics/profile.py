@@ -231,7 +231,7 @@ class Profile:
     compiled charts."""
 
     qualifiers: frozenset[Qualifier] = _IEC_QUALIFIERS
-    """The qualifiers that exist. Any other is an `UnknownBehaviourError` of the first scan, as nobody can tell what it
+    """The qualifiers that exist. Any other is an `UnknownBehaviourError` of the first scan, as it is not known what it
     does: TC6 lists DL, which no standard defines, and matiec does not take it. matiec of 2024 takes all others;
     versions before about 2017 made no code that compiles for P0, P1 and DS, and SL never started its action."""
 
@@ -436,7 +436,7 @@ def _is_of_beremiz(project: Project) -> bool:
     """True if the header is one that Beremiz or OpenPLC Editor writes.
 
     They name no tool: the header is the user's. Those of their examples name Beremiz as company or product; a project
-    that nobody named has the product ``Unnamed``, in the language of the editor, and the version 1.
+    without a name has the product ``Unnamed``, in the language of the editor, and the version 1.
     """
     header = project.header
     named = f"{header.company} {header.product}".casefold()

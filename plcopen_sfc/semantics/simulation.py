@@ -149,7 +149,7 @@ class Simulation:
         self.trace.record(self._read(), self._marking())
 
     def values(self) -> dict[str, Value]:
-        """The values of all variables that are recorded if nobody says which."""
+        """The values of all variables that are recorded by default."""
         return dict(zip(self._watched, self._read_all(), strict=True))
 
     def run(self, inputs: BoundInputs, scans: int) -> None:

@@ -1,1 +1,1 @@
-"""What the commands do, one module each: ``run(screen, ..) -> exit code``."""
+"""The commands, one module each: ``run(screen, ..) -> exit code``."""

@@ -111,7 +111,7 @@ FAIL_ON = ("error", "warning", "info", "never")
 
 @dataclass(frozen=True)
 class CheckOptions:
-    """What was asked for on the command line; None: the value of the configuration."""
+    """Options of the command; None: the value of the configuration."""
 
     select: tuple[str, ...] | None = None
     ignore: tuple[str, ...] | None = None
@@ -176,7 +176,7 @@ def _validate(how: CheckOptions) -> None:
 
 
 def _with(how: CheckOptions, configuration: CheckSettings) -> CheckOptions:
-    """What is asked for, completed by the configuration."""
+    """Return the options, completed by the configuration."""
     try:
         _validate(
             CheckOptions(configuration.select, configuration.ignore, configuration.profile, configuration.fail_on)

@@ -143,7 +143,7 @@ def _show(screen: Screen, report: ConversionReport) -> None:
 
 
 def _show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
-    """What the target will not execute, all of it: by chart or object, then by step or transition."""
+    """Print all that the target will not execute: by chart or object, then by step or transition."""
     if not items:
         return
     screen.line((f"NOT EXECUTED in the target: {len(items)}", _OUTCOME_STYLES[Outcome.NOT_EXECUTED]))

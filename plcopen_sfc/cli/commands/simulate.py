@@ -21,7 +21,7 @@ _FINDINGS = 1
 
 @dataclass(frozen=True)
 class SimulateOptions:
-    """What to run and with what: the options of the command."""
+    """Options of the command."""
 
     pou: str | None = None
     inputs: str | None = None

@@ -73,7 +73,7 @@ class BoundBody:
 
     @cached_property
     def effects(self) -> Effects:
-        """What the body reads, writes and calls.
+        """Reads, writes and calls of the body.
 
         The target of an action association is written and called: only declarations tell a variable from an action.
         """
@@ -119,7 +119,7 @@ _DRAWN = frozenset({"drawing", "position", "points", "width", "height", "comment
 
 
 def _content(value: Any) -> Any:
-    """What a body consists of now: it can be changed without notice."""
+    """Return the present content of a body: it can be changed without notice."""
     if isinstance(value, LateElement):
         value.read()
     if isinstance(value, Model):

@@ -1,4 +1,4 @@
-"""What a name means: the declaration that it refers to."""
+"""Declarations that names refer to, and the types of what they name."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Resolver:
         self.scopes = Scopes(project)
 
     def meaning(self, reference: Reference, text_site: TextSite) -> Binding:
-        """What a name in a text site refers to."""
+        """Return the declaration that a name in a text site refers to."""
         site = text_site.site
         if reference.unread:
             return Binding(doubt=reference.unread)
@@ -111,7 +111,7 @@ class Resolver:
     # -- names on their own
 
     def lookup(self, reference: Reference, site: Site) -> Binding:
-        """What a name on its own refers to."""
+        """Return the declaration that a name on its own refers to."""
         if site.transition is not None and site.transition.name.casefold() == reference.name.casefold():
             # its body says in FBD and LD what it is by assigning to it
             return Binding(
@@ -223,7 +223,7 @@ class Resolver:
     def member(self, type_: Type, name: str) -> Binding:
         """The member `name` of a value or a thing of this type."""
         if type_ is Untyped.UNKNOWN:
-            return Binding(doubt="the type of what stands before the dot is not known")
+            return Binding(doubt="the type of what is before the dot is not known")
         for level in self._members(type_):
             found = [d for d in level.named(name) if d.kind is not Kind.TRANSITION]
             if found:
@@ -274,7 +274,7 @@ class Resolver:
         return self.type_of_declaration(meaning.declaration)
 
     def _own(self, word: str, site: Site) -> Type | None:
-        """What THIS and SUPER of CODESYS are."""
+        """Return the POU that THIS or SUPER of CODESYS is."""
         if site.pou is None or word.upper() not in ("THIS", "SUPER"):
             return None
         if word.upper() == "THIS":
@@ -316,7 +316,7 @@ class Resolver:
             if not isinstance(type_, t.DerivedType):
                 return type_
             name = type_.name
-            if self.dialect is not Dialect.SCL:  # where a name can be anything, and stands alone here
+            if self.dialect is not Dialect.SCL:  # where a name can be anything, and is alone here
                 tree = parse_expression(name, self.dialect).tree
                 if not isinstance(tree, n.Name):
                     return Untyped.UNKNOWN
@@ -343,11 +343,11 @@ class Resolver:
         return Untyped.FOREIGN
 
     def _callable(self, callee: n.Expression | n.Node, site: Site) -> Pou | Method | Type:
-        """What is called."""
+        """Return the POU, method or type that a call names."""
         if isinstance(callee, n.Name):
             meaning = self.lookup(named(callee, role=Role.ACTION), site)
             if meaning is NOTHING:
-                # in SCL all but the instructions of the controller stand in quotes
+                # in SCL all but the instructions of the controller are in quotes
                 instruction = self.dialect is Dialect.SCL and callee.quoting is Quoting.NONE
                 if instruction or standard_block(callee.identifier) is not None:
                     return Untyped.FOREIGN
@@ -408,7 +408,7 @@ class Resolver:
             return called if called is not Untyped.UNKNOWN else self.settled(_named_type(block.type_name), site.place)
         tree = parse_expression(block.type_name, self.dialect).tree
         type_ = self._callable(tree, site)
-        # of what stands in a block by its name alone, the type is that name
+        # of what is in a block by its name alone, the type is that name
         return Untyped.ELSEWHERE if type_ is Untyped.UNKNOWN and not isinstance(tree, n.Member) else type_
 
     # -- names with a place of their own

@@ -1,4 +1,4 @@
-"""What is visible where: the declarations of a project by the scopes that they are in."""
+"""Scopes: the declarations of a project by where they are visible."""
 
 from __future__ import annotations
 
@@ -74,11 +74,11 @@ class Scopes:
         return self._values
 
     def place(self, place: str) -> Level:
-        """What an application, a resource or a configuration declares."""
+        """Return the declarations of an application, a resource or a configuration."""
         return self._by_place().get(place) or Level()
 
     def pou(self, pou: Pou) -> Level:
-        """What a POU declares: variables, actions, transitions, methods, and the steps of all its charts."""
+        """Return the declarations of a POU: variables, actions, transitions, methods, the steps of its charts."""
         level = self._levels.get((id(pou),))
         if level is None:
             level = self._levels[id(pou),] = Level()
@@ -115,7 +115,7 @@ class Scopes:
         return next((holder for holder in found if isinstance(holder, Pou)), None)
 
     def method(self, pou: Pou, method: Method) -> Level:
-        """What a method declares."""
+        """Return the declarations of a method."""
         level = self._levels.get((id(method),))
         if level is None:
             level = self._levels[id(method),] = Level()
@@ -192,7 +192,7 @@ class Scopes:
                     yield declaration
 
     def is_external(self, declaration: Declaration) -> bool:
-        """Whether a variable stands in VAR_EXTERNAL: it is the global variable of its name."""
+        """True if a variable stands in VAR_EXTERNAL: it is the global variable of its name."""
         return id(declaration.holder) in self._externals
 
     def _of_pou(self, pou: Pou) -> Iterator[Declaration]:
@@ -305,7 +305,7 @@ def variables_in(section: VariableSection) -> Iterator[Declaration]:
 
 
 def qualified_only(thing: VariableSection | object) -> bool:
-    """Whether a list or an enumeration must be named with what it holds (CODESYS ``attribute 'qualified_only'``)."""
+    """True if a list or an enumeration must be named with what it holds (CODESYS ``attribute 'qualified_only'``)."""
     texts = [getattr(thing, "declaration", None) or ""]
     if isinstance(thing, Element) and thing.carried is not None:
         texts += [data.content for data in thing.carried.data if data.name.endswith("/attributes")]
@@ -374,7 +374,7 @@ def step_of(scopes: Scopes, chart: object, name: str, site: Site) -> Binding:
 
 
 def object_of(scopes: Scopes, nodes: tuple[TreeNode, ...]) -> Binding:
-    """What a node of the project tree stands for: what has its id; without ids, what has its name there."""
+    """Return the object of a node of the project tree: by its id; without ids, by its name there."""
     node = nodes[-1]
     around = {outer.name.casefold() for outer in nodes[:-1]}
     alike: list[Declaration] = []
@@ -391,7 +391,7 @@ def object_of(scopes: Scopes, nodes: tuple[TreeNode, ...]) -> Binding:
 
 
 def head_of(scopes: Scopes, text_site: TextSite) -> Binding:
-    """What a text of declarations declares as a whole."""
+    """Return the object that a text of declarations declares as a whole."""
     site = text_site.site
     if isinstance(text_site.owner, VariableSection):
         levels = scopes.outer(site.place)
@@ -409,7 +409,7 @@ def head_of(scopes: Scopes, text_site: TextSite) -> Binding:
 
 
 def declared_name(scopes: Scopes, reference: Reference, text_site: TextSite) -> Binding:
-    """What a text of declarations declares with this name."""
+    """Return the declaration of this name in a text of declarations."""
     holder = text_site.owner if isinstance(text_site.owner, VariableSection) else text_site.holder
     within = reference.within
     type_: t.DataType | None = None
@@ -437,7 +437,7 @@ def declared_name(scopes: Scopes, reference: Reference, text_site: TextSite) -> 
 
 
 def _in_place(scopes: Scopes, type_: t.DataType) -> Level:
-    """What a type declares itself: the members of a structure, the values of an enumeration."""
+    """Return the declarations in a type: the members of a structure, the values of an enumeration."""
     while isinstance(type_, t.ArrayType | t.PointerType):
         type_ = type_.base
     if isinstance(type_, t.EnumType):

@@ -26,7 +26,7 @@ class Reference:
     `span` is that of the bare word, without quotes. `base`: it is a member of this (``base.name``); `callee`: it is a
     parameter in a call of this; `access`: the member of it that is meant (``name.access``); `expected`: it stands
     where a value of the type of this is expected (``expected := name``), or of the type that this names. `unread`: why
-    nobody can read the text that it stands in. `declares`: it is declared here, in the type of what
+    the text around it cannot be read. `declares`: it is declared here, in the type of what
     `within` leads to.
     """
 
@@ -55,7 +55,7 @@ def in_pragmas(parsed: Parsed[Any]) -> Iterator[Reference]:
     """The words of pragmas that ask for things by name: ``{IF defined (variable: x)}`` of CODESYS."""
     for comment in parsed.comments:
         if comment.kind is CommentKind.PRAGMA and _ASKING.match(comment.text):
-            yield from unread(comment.text, comment.span[0], "it stands in a pragma")
+            yield from unread(comment.text, comment.span[0], "it is in a pragma")
 
 
 _ASKING = re.compile(r"\{\s*(?:ELS)?IF\b", re.IGNORECASE)
@@ -304,4 +304,4 @@ def _rest(markup: str, start: int, end: int) -> Iterator[Reference]:
     """Texts and attributes of elements that are not known here."""
     for value in re.finditer(r"=\"([^\"]*)\"|>([^<]*)<", markup[start:end]):
         inner = value.lastindex or 0
-        yield from unread(value[inner], start + value.start(inner), "it stands in data that only another tool reads")
+        yield from unread(value[inner], start + value.start(inner), "it is in data that only another tool reads")

@@ -42,7 +42,7 @@ def references(text_site: TextSite, dialect: Dialect) -> Iterator[Reference]:
     elif text_site.reading is SiteKind.NAME:
         yield Reference(text, (0, len(text)), text_site.role)
     else:
-        yield from unread(text, 0, "it stands in data that only another tool reads")
+        yield from unread(text, 0, "it is in data that only another tool reads")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,11 +68,11 @@ class Occurrence:
         )
 
     def refers_to(self, declaration: Declaration) -> bool:
-        """Whether it means this declaration."""
+        """True if it means this declaration."""
         return self.meaning.declaration == declaration
 
     def may_refer_to(self, declaration: Declaration) -> bool:
-        """Whether nobody can tell, and it could be this declaration."""
+        """True if it could be this declaration, and nothing tells."""
         meaning = self.meaning
         if not meaning.doubt:
             return False
@@ -115,7 +115,7 @@ class Names:
                 yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
 
     def undeclared(self) -> Iterator[Occurrence]:
-        """The names in program text that stand on their own and that nothing declares, each where it stands first."""
+        """The names in program text that stand on their own and that nothing declares, each where it is first."""
         found: set[str] = set()
         declared: set[tuple[Site, Role, str]] = set()
         for text_site in self.text_sites():

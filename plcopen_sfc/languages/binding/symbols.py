@@ -1,4 +1,4 @@
-"""What a project declares: everything that has a name which program text can use."""
+"""Declarations: everything in a project that has a name which program text can use."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class NamedObject(Protocol):
 class Declaration:
     """A thing that is declared: a step, a variable, a POU ..
 
-    `path` is its name with those of what it stands in (``Main.S3``). `pou` is the POU that it belongs to, None for what
+    `path` is its name with those of what it is in (``Main.S3``). `pou` is the POU that it belongs to, None for what
     is global. `holders` are the objects of the model that have the name: more than one where a list of global variables
     is in several parts. Two declarations are equal when they are of the same object.
     """
@@ -140,7 +140,7 @@ def inside(type_: DataType) -> Iterator[DataType]:
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """What a name refers to. Without declaration: nothing of the project, or, with `doubt`, nobody can tell.
+    """Declaration that a name refers to. None: nothing of the project, or, with `doubt`, that is not known.
 
     `candidates` are the declarations that are in doubt; None: it can be any that has members or parameters.
     """

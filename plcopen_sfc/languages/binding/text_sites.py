@@ -47,7 +47,7 @@ class SiteKind(StrEnum):
 
 
 class Role(StrEnum):
-    """What a name is used for, where that decides which of several things it means.
+    """Uses of names, where these decide which of several things a name means.
 
     Where a name belongs to `TextSite.owner`: PARAMETER, of this block; MEMBER, of this value; STEP, of this chart;
     OBJECT: the last of these nodes of the project tree, each inside the one before. HEAD: what a text of declarations
@@ -88,7 +88,7 @@ class ValueOf:
 class TextSite:
     """A text of the model: field or item `key` of `holder`.
 
-    `path` says where it stands, the way a person would; `language` is that of the body or ``declaration``.
+    `path` says where it is, the way a person would; `language` is that of the body or ``declaration``.
     `report_path` is the path in the words of messages and reports: ``POU Main / action Fill`` for ``Main.Fill``.
     """
 
@@ -104,7 +104,7 @@ class TextSite:
 
     @property
     def is_program_text(self) -> bool:
-        """Whether it is an expression or statements, rather than a bare name, a type or the cycle of a task."""
+        """True if it is an expression or statements, rather than a bare name, a type or the cycle of a task."""
         if self.reading is SiteKind.STATEMENTS:
             return True
         plain = self.key == "type_name" or isinstance(self.holder, Task | TaskSettings)
@@ -229,7 +229,7 @@ NAMELESS: dict[str, frozenset[str]] = {
 
 @dataclass(frozen=True, slots=True)
 class _Where:
-    """What the walk knows of the objects around the one it is at."""
+    """Objects around the one that the walk is at."""
 
     site: Site
     path: str
@@ -320,7 +320,7 @@ _UNSAID = frozenset(
 
 
 def _below(thing: Model, key: str, where: _Where) -> _Where:
-    """What changes for the objects in a field."""
+    """Return the surroundings of the objects in a field."""
     if key == "initial" and isinstance(thing, t.Variable | t.DataTypeDeclaration):
         return replace(where, owner=ValueOf(thing.type))
     if key == "carried":

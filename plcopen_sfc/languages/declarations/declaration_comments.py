@@ -20,7 +20,7 @@ class Comments:
         self._left = list(comments)
 
     def take(self, start: int, end: int) -> list[Comment]:
-        """The comments between two places that nobody has yet."""
+        """Return the comments between two places that are not taken yet."""
         first = bisect_left(self._left, start, key=_start)
         last = bisect_left(self._left, end, key=_start)
         taken = self._left[first:last]
@@ -46,7 +46,7 @@ def _start(comment: Comment) -> int:
 
 
 def said(comments: Iterable[Comment]) -> str | None:
-    """What comments say, without their delimiters; None if nothing. Pragmas are no comments."""
+    """Return the text of comments without their delimiters; None if there is none. Pragmas are no comments."""
     texts = [_inside(comment) for comment in comments if comment.kind is not CommentKind.PRAGMA]
     return "\n".join(texts).strip() or None
 

@@ -33,8 +33,8 @@ from plcopen_sfc.model.variables import (
 class Head:
     """The head of a POU: its keyword in capitals, and what the model has for it.
 
-    `extends` and `implements` are as written. `comment`, at `comment_span`, stands before it; in SCL also between it
-    and the sections, where TIA Portal has it. `attributes` are what stands there in braces, `properties` belong to SCL.
+    `extends` and `implements` are as written. `comment`, at `comment_span`, is before it; in SCL also between it
+    and the sections, where TIA Portal has it. `attributes` are what is there in braces, `properties` belong to SCL.
     """
 
     keyword: str
@@ -51,7 +51,7 @@ class Head:
 
 @dataclass(frozen=True)
 class Found:
-    """What stands at `span`: `thing` is of the model, a `Head`, or None for an end or a text that does not parse.
+    """A part of a text, at `span`: `thing` is of the model, a `Head`, or None for an end or a text that does not parse.
 
     The comments of a variable, type or section are in its span. The names of one declaration (``a, b : INT``) are parts
     with the same span.
@@ -65,14 +65,14 @@ class Found:
 
 @dataclass(frozen=True)
 class Declared:
-    """What a text declares, in its order, and what is wrong with it."""
+    """Declarations of a text in their order, and the problems in it."""
 
     parsed: Parsed[d.Declarations]
     items: tuple[Found, ...]
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What does not parse."""
+        """Parts that do not parse."""
         return self.parsed.problems
 
     @property
@@ -93,7 +93,7 @@ class Declared:
 
 
 def read_declarations(text: str, dialect: Dialect = Dialect.IEC) -> Declared:
-    """What `text` declares. Bodies must not be in it (see `units`). Never raises: see `Declared.problems`."""
+    """Return the declarations in `text`, which has no bodies (see `units`). Never raises: see `Declared.problems`."""
     parsed = parse_declarations(text, dialect)
     return Declared(parsed, tuple(_Reader(parsed).items()))
 
@@ -140,7 +140,7 @@ class _Reader:
         return self._text[start:end]
 
     def _around(self, node: Node) -> list[Comment]:
-        """The comments before `node`, inside it, and behind it on its line, that nobody has yet."""
+        """The comments before `node`, inside it, and behind it on its line, that are not taken yet."""
         return self._comments.take(0, self._comments.behind(_span(node)[1]))
 
     def _members(self, nodes: Sequence[Node], read: Any) -> Iterator[Found]:

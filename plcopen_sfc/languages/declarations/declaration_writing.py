@@ -23,7 +23,7 @@ from plcopen_sfc.model.variables import AccessDirection, AccessSection, ConfigSe
 
 
 def indent_of(dialect: Dialect) -> str:
-    """What a level of declarations is indented by: TIA Portal takes three spaces."""
+    """Return the indentation of a level of declarations: TIA Portal takes three spaces."""
     return "   " if dialect is Dialect.SCL else INDENT
 
 
@@ -145,7 +145,7 @@ def _parses(text: str, dialect: Dialect) -> bool:
 
 
 def write_variable(variable: t.Variable, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
-    """The lines of a variable: a short comment stands behind it, a longer one before it."""
+    """The lines of a variable: a short comment is behind it, a longer one before it."""
     texts = kept(variable.carried)
     scl = dialect is Dialect.SCL
     attributes = _attributes(variable, texts) if scl else ""

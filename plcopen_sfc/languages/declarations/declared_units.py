@@ -43,7 +43,7 @@ class DeclaredUnit:
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """The units of a text; `comments` are all of its comments, `problems` what stands outside of any unit."""
+    """The units of a text; `comments` are all of its comments, `problems` what is outside of any unit."""
 
     units: tuple[DeclaredUnit, ...]
     comments: tuple[Comment, ...]
@@ -169,7 +169,7 @@ def _end_of_line(text: str, tokens: list[Token], first: int, behind: int) -> int
 
 
 def _stray(tokens: list[Token], position: int, problems: list[Problem]) -> int:
-    """Skip what stands outside of units."""
+    """Skip what is outside of units."""
     end = position
     while end < len(tokens) and tokens[end].type not in _UNITS | _SECTIONS:
         end += 1

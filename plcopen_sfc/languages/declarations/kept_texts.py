@@ -47,13 +47,13 @@ class Inheritance(NamedTuple):
         return " ".join(f"{word} {', '.join(names)}" for word, names in parts if names)
 
     def keep(self) -> Carried | None:
-        """What an interface keeps of it."""
+        """Return what an interface keeps of it."""
         parts = (("extends", self.extends), ("implements", self.implements))
         return keep({name: ", ".join(names) for name, names in parts if names})
 
 
 def inheritance(interface: Interface | None) -> Inheritance:
-    """What the POU or the method of this interface extends and implements."""
+    """Return the base and the interfaces of the POU or method of this interface."""
     if interface is None:
         return Inheritance()
     text = (interface.declaration or "").casefold()
@@ -65,7 +65,7 @@ def inheritance(interface: Interface | None) -> Inheritance:
 
 
 def kept_inheritance(carried: Carried | None) -> Inheritance:
-    """What an object keeps of EXTENDS and IMPLEMENTS."""
+    """Return what is kept of EXTENDS and IMPLEMENTS of an object."""
     texts = kept(carried)
     return Inheritance(_listed(texts.get("extends", "")), _listed(texts.get("implements", "")))
 

@@ -1,4 +1,4 @@
-"""Names in declarations: of elementary types and sections in each dialect, and which must stand in quotes."""
+"""Names in declarations: of elementary types and sections in each dialect, and which must be in quotes."""
 
 from __future__ import annotations
 
@@ -63,17 +63,17 @@ _NUMBERS = re.compile(r"(?:FB|FC|DB|OB|UDT)\d+", re.IGNORECASE)
 
 
 def is_identifier(name: str) -> bool:
-    """Whether `name` can stand as a name without quotes."""
+    """True if `name` can stand as a name without quotes."""
     return _IDENTIFIER.fullmatch(name) is not None and name.upper() not in _RESERVED
 
 
 def is_quoted_in_scl(type_name: str) -> bool:
-    """Whether a type of this name stands in quotes in SCL: user types do, those of the system do not."""
+    """True if a type of this name is in quotes in SCL: user types do, those of the system do not."""
     return _SYSTEM_TYPES.fullmatch(type_name) is None
 
 
 def is_unit_quoted_in_scl(name: str) -> bool:
-    """Whether a block or type of this name is declared in quotes in SCL: all are but numbers of blocks (``FB1``)."""
+    """True if a block or type of this name is declared in quotes in SCL: all are but numbers of blocks (``FB1``)."""
     return _NUMBERS.fullmatch(name) is None
 
 

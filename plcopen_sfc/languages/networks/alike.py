@@ -1,4 +1,4 @@
-"""Whether two networks say the same, however they are drawn.
+"""Comparison of two networks, however they are drawn.
 
 Formats draw in their own ways: some have places for elements, some none; an operand is an element of its own or stands
 at the pin that it is wired to.
@@ -34,7 +34,7 @@ def take_over_drawings(project: Project, other: Project) -> None:
 
 
 def say_the_same(one: LogicNetwork, other: LogicNetwork, dialect: Dialect) -> bool:
-    """Whether two networks mean the same statements and have the same texts; False where that cannot be told."""
+    """True if two networks mean the same statements and have the same texts; False where that cannot be told."""
     mine, theirs = (_said(network, dialect) for network in (one, other))
     return mine is not None and mine == theirs
 

@@ -66,18 +66,18 @@ class BlockReader:
                 wires.instance(node.instance, node.type_name)
 
     def acts(self, block: Block) -> bool:
-        """Whether executing it does something even if nobody uses its outputs."""
+        """True if executing it does something even if its outputs are not used."""
         if block.call in _ACTING or block.instance or block.code is not None:
             return True
         standard = standard_block(block.type_name)
         return standard is None or standard.stateful or any(map(_target, block.parameters.outputs))
 
     def is_written(self, node: Node) -> bool:
-        """Whether the element was written together with the block that feeds it."""
+        """True if the element was written together with the block that feeds it."""
         return node.id in self._written
 
     def last_output(self, block: Block, pin: str) -> Expression | None:
-        """What an output has before the block is executed: that of the last cycle. None: it does not keep it."""
+        """Return the value of an output before the block is executed: that of the last cycle; None: it keeps none."""
         variable = next((v for v in block.parameters.outputs if v.name == pin), None)
         if not block.instance or variable is None or is_enable(variable) or variable.edge is not Edge.NONE:
             return None
@@ -274,7 +274,7 @@ class BlockReader:
             self._give(block, variable, result)
 
     def _edge(self, block: Block, clock: Expression, memory: Expression, *, rising: bool) -> Expression:
-        """Whether a value has an edge since the last cycle, from which `memory` has it."""
+        """True if a value has an edge since the last cycle, from which `memory` has it."""
         clock = clock if is_variable(clock) else self._kept(block, clock, "BOOL")
         now, before = (clock, inverted(memory)) if rising else (inverted(clock), memory)
         result = self._kept(block, n.Operation(Operator.AND, (now, before)), "BOOL")
@@ -351,7 +351,7 @@ class BlockReader:
             self._give(block, variable, helper)
 
     def _writes_at_pin_only(self, outputs: list[BlockVariable], *, moves: bool) -> bool:
-        """Whether the result goes to one variable, at the pin, as it is: that keeps its value while nothing is done."""
+        """True if the result goes to one variable, at the pin, as it is: that keeps its value while nothing is done."""
         result = outputs[0]
         plain = result.storage is Storage.NONE and not result.negated and result.edge is Edge.NONE
         return bool(_target(result)) and plain and (len(outputs) == 1 or not moves)

@@ -107,7 +107,7 @@ class Drafter:
         return [*self._grouped(calls[:first]), (calls[first:], last)]
 
     def _fits(self, calls: Sequence[Statement], last: Statement) -> bool:
-        """Whether the function blocks of `calls` can be drawn inside `last` and are still executed in their order."""
+        """True if the function blocks of `calls` can be drawn inside `last` and are still executed in their order."""
         state = len(self.nodes), len(self.problems), self._next_id, self._next_order
         self._rung(calls, last)
         del self.nodes[state[0] :], self.problems[state[1] :]
@@ -122,7 +122,7 @@ class Drafter:
         return Rung(item, self.nodes[first:])
 
     def _can_wait(self, statement: Statement, waiting: Sequence[Statement]) -> bool:
-        """Whether it is the call of a standard function block of which none waits yet."""
+        """True if it is the call of a standard function block of which none waits yet."""
         call = statement.call if isinstance(statement, n.CallStatement) else None
         if not isinstance(call, n.Call):
             return False

@@ -24,7 +24,7 @@ class DrawingRules:
     `dialect`: of the texts in their elements. `tool`: pins have its names instead of those of IEC 61131-3.
     `instances`: the types of function block instances by name, without which their calls cannot be drawn as blocks.
     `booleans`: which variables are of type BOOL, by name in lower case. In a ladder, one that is not there is taken as
-    BOOL where it stands in a logic operation. `operands`: variables that are called like instances but are of type
+    BOOL where it is in a logic operation. `operands`: variables that are called like instances but are of type
     BOOL: flip-flops and edges of S7 keep their state in them; by name that block (``RS``, ``R_TRIG``).
     """
 
@@ -41,7 +41,7 @@ class DrawingRules:
 
     @cached_property
     def operand_paths(self) -> frozenset[Path]:
-        """What `operands` are called in calls."""
+        """Return the paths of `operands` in calls."""
         return frozenset(map(self._path, self.operands))
 
     def _path(self, name: str) -> Path:
@@ -86,7 +86,7 @@ def constant_of(expression: Expression) -> bool | None:
 
 
 def is_boolean_result(expression: Expression) -> bool | None:
-    """Whether what is no variable is of type BOOL; None: unknown."""
+    """True if a value that is no variable is of type BOOL; None: unknown."""
     if isinstance(expression, n.Literal):
         return expression.text.upper().removeprefix("BOOL#") in ("TRUE", "FALSE")
     block = None
@@ -101,7 +101,7 @@ def is_boolean_result(expression: Expression) -> bool | None:
 
 
 def by_name(call: n.Call, *, outputs: bool = False) -> bool:
-    """Whether all its arguments have names, and so pins; are all inputs, or `outputs` that go to variables too."""
+    """True if all its arguments have names, and so pins; are all inputs, or `outputs` that go to variables too."""
     return all(
         a.name is not None
         and a.value is not None
@@ -111,13 +111,13 @@ def by_name(call: n.Call, *, outputs: bool = False) -> bool:
 
 
 def is_power(block: StandardBlock, name: str) -> bool:
-    """Whether an input is of type BOOL."""
+    """True if an input is of type BOOL."""
     iec = block.input_name(name)
     return any(pin.name == iec and pin.type == "BOOL" for pin in block.inputs)
 
 
 def is_harmless(expression: Expression) -> bool:
-    """Whether its operands may be evaluated though their operation is not enabled: none can fail or do anything."""
+    """True if its operands may be evaluated though their operation is not enabled: none can fail or do anything."""
     inner = n.bare(expression)
     operands: Sequence[n.Node] = (inner,)
     if isinstance(inner, n.Operation):

@@ -47,7 +47,7 @@ def condition_reader(
     taken: Collection[str] = (),
     known: Container[str] | None = None,
 ) -> Callable[[Condition], NetworkExpression]:
-    """What `condition_expression` gives, for many conditions of a chart that does not change meanwhile.
+    """Return `condition_expression` as a function, for many conditions of a chart that does not change meanwhile.
 
     The logic drawn in the chart is looked through once, not for each of them. `taken` may grow
     meanwhile.
@@ -58,7 +58,7 @@ def condition_reader(
 def chart_statements(
     chart: SfcNetwork, dialect: Dialect = Dialect.IEC, *, taken: Iterable[str] = (), known: Container[str] | None = None
 ) -> NetworkStatements:
-    """What the logic drawn in a chart does besides feeding conditions: it is executed in every cycle.
+    """Return the effects of the logic drawn in a chart besides feeding conditions: it is executed in every cycle.
 
     Function blocks and edges that feed conditions only are left to `condition_expression`.
     """

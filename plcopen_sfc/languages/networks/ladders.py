@@ -96,7 +96,7 @@ class LadderDrafter(Drafter):
     # -- parts of a rung
 
     def _part(self, expression: Expression, *, at_rail: bool) -> _Part:
-        """An expression as a part of a rung. `at_rail`: nothing stands before it."""
+        """An expression as a part of a rung. `at_rail`: nothing is before it."""
         inner = n.bare(expression)
         if is_true(inner):
             return _Part(ROW / 2, self._through)
@@ -191,7 +191,7 @@ class LadderDrafter(Drafter):
         return not (isinstance(inner, n.Member) and path_of(inner.base) in self._waiting.keys() - self._begun)
 
     def _is_boolean(self, expression: Expression) -> bool | None:
-        """Whether a value is of type BOOL; None: unknown."""
+        """True if a value is of type BOOL; None: unknown."""
         inner = n.bare(expression)
         known = self.rules.booleans.get(self._text(inner).lower()) if is_variable(inner) else None
         if known is not None:

@@ -46,12 +46,12 @@ def block_inputs(block: Block) -> list[BlockVariable]:
 
 
 def is_enable(variable: BlockVariable) -> bool:
-    """Whether it is EN or ENO."""
+    """True if it is EN or ENO."""
     return variable.name.casefold() in ("en", "eno")
 
 
 def is_fed(pin: InputPin | None) -> bool:
-    """Whether something stands at an input: a wire or an expression."""
+    """True if something stands at an input: a wire or an expression."""
     return pin is not None and bool(pin.connections or pin.expression)
 
 
@@ -206,7 +206,7 @@ class Graph:
                 yield from self._with_feeding(self.nodes[number], done)
 
     def _is_root(self, node: Node) -> bool:
-        """Whether it is executed when its turn comes, not only when something needs its value."""
+        """True if it is executed when its turn comes, not only when something needs its value."""
         if (node.execution_order or 0) > 0:
             return True
         if isinstance(node, Block):
@@ -257,7 +257,7 @@ MEMORY_PINS = dict.fromkeys(("RS", "SR"), "operand") | dict.fromkeys((*EDGES, *E
 
 
 def is_memory_pin(block: Block, variable: BlockVariable) -> bool:
-    """Whether the variable in which a block of S7 keeps its state stands at this pin."""
+    """True if the variable in which a block of S7 keeps its state stands at this pin."""
     return not block.instance and variable.name.casefold() == MEMORY_PINS.get(block.type_name.upper())
 
 

@@ -164,7 +164,7 @@ class NetworkReader:
             self._find_open_ends()
 
     def result(self) -> NetworkStatements:
-        """What was executed, as statements."""
+        """Return the executed elements as statements."""
         for number, _ in self.open_ends:
             self.wires.problem("its value leads nowhere", number)
         return NetworkStatements(
@@ -199,7 +199,7 @@ class NetworkReader:
         return [expression_of(product) if product is not None else None for product in products]
 
     def acts(self, node: Node) -> bool:
-        """Whether executing an element does something, whoever uses its value."""
+        """True if executing an element does something, whoever uses its value."""
         if isinstance(node, Block):
             return self._blocks.acts(node)
         return not isinstance(node, InputVariable | Contact | LeftPowerRail | RightPowerRail | Continuation | Connector)

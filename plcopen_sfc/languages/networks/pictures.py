@@ -50,7 +50,7 @@ class WireStart(NamedTuple):
 
 
 class Area(NamedTuple):
-    """What was placed: where wires go on from it, and how far it reaches to the right and down."""
+    """Placed elements: where wires go on from it, and how far it reaches to the right and down."""
 
     ends: tuple[WireStart, ...]
     right: float

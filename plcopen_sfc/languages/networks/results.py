@@ -1,4 +1,4 @@
-"""What the translations between networks and text give, and what they have to say about it."""
+"""Results of translations between networks and text, and their problems."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement, Statements
 
 @dataclass(frozen=True, slots=True)
 class NetworkProblem:
-    """What a translation could not say (ERROR), had to assume (WARNING) or leaves to be known (INFO).
+    """Something that a translation could not express (ERROR), assumed (WARNING) or lets the user know (INFO).
 
     `node` is the id of the element of the network; None: of none in particular.
     """
@@ -27,7 +27,7 @@ class NetworkProblem:
 
 @dataclass(frozen=True, slots=True)
 class Helper:
-    """A variable that a translation needs and nobody has declared yet.
+    """A variable that a translation needs and that is not declared yet.
 
     `type_name` is None where the type is that of a wire that does not tell it. `retained`: it must keep its value from
     one cycle to the next (an instance of ``R_TRIG``, the value of a feedback wire); others may be temporary.
@@ -40,7 +40,7 @@ class Helper:
 
 @dataclass(frozen=True, slots=True)
 class NetworkText:
-    """What every translation of a network to text gives.
+    """Result of a translation of a network to text.
 
     `instances` are the types of all function block instances in the network by name, `helpers` included; `comments`
     the comments and titles in it, each with the id of its element (None: of the network).
@@ -53,7 +53,7 @@ class NetworkText:
 
     @property
     def complete(self) -> bool:
-        """Whether everything in the network is said: no problem is an error."""
+        """True if everything in the network is said: no problem is an error."""
         return all(problem.severity is not Severity.ERROR for problem in self.problems)
 
     @property

@@ -1,4 +1,4 @@
-"""What flows through wires: values as products of factors, so that ladders come out as they are drawn.
+"""Values that flow through wires, as products of factors, so that ladders come out as they are drawn.
 
 In a ladder, contacts behind each other are AND and wires that meet are OR. Two wires that meet have often passed the
 same contacts before they parted; those must not be written twice. So a value is kept as the product of all it passed,
@@ -40,7 +40,7 @@ Product = tuple[Factor, ...]
 
 
 def is_true(expression: Expression) -> bool:
-    """Whether it is the literal TRUE."""
+    """True if it is the literal TRUE."""
     inner = bare(expression)
     return isinstance(inner, Literal) and inner.text.upper() == "TRUE"
 

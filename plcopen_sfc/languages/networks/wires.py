@@ -164,7 +164,7 @@ class Wires:
         return self._values[source]
 
     def is_stored(self, source: Source) -> bool:
-        """Whether the output has its value, or has none for good."""
+        """True if the output has its value, or has none for good."""
         return source in self._values
 
     def keep(self, source: Source) -> None:

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 
 class Default:
-    """What a field has where nothing is said."""
+    """The value of a field that a text does not state."""
 
     def __repr__(self) -> str:
         return "DEFAULT"
@@ -88,7 +88,7 @@ class Scanner:
         self.position = position
 
     def at_end(self) -> bool:
-        """Whether only blanks are left."""
+        """True if only blanks are left."""
         return not self.text[self.position :].strip()
 
     def next_mark(self) -> str:

@@ -1,4 +1,4 @@
-"""What a text leaves unsaid: the difference between what a reader takes from the text and what the model holds.
+"""Remainder of the model beside a text: the difference between what a reader takes from it and what the model holds.
 
 Plain data on both sides: dictionaries of fields that are not at their default. A writer prints an object, knows what
 the reader will take from the print, and writes the remainder as pragmas; so nothing is forgotten, whatever the object
@@ -112,7 +112,7 @@ def plain_value(value: Any, substitute: Substitute | None = None) -> Any:
 def changes(
     said: Any, meant: Any, path: tuple[Segment, ...] = (), *, guarded: bool = False
 ) -> Iterator[RemainderEntry]:
-    """What must be said beside a text that says `said` so that it says `meant`.
+    """Return what to state beside a text with the content `said`, so that it has the content `meant`.
 
     `guarded`: each change of fields and lists tells what they are in the text, too, not only one of a plain value. The
     reader must have all of the text before it makes the first change.
@@ -144,7 +144,7 @@ def _instead(said: Any, guarded: bool) -> Any:
 
 
 def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[RemainderEntry]:
-    """What must be said where the text says nothing: one line for each field and each item of a list."""
+    """Yield what to state where the text has nothing: one line for each field and each item of a list."""
     if isinstance(meant, dict) and meant and not _is_map(meant):
         for key in meant:
             yield from additions(meant[key], (*path, key))
@@ -178,7 +178,7 @@ def _same_kind(said: Fields, meant: Fields) -> bool:
 
 
 def _is_map(fields: Fields) -> bool:
-    """Whether these are many things of a kind by their names, which are better shown together."""
+    """True if these are many things of a kind by their names, which are better shown together."""
     return len(fields) > _MANY and all(isinstance(value, dict) for value in fields.values())
 
 
@@ -186,7 +186,7 @@ _MANY = 4
 
 
 def _starts_alike(said: list[Any], meant: list[Any]) -> bool:
-    """Whether the items of `said` are those that `meant` begins with; in a list as long, some may have other names."""
+    """True if the items of `said` are those that `meant` begins with; in a list as long, some may have other names."""
     if not said or len(said) > len(meant) or any(type(o) is not type(t) for o, t in zip(said, meant, strict=False)):
         return False
     if not all(isinstance(item, dict) for item in said):

@@ -81,7 +81,7 @@ def over(items: Sequence[Any]) -> Span:
 class Builder(Transformer[Token, Any]):
     """One method for each alias of the grammar; each is given what its rule consists of.
 
-    `signs_below_power`: the sign of ``-2 ** 2`` stands before the power, as in SCL.
+    `signs_below_power`: the sign of ``-2 ** 2`` is before the power, as in SCL.
     """
 
     def __init__(self, *, signs_below_power: bool) -> None:
@@ -389,7 +389,7 @@ def name_of(token: Token) -> n.Name:
 
 
 def _power_of_signed(left: n.Unary, right: Expression, span: Span) -> n.Unary:
-    """``-a ** b`` as SCL reads it: the sign stands before the power."""
+    """``-a ** b`` as SCL reads it: the sign is before the power."""
     inner: Expression
     below = (left.operand.span[0] if left.operand.span else span[0], span[1])
     if isinstance(left.operand, n.Unary):

@@ -238,7 +238,7 @@ class DeclarationBuilder(Builder):
 
 
 class _Declared:
-    """What stands before the colon of a variable."""
+    """The part of a variable before its colon."""
 
     __slots__ = ("address", "names", "span")
 

@@ -20,7 +20,7 @@ from plcopen_sfc.languages.st.nodes import Argument, Expression, Name, Node, Ran
 class NamedType(Node):
     """A type by its name, which may be qualified: ``INT``, ``Library.FB``, ``"UDT"``.
 
-    `arguments` is what stands in parentheses behind it: those of a constructor (CODESYS ``FB(5)``), else None.
+    `arguments` is what is in parentheses behind it: those of a constructor (CODESYS ``FB(5)``), else None.
     """
 
     name: Expression
@@ -194,7 +194,7 @@ class ConfigSectionNode(Node):
 class Property(Node):
     """A line of the head of an SCL block: ``VERSION : 0.1``, ``TITLE = text``, ``NON_RETAIN``.
 
-    `name` is in capitals; `value` as written, None where the word stands alone.
+    `name` is in capitals; `value` as written, None where the word is alone.
     """
 
     name: str
@@ -224,7 +224,7 @@ class TypeSection(Node):
 
 @dataclass(frozen=True, slots=True)
 class PouHead(Node):
-    """What stands before the sections: ``FUNCTION_BLOCK ABSTRACT name EXTENDS base IMPLEMENTS i, j``.
+    """The head of a POU, before the sections: ``FUNCTION_BLOCK ABSTRACT name EXTENDS base IMPLEMENTS i, j``.
 
     `keyword` and `qualifiers` are in capitals. `type` is that of the result, of a property, or of what an SCL instance
     DB belongs to; of a resource the processor that it runs ``ON``.

@@ -48,7 +48,7 @@ def plain_path(node: n.Node) -> Path | None:
 
 
 def is_variable(expression: Expression) -> bool:
-    """Whether it names a variable or a part of one."""
+    """True if it names a variable or a part of one."""
     return isinstance(expression, n.Name | n.Member | n.Index | n.Dereference | n.Peripheral | n.Address)
 
 
@@ -108,7 +108,7 @@ def reads(node: Expression | Statement) -> frozenset[Path]:
 
 
 def _read_to_find(target: Expression) -> list[Expression]:
-    """What is read to find the variable that is written: indices, pointers."""
+    """Return what is read to find the variable that is written: indices, pointers."""
     found: list[Expression] = []
     at = n.bare(target)
     while isinstance(at, n.Member | n.Index):
@@ -147,7 +147,7 @@ def _called(callee: Expression) -> Path:
 
 @lru_cache(maxsize=4096)
 def is_impure(expression: Expression) -> bool:
-    """Whether evaluating it twice may differ from once: it calls what is no standard function, or assigns."""
+    """True if evaluating it twice may differ from once: it calls what is no standard function, or assigns."""
     return any(
         isinstance(node, n.AssignmentExpression | n.EmbeddedCode | n.Unreadable)
         or (isinstance(node, n.Call) and not is_standard_call(node))
@@ -157,7 +157,7 @@ def is_impure(expression: Expression) -> bool:
 
 @lru_cache(maxsize=4096)
 def is_repeatable(expression: Expression) -> bool:
-    """Whether it may be written more than once: evaluating it again is the same, and it is short."""
+    """True if it may be written more than once: evaluating it again is the same, and it is short."""
     # whether arguments have names makes no difference
     size = sum(-(node.name is not None) if isinstance(node, n.Argument) else 1 for node in walk(expression))
     return not is_impure(expression) and size <= _MAX_REPEATED
@@ -168,7 +168,7 @@ _MAX_REPEATED = 30
 
 
 def is_standard_call(call: n.Call) -> bool:
-    """Whether it calls a standard function, and has no output parameters."""
+    """True if it calls a standard function, and has no output parameters."""
     if not isinstance(call.callee, n.Name) or any(argument.output for argument in call.arguments):
         return False
     block = standard_block(call.callee.identifier)
@@ -201,7 +201,7 @@ def targets(tree: n.Node) -> Iterator[Expression]:
 
 
 def may_change(read: frozenset[Path], written: frozenset[Path], private: Set[str]) -> bool:
-    """Whether one of the variables `read` may be one of those `written`, or a part of it or around it.
+    """True if one of the variables `read` may be one of those `written`, or a part of it or around it.
 
     `private` are variables that only a statement that names them can write: helpers and instances.
     """

@@ -13,7 +13,7 @@ from plcopen_sfc.languages.st.nodes import Span
 
 
 class Token:
-    """A token: its type in the grammar, its text and where it stands."""
+    """A token: its type in the grammar, its text and where it is."""
 
     __slots__ = ("span", "type", "value")
 
@@ -45,7 +45,7 @@ class Comment:
 
 @dataclass(frozen=True, slots=True)
 class Tokens:
-    """What a text consists of."""
+    """Tokens of a text."""
 
     tokens: list[Token]
     comments: list[Comment]
@@ -109,7 +109,7 @@ def _pattern(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
         + rf"|[^\W\d]\w*\#(?:{_SINGLE_QUOTED}|{_DOUBLE_QUOTED}|[-+]?{_NUMBER}|[^\W\d]\w*)"
         + (r"|\#(?!)" if scl else f"|{_DOUBLE_QUOTED}")
         + rf"|{_SINGLE_QUOTED}|(?<![^.]\.){_NUMBER})",
-        # 4 COMPOUND_ASSIGN by a word, if an operand stands before it
+        # 4 COMPOUND_ASSIGN by a word, if an operand is before it
         r"((?i:REF|S|R)=)" if codesys else r"((?!))",
         # 5 NAME or keyword, 6 NAME that is none
         r"([^\W\d]\w*)",
@@ -161,7 +161,7 @@ def tokenize(
     """The tokens of `text`. `keywords` are words that are no names here, beyond those of statements.
 
     `comments_of`: the dialect of its comments where that is another one. `embedded_code`: ``{{ .. }}`` is a token, as
-    it is executed where it stands among statements; else it is a pragma.
+    it is executed where it is among statements; else it is a pragma.
     """
     words = _words(dialect, keywords)
     known = words.get

@@ -22,7 +22,7 @@ class LiteralError(ModelError):
 
 
 class LiteralKind(StrEnum):
-    """What a literal is, and so what its value is.
+    """Kinds of literals, which decide on the type of the value.
 
     INTEGER: an `int`, also of the types BYTE to LWORD. REAL: a `float`. BOOL: a `bool`. STRING: a `str`, also of the
     types CHAR and WCHAR. DURATION: an `int` of nanoseconds. DATE: a `datetime.date`. TIME_OF_DAY: an `int` of
@@ -45,7 +45,7 @@ class LiteralKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class LiteralValue:
-    """What a literal says. `type`: its type in capitals (``WORD`` for ``W#16#FF``), "" where the literal names none."""
+    """Value of a literal. `type`: its type in capitals (``WORD`` for ``W#16#FF``), "" where the literal names none."""
 
     kind: LiteralKind
     value: int | float | str | date

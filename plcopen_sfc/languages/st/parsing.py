@@ -30,7 +30,7 @@ Tree_co = TypeVar("Tree_co", covariant=True)
 class Parsed(Generic[Tree_co]):
     """A text and its tree.
 
-    `problems` tell what does not parse, in the order of the text; what stands there is `Unreadable` in the tree.
+    `problems` tell what does not parse, in the order of the text; what is there is `Unreadable` in the tree.
     """
 
     text: str
@@ -135,7 +135,7 @@ MAX_DEPTH = 150
 
 
 def may_be_deep(tokens: list[Token]) -> bool:
-    """Whether a tree of `tokens` could be too deep: a level takes at least one token, a block makes up to three."""
+    """True if a tree of `tokens` could be too deep: a level takes at least one token, a block makes up to three."""
     blocks = run = longest = deepest = 0
     for token in tokens:
         kind = token.type

@@ -29,7 +29,7 @@ def operands(node: n.Operation | n.Unary) -> tuple[n.Expression, ...]:
 
 
 def needs_parentheses(node: n.Operation | n.Unary, index: int) -> bool:
-    """Whether the operand at `index` has to stand in parentheses, so that the text means what the tree says."""
+    """True if the operand at `index` has to stand in parentheses, so that the text means what the tree says."""
     operand = operands(node)[index]
     if isinstance(operand, n.AssignmentExpression):
         return True

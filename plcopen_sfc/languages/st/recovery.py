@@ -57,7 +57,7 @@ class Reading:
         builder.problems = []
 
     def run(self) -> Any:
-        """What the rule makes; None if an error leaves nothing of it."""
+        """Return the node of the rule; None if an error leaves nothing of it."""
         tokens = self._tokens
         feed = self._feed
         if self._is_list:

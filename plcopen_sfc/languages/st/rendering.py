@@ -23,7 +23,7 @@ def render(parsed: Parsed[Any], tree: Node) -> str:
 
 
 def tree_edits(parsed: Parsed[Any], tree: Node) -> list[Edit]:
-    """What changes in `parsed.text` so that it is the text of `tree`."""
+    """Return the edits that make `parsed.text` the text of `tree`."""
     return [] if tree is parsed.tree else _Comparison(parsed).edits(parsed.tree, tree)
 
 
@@ -31,7 +31,7 @@ _STATEMENTS = frozenset({"statements", "otherwise", "handler", "finally_"})
 
 
 def _are_separate(name: str, before: tuple[Any, ...], after: tuple[Any, ...]) -> bool:
-    """Whether members of the list `name` can be taken out and put in: statements, and branches but the first."""
+    """True if members of the list `name` can be taken out and put in: statements, and branches but the first."""
     return name in _STATEMENTS or (name == "branches" and before[:1] == after[:1])
 
 

@@ -106,7 +106,7 @@ class ArithmeticTranslator:
         return replace(node, **new) if new else node
 
     def _stored(self, value: Expression, kind: str) -> Expression:
-        """What is assigned to a variable of a type."""
+        """Return the value to assign to a variable of a type."""
         if kind not in ORDER:
             new, made = self._fit(value, None)
             if kind in REALS and made in ORDER and new is not value:

@@ -81,7 +81,7 @@ class CallTranslator:
         return self._with(node, self._instance(callee, block), arguments)
 
     def action(self, callee: Expression) -> Expression:
-        """What is called without parentheses, as CODESYS calls actions."""
+        """Return the action that is called without parentheses, as in CODESYS."""
         if self._target is Dialect.SCL:
             self._notes.add(Severity.ERROR, "SCL has no actions to call", callee)
         return n.Call(self._callee(callee), span=callee.span)
@@ -89,7 +89,7 @@ class CallTranslator:
     # -- instances ----------------------------------------------------------------------------------------------------
 
     def _names_timer(self, name: n.Name) -> bool:
-        """Whether this is the TON of ``"DB".TON(..)`` of SCL, which calls the instance and not a part of it."""
+        """True if this is the TON of ``"DB".TON(..)`` of SCL, which calls the instance and not a part of it."""
         leaves_scl = self._source is Dialect.SCL and self._target is not Dialect.SCL
         return leaves_scl and name.identifier.upper() in S7_TIMERS_AND_COUNTERS
 
@@ -158,7 +158,7 @@ class CallTranslator:
     # -- functions ----------------------------------------------------------------------------------------------------
 
     def _is_function(self, callee: n.Name) -> bool:
-        """Whether a name is that of a function which the language brings along."""
+        """True if a name is that of a function which the language brings along."""
         if callee.quoting is not n.Quoting.NONE or self._names.is_local(callee) is True:
             return False
         if self._names.inputs_of(callee) is not None:

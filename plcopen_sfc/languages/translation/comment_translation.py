@@ -80,7 +80,7 @@ def with_translated_comments(text: str, source: Dialect, target: Dialect, *, reg
 
 
 def holds_regions(comments: Iterable[Comment]) -> bool:
-    """Whether there are pragmas of regions among comments."""
+    """True if there are pragmas of regions among comments."""
     return any(_REGION.fullmatch(comment.text) or _END_REGION.fullmatch(comment.text) for comment in comments)
 
 

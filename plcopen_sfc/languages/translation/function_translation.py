@@ -1,4 +1,4 @@
-"""What the dialects have of the standard functions, and what they call them.
+"""Standard functions of the dialects, and their names there.
 
 The pins come from `plcopen_sfc.languages.standard_blocks`. Evidence for each row: docs/dialects.md.
 """
@@ -46,7 +46,7 @@ def operator_of(block: StandardBlock, target: Dialect) -> Operator | None:
 
 
 def is_lacking(name: str, target: Dialect) -> bool:
-    """Whether `target` is not known to have the standard function or block `name`."""
+    """True if `target` is not known to have the standard function or block `name`."""
     return name in {Dialect.SCL: LACKED_BY_SCL, Dialect.CODESYS: LACKED_BY_CODESYS}.get(target, frozenset())
 
 
@@ -54,7 +54,7 @@ _TRUNCATION = re.compile(r"(?:(L?REAL)_)?TRUNC(?:_(S?INT|DINT|LINT|U\w+))?")
 
 
 def translated_truncation(name: str, target: Dialect, real: str) -> str | None:
-    """What `target` calls a function that cuts off decimals; None: `name` is none, or `target` has no such one.
+    """Return the name in `target` of a function that cuts off decimals; None: `name` is none, or it has none.
 
     ``REAL_TRUNC_DINT`` of IEC 61131-3 ed. 3 is ``TRUNC`` in SCL and CODESYS, ``REAL_TRUNC_INT`` is ``TRUNC_INT``.
     `real`: the type of the argument.

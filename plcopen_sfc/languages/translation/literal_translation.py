@@ -132,7 +132,7 @@ def _duration(text: str, nanoseconds: int, type: str, target: Dialect) -> PartTe
 
 
 def _overflows(body: str) -> bool:
-    """Whether a unit behind the first has more than fits the one before it, as in ``5m68s``: CODESYS refuses that."""
+    """True if a unit behind the first has more than fits the one before it, as in ``5m68s``: CODESYS refuses that."""
     parts = re.findall(r"(\d+)([a-z]+)", body.replace("_", "").lower())
     return any(int(count) >= _FULL.get(unit, 1000) for count, unit in parts[1:])
 

@@ -67,7 +67,7 @@ class NameTranslator:
         return name.identifier.casefold() in {each.casefold() for each in self._context.actions}
 
     def is_local(self, name: n.Name) -> bool | None:
-        """Whether the POU declares `name`; None: that is not known."""
+        """True if the POU declares `name`; None: that is not known."""
         if name.quoting is not Quoting.NONE:
             return name.quoting in _LOCAL
         return None if self._locals is None else name.identifier.casefold() in self._locals

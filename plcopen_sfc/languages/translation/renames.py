@@ -21,7 +21,7 @@ class NameScope(StrEnum):
     """Where a name is declared.
 
     LOCAL: in the interface of the POU (``#name`` in SCL). GLOBAL: outside (``"name"``). MEMBER: in a structure, or in
-    the interface of another POU: what stands behind a dot or before ``:=`` in a call.
+    the interface of another POU: what is behind a dot or before ``:=`` in a call.
     """
 
     LOCAL = "local"
@@ -67,19 +67,19 @@ class Renames:
         return len(self._old)
 
     def new_name(self, scope: NameScope, old: str) -> str | None:
-        """What `old` is called outside of SCL; None: no rename is known."""
+        """Return the name of `old` outside of SCL; None: no rename is known."""
         found = self._new.get(_key(scope, old))
         return found.new if found is not None else None
 
     def old_name(self, scope: NameScope, new: str) -> str | None:
-        """What `new` is called in SCL; None: no rename is known."""
+        """Return the name of `new` in SCL; None: no rename is known."""
         found = self._old.get(_key(scope, new))
         return found.old if found is not None else None
 
     def legal_name(
         self, scope: NameScope, name: str, taken: Collection[str] = (), target: Dialect = Dialect.IEC
     ) -> str:
-        """What `name` is called in `target`: itself, if it is legal there and not `taken`.
+        """Return the name of `name` in `target`: itself, if it is legal there and not `taken`.
 
         `taken`: the names that others have there, casefolded; for LOCAL and MEMBER all, the name itself among them.
         """
@@ -110,7 +110,7 @@ def _is_legal(name: str, target: Dialect) -> bool:
 
 
 def is_identifier(name: str) -> bool:
-    """Whether a name is an identifier of IEC 61131-3 (6.1.2): letters, digits, and underscores that stand alone."""
+    """True if a name is an identifier of IEC 61131-3 (6.1.2): letters, digits, and underscores that stand alone."""
     return re.fullmatch(r"(?!.*__)[A-Za-z_][A-Za-z0-9_]*", name) is not None
 
 
@@ -125,7 +125,7 @@ def identifier(name: str) -> str:
 
 
 def is_reserved(name: str, target: Dialect) -> bool:
-    """Whether `target` reads a name as something else, so that no variable and no member can have it."""
+    """True if `target` reads a name as something else, so that no variable and no member can have it."""
     word = name.upper()
     return word in TRANSLATED_KEYWORDS or word in (_IEC_WORDS if target is Dialect.IEC else _CODESYS_OPERATORS)
 

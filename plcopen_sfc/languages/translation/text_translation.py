@@ -37,7 +37,7 @@ class Translated:
 
     @property
     def exact(self) -> bool:
-        """Whether it surely means the same: no note is more than an information."""
+        """True if it surely means the same: no note is more than an information."""
         return all(note.severity is Severity.INFO for note in self.notes)
 
 
@@ -111,7 +111,7 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
 
 
 def _with_semicolons(text: str) -> str:
-    """A text of SCL in which a semicolon stands behind every END_IF and the like: CODESYS does without."""
+    """A text of SCL in which a semicolon is behind every END_IF and the like: CODESYS does without."""
     tokens = tokenize(text, Dialect.SCL).tokens
     pairs = zip(tokens, [*(token.value for token in tokens[1:]), ""], strict=False)
     ends = [token.span[1] for token, after in pairs if token.value.upper() in _ENDS and after != ";"]
@@ -124,11 +124,11 @@ _ENDS = frozenset({"END_IF", "END_CASE", "END_FOR", "END_WHILE", "END_REPEAT"})
 def _parse(like: Parsed[Any], text: str, dialect: Dialect) -> Parsed[Any]:
     if isinstance(like.tree, Statements):
         return parse_statements(text, dialect)
-    return parse_condition(text, dialect)  # an expression, or one with what stands around the condition of a transition
+    return parse_condition(text, dialect)  # an expression, or one with what is around the condition of a transition
 
 
 def _regions_fit(parsed: Parsed[Any], text: str, source: Dialect, target: Dialect) -> bool:
-    """Whether the pragmas of regions make whole regions, which SCL demands and others do not."""
+    """True if the pragmas of regions make whole regions, which SCL demands and others do not."""
     if target is not Dialect.SCL or not isinstance(parsed.tree, Statements) or not holds_regions(parsed.comments):
         return False
     plain = with_translated_comments(text, source, target, regions=False)

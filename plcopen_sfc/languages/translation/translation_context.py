@@ -1,4 +1,4 @@
-"""What a translation must know beside the text."""
+"""Context of a translation: names, types and steps beside the text."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class StepReferences:
 
 @dataclass(frozen=True, slots=True)
 class TranslationContext:
-    """What the names in a text mean. Names of the source text, case does not matter.
+    """Meanings of the names in a text. Names of the source text, case does not matter.
 
     `locals`: all that the POU declares, its instances too; None: not known, and then names get no ``#`` and no quotes
     in SCL. `types`: types of variables and instances by name, by path for members (``station.timer``): needed for the
@@ -140,7 +140,7 @@ class Notes:
 
     @property
     def has_errors(self) -> bool:
-        """Whether something has no counterpart."""
+        """True if something has no counterpart."""
         return any(note.severity is Severity.ERROR for note in self._found)
 
     def in_order(self) -> tuple[Note, ...]:

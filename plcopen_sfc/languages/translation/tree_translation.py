@@ -330,7 +330,7 @@ class TreeTranslator:
         if self._target is Dialect.CODESYS:
             arguments = (n.Argument(_without_enclosure(base)), n.Argument(_without_enclosure(exponent)))
             return n.Call(n.Name("EXPT"), arguments, span=node.span)
-        if self._target is Dialect.SCL and isinstance(base, n.Unary):  # a sign stands before the power there
+        if self._target is Dialect.SCL and isinstance(base, n.Unary):  # a sign is before the power there
             return replace(node, operands=(n.Parenthesized(base, span=base.span), exponent))
         return node
 
@@ -403,7 +403,7 @@ def _is_power(node: Expression) -> bool:
 
 
 def _may_fail(node: Expression) -> bool:
-    """Whether an expression can have an effect or stop the program, so that it matters whether it is evaluated."""
+    """True if an expression can have an effect or stop the program, so that it matters whether it is evaluated."""
     risky = (n.Call, n.Dereference, n.Index, n.AssignmentExpression)
     return any(
         isinstance(part, risky)

@@ -98,7 +98,7 @@ class ChartProgram:
         return [(owner, model) for owner, models in owners for model in models if not model.exclude]
 
     def forgetting(self, anywhere: Container[str], read: Container[str]) -> Callable[[Frame, int], None]:
-        """A function that sets back times of steps that nobody will see, so that fewer states are different.
+        """Return a function that sets back times of steps that no later scan sees, so that fewer states are different.
 
         `read` are the steps whose time a text reads (names in lower case), `anywhere` those of which one does elsewhere
         than in the conditions behind them, and so also when they are not active.

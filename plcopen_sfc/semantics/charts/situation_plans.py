@@ -75,7 +75,7 @@ MOST_PLANS = 4096
 
 
 def execution(target: str, scope: Scope, where: str) -> tuple[Run | None, Write | None]:
-    """How to execute it, or how to write it: one of both. A name that nobody declares is a Boolean variable."""
+    """How to execute it, or how to write it: one of both. An undeclared name is a Boolean variable."""
     action = scope.action(target)
     if action is not None:
         return action, None

@@ -89,7 +89,7 @@ class Calls:
         return found if found is not None else self._uninterpreted(name, node, expected)
 
     def _uninterpreted(self, name: str, node: n.Call, expected: t.Type | None, path: str = "") -> Code:
-        """The result of what nobody knows; `path` is that of the instance whose method it is."""
+        """Return the result of an unknown function; `path` is that of the instance whose method it is."""
         unknown = self._library.unknown
         if unknown is None:
             raise self._unknown(name)
@@ -104,7 +104,7 @@ class Calls:
         return ranged(f"unknown_value({name.casefold()!r}, ({inputs}), {type_name}, {slot})", type_, acts=True)
 
     def _given(self, arguments: Sequence[n.Argument]) -> tuple[str, list[n.Argument]]:
-        """Source of the inputs of a call that nobody knows, by their names, and its outputs."""
+        """Return source of the inputs of an unknown call, by their names, and its outputs."""
         texts: list[str] = []
         for argument in arguments:
             if argument.value is not None and not argument.output:
@@ -114,7 +114,7 @@ class Calls:
         return "".join(f"{text}, " for text in texts), outputs
 
     def _unknown_block(self, name: str, path: str, arguments: Sequence[n.Argument]) -> bool:
-        """Write the call of an instance of which nobody knows what it does, or of a function that is a statement."""
+        """Write the call of an unknown block, or of a function that is a statement."""
         unknown = self._library.unknown
         if unknown is None:
             return False
@@ -150,7 +150,7 @@ class Calls:
             self._translator.writer.rollback(mark)
 
     def _path_of(self, place: Place) -> str:
-        """The path that members of an instance have whose type nobody declares."""
+        """Return the path of the members of an instance of an undeclared type."""
         return f"{self._scope.path}.{place.path}" if place.key and not place.key.startswith("g") else place.path
 
     def _unknown(self, name: str) -> UnknownFunctionError:
@@ -285,7 +285,7 @@ class Calls:
     # -- as statements
 
     def statement(self, node: n.Expression) -> None:
-        """Write a call that stands as a statement."""
+        """Write a call that is a statement."""
         node = n.bare(node)
         arguments = node.arguments if isinstance(node, n.Call) else ()
         callee = n.bare(node.callee) if isinstance(node, n.Call) else node

@@ -34,7 +34,7 @@ class Writer:
 
     @contextmanager
     def block(self, head: str) -> Iterator[None]:
-        """A head and what stands below it."""
+        """A head and the lines below it."""
         self.write(head)
         self._depth += 1
         if self._depth > _LINE_LIMIT:

@@ -96,7 +96,7 @@ def sqr(value: float) -> float:
 
 
 def frac(value: float) -> float:
-    """FRAC of S7: what stands behind the decimal point."""
+    """FRAC of S7: what is behind the decimal point."""
     return math.modf(value)[0]
 
 

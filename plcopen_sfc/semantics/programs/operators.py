@@ -55,14 +55,14 @@ class Operators:
         return result
 
     def _operands(self, node: n.Operation, expected: t.Type | None) -> list[Code]:
-        """The operands. What nobody declares takes the type of the first that has one."""
+        """Return the operands; an undeclared one takes the type of the first that has one."""
         if expected is None or not isinstance(expected, t.ElementaryType):
             types = [self.known_type(operand) for operand in node.operands]
             expected = next((type_ for type_ in types if type_ is not None), t.DINT)
         return [self._translator.value(operand, expected) for operand in node.operands]
 
     def known_type(self, node: n.Expression) -> t.Type | None:
-        """The type of an operand; None for what nobody declares."""
+        """Return the type of an operand; None for an undeclared one."""
         node = n.bare(node)
         if isinstance(node, n.Name | n.Member | n.Index):
             found = self._translator.meaning(node)

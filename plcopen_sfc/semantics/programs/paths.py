@@ -292,7 +292,7 @@ class PathTranslator(ABC):
         return place
 
     def implicit(self, unknown: Unknown, expected: t.Type | None) -> Place:
-        """The external variable that stands for something nobody declares."""
+        """Return the external variable of an undeclared name."""
         type_ = expected if isinstance(expected, t.ElementaryType) and expected is not t.ANY else t.BOOL
         return self.library.implicit(unknown.path, type_)
 
@@ -303,7 +303,7 @@ class PathTranslator(ABC):
         return n.Name(name)
 
     def guessed(self, value: n.Expression) -> t.Type:
-        """The type of a variable that nobody declares, from what is assigned to it."""
+        """Return the type of an undeclared variable, from what is assigned to it."""
         code = self.value(value)
         if isinstance(code.type, t.ElementaryType) and code.loose and code.type.family is t.Family.INTEGER:
             return t.DINT if code.type in (t.INT, t.DINT) else t.LINT

@@ -287,7 +287,7 @@ class Library(TranslatedProject):
         self._initials.give(field, value, scope)
 
     def implicit(self, path: str, type_: t.Type) -> Place:
-        """Something that nobody declares: an external variable."""
+        """Return the external variable of an undeclared path."""
         key = path.casefold()
         found = self.implicits.get(key)
         if found is None:

@@ -200,7 +200,7 @@ class Routines:
                 type_ = self._library.named_type(helper.type_name, self._scope)
             self._scope.helper(helper.name, type_)
         for text, type_name in read.instances.items():
-            # the drawing tells the type of an instance that nobody declares
+            # the drawing tells the type of an undeclared instance
             name = text.strip('"')
             if name != text and isinstance(self._scope.resolve(n.Name(name, n.Quoting.GLOBAL)), Unknown):
                 found = self._library.named_type(type_name, self._scope)

@@ -45,7 +45,7 @@ _VALUES = frozenset({Kind.VARIABLE, Kind.DATA_BLOCK, Kind.INSTANCE, Kind.ENUM_VA
 
 
 class TranslatedProject(ABC):
-    """What the translations of all texts of a project share.
+    """Tables that the translations of all texts of a project share.
 
     The abstract methods give declarations a meaning, which needs translated constants; `Library` has them.
     """
@@ -273,7 +273,7 @@ class Scope:
         return t.StructureType(name, layout)
 
     def declare(self, name: str, type_: t.Type, *, hidden: bool = False, direction: Direction = Direction.LOCAL) -> int:
-        """A variable that nobody has declared: its slot in `v`. An existing one of the name stays what it is.
+        """Declare a variable of the simulator; returns its slot in `v`. An existing one of the name stays what it is.
 
         Only while the POU is being declared, that is, in a chart compiler.
         """

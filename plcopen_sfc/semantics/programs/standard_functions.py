@@ -114,7 +114,7 @@ class StandardFunctions:
         return [given[pin] for pin in pins]
 
     def _codes(self, nodes: Sequence[n.Expression], expected: t.Type | None) -> list[Code]:
-        """Values; what nobody declares takes the type of the first that has one."""
+        """Return the values; an undeclared variable takes the type of the first that has one."""
         known = [self._operators.known_type(node) for node in nodes]
         wanted = next((type_ for type_ in known if type_ is not None), expected)
         return [self._translator.value(node, wanted) for node in nodes]

@@ -475,7 +475,7 @@ class StatementTranslator:
         again = self._writer.temporary()
         self._writer.write(f"{again} = False")
         with self._writer.block("while True:"):
-            # CONTINUE goes to the condition, which therefore stands at the beginning of the next turn
+            # CONTINUE goes to the condition, which therefore is at the beginning of the next turn
             with self._writer.block(f"if {again}:"):
                 self._watch_conditions([condition])
                 with self._writer.block(f"if {self._truth(condition).text}:"):

@@ -22,7 +22,7 @@ _SMALL = 12
 class UnknownCalls:
     """Results of calls that cannot be executed: values that are derived from all that they may depend on.
 
-    `seed`: other values for another one. `log`: the calls that stand as statements, in the present scan.
+    `seed`: other values for another one. `log`: the calls that are statements, in the present scan.
     """
 
     def __init__(self) -> None:

@@ -30,7 +30,7 @@ _DAY = 86_400 * SECOND
 class Code:
     """An expression as Python source, which is an atom or stands in parentheses.
 
-    `low` and `high` bound an integer value; they may go beyond its type while nobody has looked: sums and products wrap
+    `low` and `high` bound an integer value; they may go beyond its type until it is settled: sums and products wrap
     the same whether at once or later. `constant`: its value is known, `value` is it. `loose`: a literal without a type,
     which takes that of its surroundings. `acts`: evaluating it calls something of the project.
     """
