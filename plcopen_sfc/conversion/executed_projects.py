@@ -26,7 +26,7 @@ from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.networks.network_graph import without_places
-from plcopen_sfc.languages.s7_globals import is_retained, local_tags
+from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags
 from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
@@ -90,6 +90,8 @@ class _Reader:
         self.lists |= compared_with.lists | {s.name.casefold() for s in source.global_sections() if s.name}
         self.values = _values(project, self.project.global_sections())
         self.starts = StartValues(project, self._number)
+        if project.dialect is Dialect.SCL:
+            self.lists.add(TABLE.casefold())
         self.structures = compared_with.lists
         self.whole.programs = frozenset(p.name.casefold() for p in project.pous if p.kind is PouKind.PROGRAM)
         # programs by the names of their instance data blocks: texts in SCL have those names before the blocks are made

@@ -3,7 +3,7 @@
 Named lists are those of CODESYS, whose variables texts name with their list: they belong to an application, or are
 objects of a project. In a configuration of IEC 61131-3 the names of lists say nothing. The variables of a list that
 have an address are tags, in a table with the name of the list: S7 has no addresses in optimised data blocks. A global
-variable without a list, an address and a value that never changes has no counterpart: S7 keeps data in blocks.
+variable without a list, an address and a value that never changes is in a data block for all of these.
 """
 
 from __future__ import annotations
@@ -25,17 +25,19 @@ from plcopen_sfc.model.types import DerivedType, ElementaryType, SimpleValue, Va
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 TABLE = "GlobalVariables"
+"""Name of the tag table and of the data block for what is in no list."""
 
 
 def data_blocks_of(project: Project) -> list[DataBlock]:
     """A data block for each named list of global variables, unless the project has an object of that name.
 
-    Instances of function blocks are left out: global data blocks of S7 have none. So are tags.
+    Another one has the variables of no list. Instances of function blocks are left out: global data blocks of S7 have
+    none. So are tags and constants.
     """
     things = [*project.pous, *project.data_blocks, *project.data_types]
     taken = {thing.name.casefold() for thing in things}
     blocks = {pou.name.casefold() for pou in project.pous}
-    tags = _tags_of_lists(project)
+    tags, known = _tags_of_lists(project), _names_in_tables(project)
     found: dict[str, list[VariableSection]] = {}
     for name, section in _lists(project):
         variables = [
@@ -43,8 +45,10 @@ def data_blocks_of(project: Project) -> list[DataBlock]:
             for v in section.variables
             if not _is_instance(v, blocks) and (name.casefold(), v.name.casefold()) not in tags
         ]
-        if name and name.casefold() not in taken and variables:
-            sections = found.setdefault(name, [])
+        if not name:
+            variables = [v for v in variables if v.name.casefold() not in known]
+        if (name or TABLE).casefold() not in taken and variables:
+            sections = found.setdefault(name or TABLE, [])
             retain = section.retain or section.persistent
             if not sections or sections[-1].retain is not retain:
                 sections.append(VariableSection(kind=SectionKind.LOCAL, retain=retain))
@@ -81,10 +85,7 @@ def names_in_s7(project: Project) -> dict[str, tuple[str, ...]]:
     tags = [(around, name, tag) for (around, name), tag in _tags_of_lists(project).items()]
     for _, name, tag in tags:
         found.setdefault(name, []).append((tag.name,))
-    others = {
-        variable.name.casefold() for name, section in _lists(project) if not name for variable in section.variables
-    }
-    others |= {thing.name.casefold() for thing in project.objects()}
+    others = _names_in_tables(project) | {thing.name.casefold() for thing in project.objects()}
     names = {name: paths[0] for name, paths in found.items() if len(paths) == 1 and name not in others}
     for around, local in local_tags(project).items():
         tags += [(around, name, tag) for name, tag in local.items()]
@@ -94,11 +95,15 @@ def names_in_s7(project: Project) -> dict[str, tuple[str, ...]]:
 
 
 def names_from_s7(project: Project) -> dict[str, tuple[str, ...]]:
-    """The names of tags in other tools, by those that they have in S7, in lower case."""
+    """The names of tags, and of variables in no list, in other tools, by those that they have in S7, in lower case."""
     lists = {name.casefold(): name for name, _ in _lists(project)}
     found: dict[str, tuple[str, ...]] = {}
     for (around, _), tag in _tags_of_lists(project).items():
         found[tag.name.casefold()] = (lists[around], tag.name)
+    for block in data_blocks_of(project):
+        unlisted = block.interface if block.name == TABLE else None
+        for variable in unlisted.variables() if unlisted is not None else ():
+            found[f"{TABLE}.{variable.name}".casefold()] = (variable.name,)
     tags = local_tags(project)
     for pou in project.pous:
         names = {variable.name.casefold(): variable.name for variable in pou.variables()}
@@ -188,6 +193,23 @@ def _tag(variable: Variable, types: S7Types) -> Tag | None:
     return Tag(name=variable.name, type=type_, address=address.text, comment=variable.comment)
 
 
+def _names_in_tables(project: Project) -> set[str]:
+    """The names, in lower case, of the tags and constants of the project, and of those that others become."""
+    found: set[str] = set()
+    types = s7_types(project)
+    for table in project.tag_tables:
+        found |= {tag.name.casefold() for tag in table.tags} | {each.name.casefold() for each in table.constants}
+    for section in (section for name, section in _lists(project) if not name):
+        for variable in section.variables:
+            if _tag(variable, types) is not None or _is_constant(section, variable):
+                found.add(variable.name.casefold())
+    return found
+
+
+def _is_constant(section: VariableSection, variable: Variable) -> bool:
+    return section.constant and not variable.address and variable.initial is not None
+
+
 def tag_tables_of(project: Project) -> list[TagTable]:
     """Tables of the global variables that are no data: a table for each list whose variables have addresses.
 
@@ -201,7 +223,7 @@ def tag_tables_of(project: Project) -> list[TagTable]:
             tag = _tag(variable, types)
             if tag is not None:
                 table.tags.append(tag)
-            elif not variable.address and section.constant and variable.initial is not None:
+            elif _is_constant(section, variable):
                 table.constants.append(variable.model_copy(update={"address": None}))
     tables = {name: TagTable(name=name) for name, _ in _lists(project) if name}
     lists = {name.casefold(): name for name in tables}
@@ -252,12 +274,12 @@ def _left_out_globals(project: Project) -> Iterator[tuple[str, str]]:
                 continue
             if is_tag or listed is not None:
                 yield from ((place, why) for why in _not_of_tags(variable, section))
-            elif name and _is_instance(variable, blocks):
+            elif not name and variable.name.casefold() in known:
+                continue
+            elif _is_instance(variable, blocks):
                 yield place, "a global data block has no instances of function blocks"
-            elif name and variable.address:
+            elif variable.address:
                 yield place, f"in a data block it has no address: it is not connected to {variable.address}"
-            elif not name and variable.name.casefold() not in known:
-                yield place, "S7 keeps data in blocks: without a list, an address or a constant value it has no place"
 
 
 def unconnected(project: Project) -> Iterator[tuple[str, str, str]]:

@@ -187,6 +187,49 @@ def test_addresses_of_a_list_are_tags() -> None:
     assert back.text == "GVL_IO.Valve := GVL_IO.Start; n := GVL_IO.Level;"
 
 
+def test_variables_of_no_list_are_in_a_data_block() -> None:
+    text = """
+    CONFIGURATION Plc
+    VAR_GLOBAL Total : INT := 5; Start AT %IX0.3 : BOOL; END_VAR
+    VAR_GLOBAL RETAIN Kept : INT; END_VAR
+    END_CONFIGURATION
+    PROGRAM Main
+    VAR_EXTERNAL Total : INT; Kept : INT; Start : BOOL; END_VAR
+    IF Start THEN Total := Total + 1; Kept := Total; END_IF;
+    END_PROGRAM
+    """
+    source = sfc.loads(text.encode(), format="iec-text")
+    data, report = sfc.convert(source, "simaticml", strict=True)
+    assert not report.losses
+    seen = sfc.loads(data, as_tool=True)
+    block = next(block for block in seen.data_blocks if block.name == "GlobalVariables")
+    assert block.interface is not None
+    assert [(v.name, v.attributes.get("Remanence")) for v in block.interface.variables()] == [
+        ("Total", None),
+        ("Kept", "Retain"),
+    ]
+    body = seen.pou("Main").body
+    assert isinstance(body, m.StBody)
+    assert '"GlobalVariables".Kept := "GlobalVariables".Total;' in body.text
+    back = again(data, "simaticml", "plcopen-2.01").pou("Main").body
+    assert isinstance(back, m.StBody)
+    assert "Kept := Total;" in back.text
+
+
+def test_a_text_drawn_in_a_network_does_not_empty_it() -> None:
+    text = m.CommentBox(id=9, content="look here")
+    nodes = [m.InputVariable(id=1, expression="a"), text]
+    nodes.append(m.OutputVariable(id=2, expression="q", input=m.InputPin(connections=[m.Connection(source=1)])))
+    source = sfc.loads(b"FUNCTION_BLOCK F VAR a : BOOL; q : BOOL; END_VAR END_FUNCTION_BLOCK", format="iec-text")
+    source.pous[0].bodies = [m.FbdBody(networks=[m.LogicNetwork(nodes=nodes)])]
+    data, report = sfc.convert(source, "simaticml", strict=True)
+    assert (report.losses, report.with_outcome(Outcome.DROPPED)) == ([], [])
+    (network,) = sfc.loads(data, as_tool=True).pous[0].bodies[0].networks  # type: ignore[union-attr]
+    assert [node.kind for node in network.nodes] == ["coil"]
+    (network,) = sfc.loads(data).pous[0].bodies[0].networks  # type: ignore[union-attr]
+    assert [node.kind for node in network.nodes if node.kind == "comment"] == ["comment"]
+
+
 def test_constants_of_a_list_are_user_constants() -> None:
     limit = m.Variable(name="LIMIT", type=m.ElementaryType(name=m.Elementary.INT), initial=m.SimpleValue(text="12"))
     lists = [m.VariableSection(kind=m.SectionKind.GLOBAL, name="GVL", constant=True, variables=[limit])]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import marshal
 from functools import lru_cache
+from typing import Any
 from xml.etree import ElementTree as ET
 
 from lxml import etree
@@ -17,6 +18,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     carry_attribute,
     child_named,
     keep_verbatim,
+    merge_fields,
     opaque_body,
     read_comments,
 )
@@ -34,9 +36,11 @@ from plcopen_sfc.formats.simaticml.program_comparison import (
     shortened,
 )
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
-from plcopen_sfc.model.network import LogicNetwork
+from plcopen_sfc.model.network import CommentBox, LogicNetwork
 from plcopen_sfc.report import Outcome
 
+TEXTS = "texts"
+"""The field of a network for the texts in its drawing, each with its place among the elements."""
 _LANGUAGES = {"LAD": "LD", "FBD": "FBD"}
 _NAMES = {language: name for name, language in _LANGUAGES.items()}
 
@@ -54,10 +58,14 @@ def read_network(ctx: DocumentReading, element: etree._Element) -> Fields:
     else:
         net, fields, hints = _read_text(text)
         is_empty = child_named(net, "Wires") is None
+        beside: Fields = {}
+        read_comments(ctx, element, beside)
+        texts = beside.pop(TEXTS, [])
         if is_empty:  # one that has been programmed since counts as it is
-            read_comments(ctx, element, fields)
+            merge_fields(fields, beside)
         is_from_comment = bool(fields["nodes"]) and is_empty
         kept = {} if is_from_comment else _beside(net, fields, hints)
+        _insert(texts, fields["nodes"])
     if kept is None:
         fields.pop("carried", None)
         keep_verbatim(fields, element)
@@ -79,6 +87,14 @@ def _read_text(text: bytes) -> tuple[XmlNode, Fields, dict[str, str]]:
     texts: dict[str, str] = {}
     nodes = read_flgnet(net, texts)
     return net, {"nodes": nodes}, operand_hints(net, texts)
+
+
+def _insert(texts: list[Any], nodes: list[Fields]) -> None:
+    """Put the texts in a drawing back to their places among its elements."""
+    for place, text in texts:
+        used = {node["id"] for node in nodes}
+        number = text["id"] if text["id"] not in used else max(used) + 1
+        nodes.insert(place, {**text, "id": number})
 
 
 def _beside(net: XmlNode, fields: Fields, hints: dict[str, str]) -> dict[str, str] | None:
@@ -108,8 +124,9 @@ def write_network(ctx: DocumentWriting, root: etree._Element, network: LogicNetw
     kept = verbatim(ctx, network.carried)
     if kept is not None and _nodes(kept) == network.nodes:
         return kept
+    texts = [(at, node) for at, node in enumerate(network.nodes) if isinstance(node, CommentBox)]
     try:
-        write_flgnet(root, network, ctx.types)
+        write_flgnet(root, _without_texts(network), ctx.types)
     except NotUnderstoodError as error:
         for child in list(root):
             root.remove(child)
@@ -118,14 +135,25 @@ def write_network(ctx: DocumentWriting, root: etree._Element, network: LogicNetw
         ctx.note(Outcome.NOT_EXECUTED, "network", why=why)
         nodes = network.model_dump(mode="json", exclude_none=True, include={"nodes"})
         keep_fields(root, nodes)
+    else:
+        if texts:
+            dumped = [[at, node.model_dump(mode="json", exclude_none=True)] for at, node in texts]
+            keep_fields(root, {TEXTS: dumped})
+            ctx.note(Outcome.EXTENSION_DATA, "comment", why="TIA Portal draws no texts in networks")
     return None
+
+
+def _without_texts(network: LogicNetwork) -> LogicNetwork:
+    """The elements of a network that do something."""
+    nodes = [node for node in network.nodes if not isinstance(node, CommentBox)]
+    return network if len(nodes) == len(network.nodes) else network.model_copy(update={"nodes": nodes})
 
 
 def has_all_elements(ctx: DocumentWriting, body: FbdBody | LdBody) -> bool:
     """True if TIA Portal has all elements of the networks of a body."""
     try:
         for network in body.networks:
-            write_flgnet(etree.Element("FlgNet"), network, ctx.types)
+            write_flgnet(etree.Element("FlgNet"), _without_texts(network), ctx.types)
     except NotUnderstoodError:
         return False
     return True
