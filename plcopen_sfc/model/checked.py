@@ -21,30 +21,31 @@ M = TypeVar("M", bound=BaseModel)
 
 
 def deep_copy(thing: M, memo: dict[int, Any]) -> M:
-    """Return a deep copy; `memo` as for `copy.deepcopy`. It is what pydantic does in about twice the time."""
+    """Return a deep copy; `memo` as for `copy.deepcopy`. It is what pydantic does in a third of the time."""
     kind = type(thing)
     made = kind.__new__(kind)
     memo[id(thing)] = made
+    _put(made, "__dict__", _copies_in(thing.__dict__, memo))
+    _put(made, "__pydantic_extra__", None)
+    _put(made, "__pydantic_fields_set__", {*thing.__pydantic_fields_set__})
     private = thing.__pydantic_private__
-    for name, value in (
-        ("__dict__", {name: _copy_of(value, memo) for name, value in thing.__dict__.items()}),
-        ("__pydantic_extra__", None),
-        ("__pydantic_fields_set__", {*thing.__pydantic_fields_set__}),
-        ("__pydantic_private__", private and {name: _copy_of(value, memo) for name, value in private.items()}),
-    ):
-        object.__setattr__(made, name, value)
+    _put(made, "__pydantic_private__", private and _copies_in(private, memo))
     return made
 
 
+_put = object.__setattr__
 _ATOMS: set[type] = {type(None), str, int, float, bool, bytes}
 """Types whose values are shared by copies; those of enumerations are added when they are met."""
+
+
+def _copies_in(table: dict[Any, Any], memo: dict[int, Any]) -> dict[Any, Any]:
+    # nine of ten values are atoms: a call for each of them would take twice as long
+    return {key: value if type(value) in _ATOMS else _copy_of(value, memo) for key, value in table.items()}
 
 
 def _copy_of(value: Any, memo: dict[int, Any]) -> Any:
     """Return a deep copy of the value of a field."""
     kind = type(value)
-    if kind in _ATOMS:
-        return value
     if id(value) in memo:
         return memo[id(value)]
     if isinstance(value, BaseModel):
@@ -52,16 +53,18 @@ def _copy_of(value: Any, memo: dict[int, Any]) -> Any:
     if isinstance(value, list):  # the list of an owner too: who gets the copy adopts what is in it
         things: list[Any] = []
         memo[id(value)] = things
-        things += [_copy_of(each, memo) for each in value]
+        things += [each if type(each) in _ATOMS else _copy_of(each, memo) for each in value]
         return things
     if kind is dict:
         table: dict[Any, Any] = {}
         memo[id(value)] = table
-        table.update({key: _copy_of(each, memo) for key, each in value.items()})
+        table.update(_copies_in(value, memo))
         return table
     if isinstance(value, Enum):
         _ATOMS.add(kind)
         return value
+    if isinstance(value, tuple) and all(type(each) in _ATOMS for each in value):
+        return value  # a position
     return copy.deepcopy(value, memo)
 
 
@@ -105,6 +108,12 @@ class Checked(BaseModel, metaclass=_Constructor):
                 super().__setattr__(name, value)
             except ValidationError as error:
                 raise misfit(type(self), _called(self), error) from None
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy; fields in `update` get those values, and their own are not copied."""
+        if deep and update:  # pydantic would copy private attributes too: the owner, and so the whole project
+            return super().model_copy(update=update).model_copy(deep=True)
+        return super().model_copy(update=update, deep=deep)
 
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
         """Return a deep copy."""

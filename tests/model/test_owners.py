@@ -111,3 +111,22 @@ def test_a_part_keeps_the_project_that_nothing_else_keeps() -> None:
     pou = sfc.loads(source, format="iec-text").pou("Main")
     assert pou.project is not None
     assert [each.name for each in pou.project.pous] == ["Twice", "Main"]
+
+
+def test_a_copy_with_other_values_does_not_copy_what_the_original_is_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    body = SfcBody(chart=SfcNetwork(steps=[Step(id=1, name="S1")]))
+    project = Project(pous=[Pou(name="Main", kind=PouKind.PROGRAM, bodies=[body])])
+
+    def refuse(*_: object) -> None:
+        pytest.fail("the project is copied")
+
+    monkeypatch.setattr(Project, "__deepcopy__", refuse)
+    main = project.pou("Main")
+    copied = main.model_copy(update={"name": "Other"}, deep=True)
+    assert (copied.name, copied.owner, main.owner) == ("Other", None, project)
+    assert copied.chart == main.chart
+    assert copied.chart is not main.chart
+    assert copied.chart is not None
+    assert copied.chart.owner is copied.bodies[0]
+    without = main.model_copy(update={"bodies": []}, deep=True)
+    assert (without.bodies, without.name) == ([], "Main")
