@@ -59,12 +59,12 @@ def refuse_mistakes(project: Project, kind: Format) -> None:
 
 
 def _read_some(project: Project, paths: Iterable[str]) -> None:
-    """Read the POUs that have objects with these paths: to read a whole source takes longer than to save an edit."""
-    for pou in project.pous:
-        around = pou.report_path
+    """Read the objects that have these paths in them: to read a whole source takes longer than to save an edit."""
+    for thing in project.objects():
+        around = thing.report_path
         if any(path == around or path.startswith(f"{around} / ") for path in paths):
-            pou.read()
-            for body in pou.named_bodies():
+            thing.read()
+            for body in thing.named_bodies() if isinstance(thing, Pou) else ():
                 if isinstance(body.body, SfcBody):
                     body.body.chart.read()
 

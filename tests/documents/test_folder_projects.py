@@ -401,7 +401,7 @@ _PUMPS = b"""TYPE State : STRUCT a : BOOL; END_STRUCT END_TYPE
 FUNCTION_BLOCK Pumps VAR s : State; END_VAR s.a := TRUE; END_FUNCTION_BLOCK
 """
 
-names = st.text(st.characters(codec="utf-8", exclude_characters="\x00"), min_size=1, max_size=12)
+names = st.text(st.characters(codec="utf-8", exclude_characters='\x00"'), min_size=1, max_size=12)
 
 
 @settings(deadline=None, max_examples=25)

@@ -149,3 +149,17 @@ def test_what_the_file_had_already_does_not_keep_an_edit_from_being_saved():
     chart.steps.append(sfc.Step(id=chart.new_id(), name="New", max_time="4 s"))
     with pytest.raises(sfc.ModelError, match="step New: the max time '4 s'"):
         sfc.dumps(loaded)
+
+
+@pytest.mark.parametrize("kind", ["type", "member", "value", "global variable", "variable"])
+@pytest.mark.parametrize(
+    ("format", "odd"), [("plcopen", b"Odd Name"), ("codesys", b"Odd Name"), ("simaticml", b"Odd &quot;Name")]
+)
+def test_names_that_the_file_had_already_do_not_keep_an_edit_from_being_saved(kind, format, odd):
+    data = sfc.dumps(declared(kind, "Odd_Name"), format=format, partial=True).replace(b"Odd_Name", odd)
+    loaded = sfc.loads(data)
+    loaded.read_all()
+    loaded.pou("Main").chart.step("Fill").name = "Empty"
+    again = sfc.loads(sfc.dumps(loaded))
+    assert again.pou("Main").chart.step("Empty")
+    assert again == loaded
