@@ -24,7 +24,10 @@ from plcopen_sfc.documents.lowered import (
     LoweredFile as LoweredFile,
     lower_to_file as lower_to_file,
 )
-from plcopen_sfc.documents.picture_files import draw as draw
+from plcopen_sfc.documents.picture_files import (
+    DrawnChart as DrawnChart,
+    draw as draw,
+)
 from plcopen_sfc.errors import (
     ArgumentError as ArgumentError,
     FileAccessError as FileAccessError,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 from plcopen_sfc.documents.folder_documents import FileNames
 from plcopen_sfc.drawing.pictures import Theme, chart_svg, dot_text, mermaid_text
@@ -12,7 +13,7 @@ from plcopen_sfc.errors import ModelError, SfcError, check_argument, nearest
 from plcopen_sfc.files import refuse_empty, write_all
 from plcopen_sfc.model.project import Chart, Project
 
-__all__ = ["PICTURE_FORMATS", "draw"]
+__all__ = ["PICTURE_FORMATS", "DrawnChart", "draw"]
 
 PICTURE_FORMATS = {"svg": ".svg", "png": ".png", "pdf": ".pdf", "mermaid": ".mmd", "dot": ".dot"}
 """The formats of pictures and their extensions."""
@@ -26,6 +27,13 @@ _PDF_PIXELS = 19_200
 """The pages of Acrobat have at most 14 400 points, of which 72 are 96 pixels."""
 
 
+class DrawnChart(NamedTuple):
+    """A picture in a file: the `name` of its chart (``Main.Fill``) and the `path`."""
+
+    name: str
+    path: Path
+
+
 def draw(
     project: Project,
     target: str | os.PathLike[str],
@@ -34,25 +42,26 @@ def draw(
     style: str | None = None,
     theme: str = Theme.LIGHT,
     format: str | None = None,
-) -> dict[str, Path]:
+) -> list[DrawnChart]:
     """Draw the charts of a project, or the one called `pou` (``Main``, ``Main.Fill``), into files.
 
-    `target` is a file for one chart, or a folder, which exists or ends in a slash; there each picture has the name of
-    its chart. `style` and `theme` as in `SfcNetwork.to_svg`. `format` is ``svg``, ``png`` (two pixels for one of the
-    SVG), ``pdf`` (one page of the size of the picture), or a text for a program that draws graphs, without style and
-    theme: ``mermaid`` or ``dot``. The default is what the extension of a file says, else ``svg``. PNG and PDF need the
-    extra ``pictures``. Returns the files by the names of the charts. All are written or
-    none. Raises `ModelError` where there is no such chart, format, style or theme, or several charts for one file,
-    `SfcError` where the extra is missing, and `FileAccessError`.
+    `target` is a file for one chart, or a folder, which exists or ends in a slash; there each picture has the name
+    of its chart. `style` and `theme` as in `SfcNetwork.to_svg`. `format` is ``svg``, ``png`` (two pixels for one of
+    the SVG), ``pdf`` (one page of the size of the picture), or a text for a program that draws graphs, without
+    style and theme: ``mermaid`` or ``dot``. The default is what the extension of a file says, else ``svg``. PNG and
+    PDF need the extra ``pictures``. All pictures are written or none. Raises `ModelError` where there is no such
+    chart, format, style or theme, or several charts for one file, `SfcError` where the extra is missing, and
+    `FileAccessError`.
     """
     check_argument(project, Project, "draw needs a project", "A chart draws itself: chart.to_svg().")
     path = os.fspath(target)
     refuse_empty(path)
     kind = _format(path, format)
     charts = _chosen(project, pou)
-    files = _files(charts, path, PICTURE_FORMATS[kind])
-    write_all({files[each.name]: _picture(each, kind, style, theme) for each in charts})
-    return files
+    paths = _paths(charts, path, PICTURE_FORMATS[kind])
+    pairs = list(zip(charts, paths, strict=True))
+    write_all({file: _picture(chart, kind, style, theme) for chart, file in pairs})
+    return [DrawnChart(chart.name, file) for chart, file in pairs]
 
 
 def _format(path: str, wanted: str | None) -> str:
@@ -105,12 +114,12 @@ def _chosen(project: Project, pou: str | None) -> list[Chart]:
     return chosen
 
 
-def _files(charts: list[Chart], path: str, extension: str) -> dict[str, Path]:
-    """Return the files for the charts, by their names."""
+def _paths(charts: list[Chart], path: str, extension: str) -> list[Path]:
+    """Return the file of each chart."""
     if path.endswith(("/", os.sep)) or Path(path).is_dir():
         names = FileNames()
-        return {each.name: Path(path, names.free("", each.name, extension)) for each in charts}
+        return [Path(path, names.free("", each.name, extension)) for each in charts]
     if len(charts) > 1:
         hint = "Name a folder (pictures/), or one of the charts."
         raise ModelError(f"{len(charts)} charts do not fit into one picture", hint=hint)
-    return {charts[0].name: Path(path)}
+    return [Path(path)]

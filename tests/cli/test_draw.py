@@ -108,6 +108,14 @@ def test_without_cairo_the_error_says_what_to_do(cli, fixtures, tmp_path, monkey
     assert not list(tmp_path.iterdir())
 
 
+def test_every_worksheet_is_drawn(tmp_path):
+    charts = [make(count, []) for count in (1, 2)]
+    pou = sfc.Pou(name="A", kind=sfc.PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=chart) for chart in charts])
+    drawn = sfc.draw(sfc.Project(pous=[pou]), f"{tmp_path}/")
+    assert [(each.name, each.path.name) for each in drawn] == [("A", "A.svg"), ("A", "A_2.svg")]
+    assert [each.path.read_text(encoding="ascii") for each in drawn] == [chart.to_svg() for chart in charts]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -141,6 +149,6 @@ def test_names_of_charts_are_names_of_files(tmp_path):
         chart.add_step("S", initial=True)
         project.pous.append(sfc.Pou(name=name, kind=sfc.PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=chart)]))
     files = sfc.draw(project, f"{tmp_path}/")
-    assert [path.name for path in files.values()] == ["a_b.svg", "a_b_2.svg", "_con.svg"]
+    assert [each.path.name for each in files] == ["a_b.svg", "a_b_2.svg", "_con.svg"]
     with pytest.raises(sfc.ArgumentError, match="draw needs a project"):
         sfc.draw(project.pous[0].chart, tmp_path)

@@ -31,16 +31,16 @@ def run(
         several = pou is None and len(list(project.charts())) > 1
         target = STANDARD_STREAM if source == STANDARD_STREAM else _beside(Path(source), extension, several=several)
     with written_to_stdout(screen, target, extension) as place:
-        files = draw(project, place, pou=pou, style=style, theme=theme, format=format)
-    written = {name: target if target == STANDARD_STREAM else str(path) for name, path in files.items()}
+        drawn = draw(project, place, pou=pou, style=style, theme=theme, format=format)
+    written = [(name, target if target == STANDARD_STREAM else str(path)) for name, path in drawn]
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         if len(written) == 1:
-            screen.line("written: ", (next(iter(written.values())), "bold"))
+            screen.line("written: ", (written[0][1], "bold"))
         else:
             screen.line("written: ", (target, "bold"), f", {len(written)} pictures")
-            for path in written.values():
+            for _, path in written:
                 screen.detail(f"  {path}")
-    screen.result({"file": source, "pictures": [{"chart": name, "file": path} for name, path in written.items()]})
+    screen.result({"file": source, "pictures": [{"chart": name, "file": path} for name, path in written]})
     return exit_code_for(screen, project.diagnostics)
 
 
