@@ -9,7 +9,7 @@ from enum import StrEnum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from plcopen_sfc.errors import ObjectPath
+from plcopen_sfc.object_path import ObjectPath
 
 
 class Outcome(StrEnum):

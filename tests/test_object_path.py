@@ -7,7 +7,7 @@ import pickle
 
 import pytest
 
-from plcopen_sfc.errors import ObjectPath
+from plcopen_sfc.object_path import ObjectPath
 
 
 def test_a_path_is_its_text_and_knows_its_parts():

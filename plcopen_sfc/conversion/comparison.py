@@ -15,7 +15,7 @@ from plcopen_sfc.conversion.executed_parts import (
     Part,
 )
 from plcopen_sfc.conversion.meaning import Meaning, is_stronger, same
-from plcopen_sfc.errors import ObjectPath
+from plcopen_sfc.object_path import ObjectPath
 
 __all__ = ["Difference", "compare"]
 

@@ -196,9 +196,11 @@ class _Reader:
         if isinstance(kind, EnumType):
             return kind.base or ElementaryType(name=Elementary.INT)
         if isinstance(kind, ArrayType):
-            return ArrayType(dimensions=kind.dimensions, base=self._plain_type(kind.base))
+            return ArrayType(dimensions=kind.dimensions, base=self._plain_type(kind.base, depth + 1))
         if isinstance(kind, StructType):
-            members = [Variable(name=member.name, type=self._plain_type(member.type)) for member in kind.members]
+            members = [
+                Variable(name=member.name, type=self._plain_type(member.type, depth + 1)) for member in kind.members
+            ]
             return StructType(members=members)
         return kind
 

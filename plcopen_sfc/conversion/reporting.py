@@ -16,7 +16,7 @@ from plcopen_sfc.conversion.executed_parts import (
     UNDECLARED,
     UNDECLARED_TYPE,
 )
-from plcopen_sfc.errors import ObjectPath
+from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
 __all__ = ["UNSAID", "in_the_source", "report_execution"]

@@ -12,7 +12,7 @@ from plcopen_sfc.conversion import compare, executed, report_execution
 from plcopen_sfc.diagnostics import DamagedSourceError, Severity
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.documents.writer_preparation import prepared
-from plcopen_sfc.errors import LossError, ObjectPath, UnknownFormatError, nearest
+from plcopen_sfc.errors import LossError, UnknownFormatError, nearest
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest, is_from, place_in_folder, remember_body
@@ -25,6 +25,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import PROFILES
 

@@ -11,9 +11,10 @@ from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.api import save
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen, Table
-from plcopen_sfc.errors import LossError, ObjectPath
+from plcopen_sfc.errors import LossError
 from plcopen_sfc.files import refuse_empty
 from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Item, Outcome
 
 _SHOWN = 20

@@ -20,13 +20,14 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location, ObjectPath
+from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML, Tc6Version
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, inner_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import StepActionKind
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.object_path import ObjectPath
 
 Fields = dict[str, Any]
 """Fields of a model object that is being read."""

@@ -15,7 +15,6 @@ from typing import Any
 
 from lxml import etree
 
-from plcopen_sfc.errors import ObjectPath
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.tc6_reading import FIELDS_DATA, NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML, Tc6Version
@@ -26,6 +25,7 @@ from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, is_direct
 from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Outcome
 
 Written = tuple[str, UnknownDataRule, etree._Element]

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from typing import Any
 
-from plcopen_sfc.errors import ObjectPath
 from plcopen_sfc.formats.scl.scl_reader import KEYWORDS, read_source
 from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values, write_start_values
 from plcopen_sfc.formats.text_patch import SourceText, WrittenBlock, numbered
@@ -60,6 +59,7 @@ from plcopen_sfc.model.types import (
     Variable,
 )
 from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _SCL = Dialect.SCL

@@ -15,11 +15,12 @@ from lxml import etree
 from pydantic import ValidationError
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location, ObjectPath, StructureError
+from plcopen_sfc.errors import Location, StructureError
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, neutral, schema_of
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, markup
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 from plcopen_sfc.model.base import Carried, Model
+from plcopen_sfc.object_path import ObjectPath
 
 M = TypeVar("M", bound=Model)
 

@@ -9,7 +9,6 @@ from xml.etree import ElementTree as ET
 
 from lxml import etree
 
-from plcopen_sfc.errors import ObjectPath
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.simaticml.declaration_spelling import LAYOUT
 from plcopen_sfc.formats.simaticml.element_reader import VERBATIM, N
@@ -20,6 +19,7 @@ from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.model.project import Project, Tag
 from plcopen_sfc.model.text import MultilingualText, Text, plain
+from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Outcome
 
 ID = "ID"

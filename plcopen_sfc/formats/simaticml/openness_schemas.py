@@ -21,7 +21,7 @@ from dataclasses import replace
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import FormatError, Location, ObjectPath, OldVersionError, VersionNeed
+from plcopen_sfc.errors import FormatError, Location, OldVersionError, VersionNeed
 from plcopen_sfc.formats.simaticml.document_reader import find_version
 from plcopen_sfc.formats.simaticml.graph_reader import ALL_CATEGORIES, USUAL_CATEGORIES
 from plcopen_sfc.formats.simaticml.tia_versions import (
@@ -37,6 +37,7 @@ from plcopen_sfc.formats.simaticml.tia_versions import (
 from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, element_path, schema_faults, schema_findings
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.model.sfc import AlarmCategory, SfcNetwork
+from plcopen_sfc.object_path import ObjectPath
 
 _FRAME = "simaticml/document"
 _ROOTS = {"Sections": "Interface", **{language: language for language in LANGUAGES}}

@@ -234,14 +234,16 @@ class Resolver:
         return NOTHING
 
     def _members(self, type_: Type) -> Sequence[Level]:
+        for _ in range(_MOST_ALIASES):  # a type can be a pointer to itself
+            if not isinstance(type_, t.ArrayType | t.PointerType):
+                break
+            type_ = self.settled(type_.base, "")  # references are followed without a sign
         if isinstance(type_, Level):
             return (type_,)
         if isinstance(type_, Pou):
             return self.scopes.pou_levels(type_)
         if isinstance(type_, t.StructType):
             return (self.scopes.structure(type_),)
-        if isinstance(type_, t.ArrayType | t.PointerType):  # references are followed without a sign
-            return self._members(self.settled(type_.base, ""))
         return ()
 
     def type_of(self, expression: n.Expression | n.Node, site: Site, access: str = "") -> Type:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import plcopen_sfc
 import plcopen_sfc.model as m
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Names, find_uses
@@ -533,3 +534,22 @@ def test_unknown_paths() -> None:
     assert "Main.Fill" in error.value.hint
     with pytest.raises(ModelError, match="declares no"):
         find_uses(made, m.Step(id=1, name="Fill"))
+
+
+@pytest.mark.parametrize(
+    "type_",
+    [
+        m.PointerType(base=m.DerivedType(name="T_Link")),
+        m.ArrayType(dimensions=[m.Dimension(lower="0", upper="1")], base=m.DerivedType(name="T_Link")),
+    ],
+)
+def test_a_type_that_leads_to_itself_has_no_members_and_ends(type_: m.PointerType | m.ArrayType) -> None:
+    names = ("x", m.DerivedType(name="T_Link")), ("y", m.ElementaryType(name="INT"))
+    section = m.VariableSection(kind="local", variables=[m.Variable(name=name, type=each) for name, each in names])
+    main = m.Pou(name="Main", kind="program", interface=m.Interface(sections=[section]))
+    main.bodies = [m.StBody(text="x.y := y;")]
+    project = m.Project(data_types=[m.DataTypeDeclaration(name="T_Link", type=type_)], pous=[main])
+    project.rename("Main.y", "z")
+    assert main.bodies[0].text == "x.y := z;"
+    for format in ("iec-text", "plcopen"):
+        assert b"T_Link" in plcopen_sfc.dumps(project, format=format, partial=True)
