@@ -248,6 +248,7 @@ class TransitionSymbol:
         self._priority = str(transition.priority) if competing and transition.priority is not None else ""
         self._names = self._name_lines()
         condition = sheet.words.condition(transition.condition)
+        self._title = f"Transition {sheet.labels[transition.id]}: {condition or '(no condition)'}"
         widest_line = min(max(_CONDITION_WIDTH, text_width(condition, 12) // 4), 2 * _CONDITION_WIDTH)
         self._condition = wrap(condition, 12, widest_line)
         about = [plain(transition.title), plain(transition.comment)]
@@ -290,11 +291,9 @@ class TransitionSymbol:
         if not leaves:
             canvas.wire((x - 8, bar + 14), (x + 8, bar + 14))
         kind = "transition excluded" if self.transition.exclude else "transition"
-        label = self.sheet.labels[self.transition.id]
-        title = f"Transition {label}: {self.sheet.words.condition(self.transition.condition) or '(no condition)'}"
         names = 20 + max(widest(self._names, 11), text_width(self._priority, 11)) if self._names else 15
         area = (x - names, bar - self._above, names + self.right, self._above + bottom - bar)
-        with canvas.element(kind, f"{self.sheet.prefix}transition-{self.transition.id}", title, area):
+        with canvas.element(kind, f"{self.sheet.prefix}transition-{self.transition.id}", self._title, area):
             canvas.line("bar", (x - 13, bar), (x + 13, bar))
             first = bar - self._text // 2 + 12
             canvas.lines("warn" if self._missing else "plain", x + 20, first, self._condition, 15)
