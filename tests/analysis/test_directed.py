@@ -97,13 +97,18 @@ def test_every_step_of_a_chart_of_a_plant_is_entered() -> None:
     assert [counts[kind] for kind in ("step", "transition", "action")] == [(25, 25), (27, 27), (29, 29)], str(verdict)
 
 
+DRAFT = {"Eject_ACT_Eject_Draft"}  # not finished: a jump stands behind a step, and nothing calls it
 NOT_ENTERED = {
+    "twincat/press_station.xml: FB_Press.ACT_Eject_Draft": DRAFT,
+    "twincat/press_station.xml: FB_Press": {
+        f"FB_Press.ACT_Eject_Draft: {each}" for each in DRAFT | {"Init_ACT_Eject_Draft"}
+    },
     "codesys/sorting_conveyor.xml: PLC_PRG.ACT_Home": {"Done_ACT_Home"},  # another action of the POU calls its timer
 }
 WITH_CHARTS = [
     *("codesys/device_export.xml", "codesys/distribution_belt.xml", "codesys/sorting_conveyor.xml"),
     *("iectext/distribution_belt.st", "iectext/mixing_plant.st", "simaticml/FB_Drill.xml", "simaticml-plc"),
-    *("training-chain/codesys.xml", "simaticml-training-chain/Ablauf.xml"),
+    *("twincat/press_station.xml", "training-chain/codesys.xml", "simaticml-training-chain/Ablauf.xml"),
 ]
 
 
@@ -133,6 +138,38 @@ END_PROGRAM
     verdict = equivalent(chart, chart, "codesys")
     assert (verdict.proven, verdict.inputs, verdict.frozen) == (True, ("Part",), ()), str(verdict)
     assert verdict.coverage[0].counts["step"] == (2, 2)
+
+
+CYLINDERS = """FUNCTION_BLOCK Cylinder
+VAR Out AT %I* : BOOL; In AT %I* : BOOL; Valve AT %Q* : BOOL; END_VAR
+VAR_INPUT Go : BOOL; END_VAR
+VAR_OUTPUT Moved : BOOL; END_VAR
+Valve := Go AND NOT Out; Moved := In;
+END_FUNCTION_BLOCK
+{around}
+PROGRAM Main
+{one} VAR Two : Cylinder; END_VAR
+INITIAL_STEP A: Act(N); END_STEP
+STEP B: Act(N); END_STEP
+STEP C: Act(N); END_STEP
+TRANSITION FROM A TO B := One.Out; END_TRANSITION
+TRANSITION FROM B TO C := Two.Moved AND NOT One.Moved; END_TRANSITION
+TRANSITION FROM C TO A := Two.Valve; END_TRANSITION
+ACTION Act: One(Go := B.X); Two(Go := C.X); END_ACTION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize(
+    ("around", "one"), [("", "VAR One : Cylinder; END_VAR"), ("VAR_GLOBAL One : Cylinder; END_VAR", "")]
+)
+def test_each_instance_has_inputs_of_its_own(around: str, one: str) -> None:
+    """What a block reads at `%I*` is a sensor, whoever calls the block."""
+    chart = resolve(sfc.loads(CYLINDERS.format(around=around, one=one).encode(), format="iec-text"), "Main")
+    verdict = equivalent(chart, chart, "codesys")
+    assert verdict.proven, str(verdict)
+    assert sorted(verdict.inputs) == ["One.In", "One.Out", "Two.In", "Two.Out"]
+    assert verdict.coverage[0].counts["transition"] == (3, 3)
 
 
 def test_an_error_of_one_side_tells_the_scan_of_its_own_run() -> None:

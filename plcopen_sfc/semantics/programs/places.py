@@ -85,6 +85,7 @@ class Place:
             path=path,
             key=key,
             root=key or self.root,
+            input=self.input or (field is not None and field.given),
             field=field,
             whole=None if key else self.known,
         )

@@ -107,7 +107,21 @@ class VariableUse:
         """True if a variable is one of the surroundings: VAR_INPUT and VAR_IN_OUT, and others that nothing writes."""
         if key not in self.inputs or self._owned(self.inputs[key][0]):
             return False
+        if self._is_given_inside(key):
+            return True
         return self._is_passed(key) or (self._is_root(key) and not self.is_written(key))
+
+    def _is_given_inside(self, key: str) -> bool:
+        """True for a variable at an input address of a block: each instance has one, which its calls do not write."""
+        start, *slots = key.split(".")
+        layout, field = self._globals if start == "g" else self._linker.namespace[start], None
+        for slot in slots:
+            if layout is None:
+                return False
+            field = layout.fields[int(slot)]
+            layout = field.type.layout if isinstance(field.type, t.StructureType) else None
+        is_inside = len(slots) > 1 or not self._is_root(key)
+        return is_inside and field is not None and field.given and key not in self.written
 
     def _is_passed(self, key: str) -> bool:
         """True for parameters of what runs: each call gives them a value, whatever the call before has written."""
@@ -142,13 +156,31 @@ class VariableUse:
 
     def _parts_given(self) -> Iterator[tuple[str, str, t.Type]]:
         seen: set[str] = set()
+        around = [(self.key(layout, slot), field) for layout in self.roots for slot, field in enumerate(layout.fields)]
+        around += [(f"g.{slot}", field) for slot, field in enumerate(self._globals.fields)]
+        for key, field in around:
+            yield from self._given_inside(key, field.name, field.type, seen)
         for key, (path, type_) in list(self.inputs.items()):
-            if not self._may_be_given(key):
+            if not self._may_be_given(key) or self._is_given_inside(key):
                 continue
             for inner, name, part in _parts(key, path, type_):
                 if inner not in seen and (self._is_passed(inner) or not self.is_written(inner)):
                     seen.add(inner)
                     yield inner, name, part
+
+    def _given_inside(self, key: str, path: str, type_: t.Type, seen: set[str]) -> Iterator[tuple[str, str, t.Type]]:
+        """Yield what is at input addresses of an instance, and of those in it, as far as it is read."""
+        if not isinstance(type_, t.StructureType) or not type_.layout.is_instance or type_.layout in self.roots:
+            return
+        for slot, field in enumerate(type_.layout.fields):
+            inner, name, own = f"{key}.{slot}", f"{path}.{field.name}", self.key(type_.layout, slot)
+            if field.given and (own in self.inputs or inner in self.inputs):
+                if not self.written.intersection((inner, own)):
+                    parts = [each for each in _parts(inner, name, field.type) if each[0] not in seen]
+                    seen.update(part for part, _, _ in parts)
+                    yield from parts
+            elif not field.hidden:
+                yield from self._given_inside(inner, name, field.type, seen)
 
     def is_freed(self, field: Field) -> bool:
         """True for a variable at an input address, and for one that the user wants as an input."""
