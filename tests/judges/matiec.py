@@ -14,10 +14,12 @@ a `bool`; integers, enumerations and bit strings are an `int`, times an `int` of
 
 from __future__ import annotations
 
+import atexit
 import os
 import re
 import shutil
 import subprocess
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -136,9 +138,20 @@ class Matiec:
         skipped = ("POUS.c",)
         sources = sorted(path for path in folder.glob("*.c") if path.name not in skipped)
         executable = folder / "program"
-        include = ["-I", self.library / "C", "-I", folder]
+        include = ["-I", _compiled_header(self), "-I", self.library / "C", "-I", folder]
         _call("cc", [self.cc, "-w", "-O0", *include, "-o", executable, *sources, "-lm"])
         return Machine(executable, variables, kind, period)
+
+
+@cache
+def _compiled_header(matiec: Matiec) -> Path:
+    """A folder with the header of matiec's library, compiled once: that is half of the time of building a program."""
+    folder = Path(tempfile.mkdtemp(prefix="matiec-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    header = Path(shutil.copy(matiec.library / "C" / "iec_std_lib.h", folder))
+    make = ["-w", "-O0", "-I", matiec.library / "C", "-x", "c-header", header, "-o", folder / f"{header.name}.gch"]
+    _call("cc", [matiec.cc, *make])
+    return folder
 
 
 @cache
@@ -222,9 +235,9 @@ def _main(folder: Path, instance: str, kind: str, variables: Mapping[str, Variab
     declared = "\n".join(f"extern __IEC_{t}_{'p' if c.startswith('(*') else 't'} {n};" for n, t, c in outside)
     sets = "\n".join(f"    case {i}: {_set(v)} break;" for i, v in enumerate(variables.values()))
     shows = "\n".join(f"    case {i}: {_show(v)} break;" for i, v in enumerate(variables.values()))
-    return f"""#include <stdio.h>
+    return f"""#include "iec_std_lib.h"
+#include <stdio.h>
 #include <stdlib.h>
-#include "iec_std_lib.h"
 #include "accessor.h"
 #include "POUS.h"
 TIME __CURRENT_TIME;
