@@ -14,6 +14,6 @@
 from plcopen_sfc.conversion.comparison import Difference, compare
 from plcopen_sfc.conversion.executed_parts import Part
 from plcopen_sfc.conversion.executed_projects import executed
-from plcopen_sfc.conversion.reporting import report_execution
+from plcopen_sfc.conversion.reporting import report_errors, report_execution
 
-__all__ = ["Difference", "Part", "compare", "executed", "report_execution"]
+__all__ = ["Difference", "Part", "compare", "executed", "report_errors", "report_execution"]

@@ -16,10 +16,11 @@ from plcopen_sfc.conversion.executed_parts import (
     UNDECLARED,
     UNDECLARED_TYPE,
 )
+from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
-__all__ = ["UNSAID", "in_the_source", "report_execution"]
+__all__ = ["UNSAID", "in_the_source", "report_errors", "report_execution"]
 
 UNSAID = "; nothing was said of it while writing: please report this as a mistake of plcopen_sfc"
 """The end of what is said of a difference that the reader of the target found, and no writer had named."""
@@ -89,6 +90,23 @@ def report_execution(
             why += UNSAID
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
+
+
+def report_errors(report: ConversionReport, found: Iterable[Diagnostic], tool: str, called: Mapping[str, str]) -> None:
+    """Add the errors that reading the written file has `found`, where no loss at the same place tells them already."""
+    lost = [ObjectPath.of(item.path) for item in report.items if item.outcome in LOSSES]
+    for error in found:
+        place = ObjectPath.of(in_the_source(error.location.path or "", called))
+        is_told = any(path[: len(place.parts)] == place.parts for path in (each.parts for each in lost))
+        # readers name a block as its tool does: FB Main
+        is_told |= len(place.parts) == 1 and any(_name_of(path.owner) == _name_of(place) for path in lost)
+        if not is_told:
+            why = f"the written file has an error for {tool}: {error.message} ({error.code})"
+            report.add(Outcome.NOT_EXECUTED, "error", place, why)
+
+
+def _name_of(path: str) -> str:
+    return path.partition(" ")[2]
 
 
 _CONDITIONS = ("condition", "interlock", "supervision")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
 from plcopen_sfc.collector import collecting_rarely
-from plcopen_sfc.conversion import compare, executed, report_execution
+from plcopen_sfc.conversion import Part, compare, executed, report_errors, report_execution
 from plcopen_sfc.diagnostics import DamagedSourceError, Severity
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.documents.writer_preparation import prepared
@@ -109,24 +109,44 @@ def encode(
         called = names_in_the_source(project, copy)
     if behaviour is not None:
         seen = read_document(data, format=kind.name, path=None, as_tool=True)
-        target = PROFILES[flavour] if flavour else None
-        own = family(project.dialect)
-        other_tool = bool(flavour) or own is not family(seen.dialect)
-        found = compare(
-            behaviour,
-            executed(seen, target, compared_with=behaviour),
-            other_tool=other_tool,
-            has_libraries=own is not Dialect.IEC,
-        )
-        report_execution(report, found, flavour or kind.tool, called)
-        if limit:
-            from plcopen_sfc.conversion.compared_runs import report_running  # noqa: PLC0415  # brings the interpreter
-
-            report_running(report, project, seen, called, tool=flavour or kind.tool, target=target, limit=limit)
+        report_behaviour(report, project, behaviour, seen, called, tool=kind.tool, flavour=flavour, limit=limit)
     if source is not None and format_named(source.format)[0].xml:
         report.locate(format_named(source.format)[0].codec().lines(source.content, project), called=called)
     locate_in_folder(project, report, called)
     return data, report
+
+
+def report_behaviour(
+    report: ConversionReport,
+    project: Project,
+    behaviour: Part,
+    seen: Project,
+    called: Mapping[str, str],
+    *,
+    tool: str,
+    flavour: str = "",
+    limit: float,
+) -> None:
+    """Add to `report` where what the target `tool` sees of `project` differs from its `behaviour`.
+
+    `called` gives the paths in the source of what has another name in the target; for `limit` seconds the charts run.
+    """
+    target = PROFILES[flavour] if flavour else None
+    own = family(project.dialect)
+    found = compare(
+        behaviour,
+        executed(seen, target, compared_with=behaviour),
+        other_tool=bool(flavour) or own is not family(seen.dialect),
+        has_libraries=own is not Dialect.IEC,
+    )
+    report_execution(report, found, flavour or tool, called)
+    known = {each.code for each in project.diagnostics}
+    errors = [each for each in seen.diagnostics if each.severity is Severity.ERROR and each.code not in known]
+    report_errors(report, errors, flavour or tool, called)
+    if limit:
+        from plcopen_sfc.conversion.compared_runs import report_running  # noqa: PLC0415  # brings the interpreter
+
+        report_running(report, project, seen, called, tool=flavour or tool, target=target, limit=limit)
 
 
 def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:

@@ -13,7 +13,6 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, BinaryIO, TypeVar, cast
 
 from plcopen_sfc.collector import collecting_rarely
-from plcopen_sfc.conversion import compare, executed, report_execution
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.documents.file_documents import (
     encode,
@@ -22,6 +21,7 @@ from plcopen_sfc.documents.file_documents import (
     read_document,
     refuse_losses,
     refuse_reading_errors,
+    report_behaviour,
     verify,
 )
 from plcopen_sfc.documents.folder_documents import (
@@ -406,11 +406,7 @@ def _convert(
     if behaviour is not None:
         seen = _read_back(contents, kind, version, as_tool=True)
         called = names_in_the_source(project, copy)
-        report_execution(report, compare(behaviour, executed(seen, compared_with=behaviour)), kind.tool, called)
-        if limit:
-            from plcopen_sfc.conversion.compared_runs import report_running  # noqa: PLC0415  # brings the interpreter
-
-            report_running(report, project, seen, called, tool=kind.tool, target=None, limit=limit)
+        report_behaviour(report, project, behaviour, seen, called, tool=kind.tool, limit=limit)
     report.unchanged = False
     return planned, contents
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -90,3 +92,30 @@ def test_transitions_with_the_names_of_steps_and_of_transitions_are_told() -> No
         ("POU Main / transition Done", "a step is called Done too"),
         ("POU Main / transition ready", "a transition is called ready too"),
     }
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+@pytest.mark.parametrize("source", ["simaticml", "iec-text"])
+def test_what_the_reader_of_the_target_calls_an_error_is_told(source: str, target: str) -> None:
+    """A second initial step of one chart, which S7-GRAPH has and CODESYS and TC6 do not."""
+
+    def build(rig: Rig) -> None:
+        rig.chart.step("Done").initial = True
+
+    (item,) = converted(build, source, target)[1]
+    assert (item.outcome, item.path) == (Outcome.NOT_EXECUTED, "POU Main / step Done")
+    assert "'Done' is a second initial step" in item.why
+
+
+@pytest.mark.parametrize("place", ["out.xml", "out/"])
+def test_types_and_names_that_nothing_declares_are_told_in_files_and_folders(place: str, tmp_path: Path) -> None:
+    def build(rig: Rig) -> None:
+        rig.declare(LOCAL, variable("timer", "LibraryType"))
+        rig.chart.transitions[1].condition = m.Expression(text="b AND Mystery")
+
+    project = feature_project(Feature("", ("codesys",), build), "codesys")
+    original = sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys")
+    report = sfc.save(original, f"{tmp_path}/{place}", format="simaticml", partial=True)
+    whys = [item.why for item in report.items if item.outcome in LOSSES]
+    assert any("`LibraryType` is not declared" in why for why in whys)
+    assert any("`Mystery` is declared neither" in why for why in whys)
