@@ -76,6 +76,7 @@ def test_the_same_arguments_give_the_same_search() -> None:
     assert verdicts[0] == verdicts[1]
 
 
+@pytest.mark.slow
 def test_a_chart_that_cannot_go_on_is_proven_to_be_stuck() -> None:
     """The timer that a step waits for is only called by a step behind it."""
     chart = project(

@@ -56,6 +56,7 @@ def assert_valid(written: bytes, target: str) -> None:
     assert [str(d) for d in validate_tc6(written) if d.severity == "error"] == [], target
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", OWN, ids=lambda p: p.name)
 def test_what_is_written_is_valid_and_comes_back(path: Path) -> None:
     assert_valid_and_there_and_back(path)

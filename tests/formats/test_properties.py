@@ -66,6 +66,7 @@ def net(chart: m.SfcNetwork, *, codesys: bool) -> Any:
     return steps, sorted(transitions, key=lambda t: t["sources"])
 
 
+@pytest.mark.slow
 @quick
 @given(projects())
 def test_json_is_exact(project: m.Project) -> None:

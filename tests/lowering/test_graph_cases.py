@@ -348,6 +348,7 @@ def _text(lowered: LoweredPou) -> str:
     return body.text
 
 
+@pytest.mark.slow
 @settings(
     deadline=None, max_examples=40 if WHOLE else 20, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )

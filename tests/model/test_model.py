@@ -88,6 +88,7 @@ def test_new_ids_are_new() -> None:
     assert chart.new_id() not in used
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", FIXTURE_PARAMS)
 def test_json_is_exact(path: object) -> None:
     project = accepting(sfc.load(path))  # type: ignore[arg-type]

@@ -102,6 +102,7 @@ def test_faults_in_hidden_objects_are_errors(name: str, payload: str, words: str
     assert finding.location.line == 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "payload", "code", "words"),
     [

@@ -129,6 +129,7 @@ def _converted(text: str) -> tuple[sfc.Project, str, sfc.ConversionReport]:
     return project, data.decode(), report
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHARTS)
 def test_a_compiled_chart_does_what_the_simulated_one_does(name: str, tmp_path: Path) -> None:
     project, text, report = _converted(CHARTS[name])
@@ -208,6 +209,7 @@ _STEP_ACTIONS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", _STEP_ACTIONS)
 def test_step_actions_that_share_an_action_are_executed_as_often_as_in_codesys(name: str, tmp_path: Path) -> None:
     require_matiec()
@@ -269,6 +271,7 @@ def test_a_block_that_feeds_two_conditions_is_called_once() -> None:
     assert [item.what for item in report.with_outcome(Outcome.APPROXIMATED)].count("condition") == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", [p for p in FILES if WHOLE or p.name in SAMPLE], ids=lambda path: path.name)
 def test_fixtures_compile_but_where_they_cannot(path: Path, tmp_path: Path) -> None:
     """The report on a text that is refused tells what stands in it for nothing, or is declared nowhere."""
@@ -298,6 +301,7 @@ LOOPS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)
 @pytest.mark.parametrize("n", [0, 1, 3])
 def test_loops_do_the_same_in_matiec(loop: str, n: int, tmp_path: Path) -> None:

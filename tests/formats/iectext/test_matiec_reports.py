@@ -68,6 +68,7 @@ def _plant(declared: str = "", work: str = "n := 1;", condition: str = "go") -> 
     return data.decode(), report
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("part", "written"),
     [
@@ -93,6 +94,7 @@ def test_what_matiec_spells_otherwise_is_written_so(part: dict[str, str], writte
     require_matiec().translate(text, tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("part", "what", "path"),
     [

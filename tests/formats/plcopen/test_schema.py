@@ -178,6 +178,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("body", "code", "line", "path", "words"), CASES.values(), ids=list(CASES))
 def test_faults_of_a_chart(body: str, code: str, line: int, path: str, words: str) -> None:
     finding = only(document(body))

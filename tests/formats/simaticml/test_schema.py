@@ -35,6 +35,7 @@ def test_there_is_a_schema_for_every_entry_of_the_table_of_versions() -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "edit", "expected", "words"),
     [

@@ -45,6 +45,7 @@ def contents(project: m.Project, *, put_away: bool = False) -> list[str]:
     return sorted(carried.model_dump_json() for carried in found if carried != Carried())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", OTHERS)
 def test_what_is_carried_comes_back_through_simaticml(source: str) -> None:
     project = accepting(sfc.load(FIXTURES / source))
@@ -60,6 +61,7 @@ def test_what_is_carried_comes_back_through_simaticml(source: str) -> None:
 AUTHOR = b"<HeaderAuthor>somebody</HeaderAuthor>"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["codesys", "plcopen-2.01", "plcopen-1.01", "json", "iec-text"])
 def test_what_tia_portal_adds_to_a_project_of_others_is_no_markup_of_theirs(form: str) -> None:
     project = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")

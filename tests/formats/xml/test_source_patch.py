@@ -402,6 +402,7 @@ def test_the_deepest_nesting() -> None:
     assert edit("<a></a>", "<a/>", f"<a>{inner}</a>").startswith("<a><a><a>")
 
 
+@pytest.mark.slow
 def test_large_flat_lists() -> None:
     rows = [f'<s localId="{n}" name="S{n}"><t/></s>' for n in range(20_000)]
     source = "<r>\n" + "\n".join(rows) + "\n</r>"
