@@ -8,6 +8,7 @@ from typing import NamedTuple
 from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
+from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT
 from plcopen_sfc.languages.s7_boxes import translate_boxes
 from plcopen_sfc.languages.s7_results import has_results, name_results
@@ -39,6 +40,9 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     """Return a copy of `project` for the writer of the format `kind`."""
     dialect = kind.dialect or (Dialect.IEC if options.flavour else None)
     same_dialect = dialect in (None, project.dialect)
+    of_matiec = default_profile(project).for_asks_ahead
+    if of_matiec and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
+        note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     if kind.drawing is DrawingNeed.NONE and same_dialect and not options.flavour and not results:
         behaviour = executed(project) if kind.tool else None
@@ -55,6 +59,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         options,
         of_graph=profile.graph_parameters,
         of_codesys=bool(profile.flags),
+        of_matiec=of_matiec,
         final_scan=profile.final_scan,
     )
     if kind.xml and not options.same:

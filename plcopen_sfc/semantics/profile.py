@@ -254,6 +254,11 @@ class Profile:
     """True if steps, with their actions, and transitions count in the order in which they are reached from the initial
     step instead of that of the file. The converter of Beremiz writes them so."""
 
+    for_asks_ahead: bool = False
+    """True if each turn of a FOR, the first too, needs the next value of its variable to be within the end, which is
+    evaluated again in each turn: a loop of one turn is left out, and its variable ends a turn earlier than in IEC
+    61131-3, 7.3.3.4.2. matiec: seen in the C code of 2024."""
+
     minimum_times: bool = False
     """True if a step is left only after its minimum time. CODESYS, "Processing order" step 6."""
 
@@ -340,6 +345,7 @@ _MATIEC = Profile(
     action_control=ActionControl.SEQUENTIAL,
     reset_cancels_delays=False,
     boolean_targets=BooleanTargets.WHEN_DECIDED,
+    for_asks_ahead=True,
 )
 
 PROFILES: Mapping[str, Profile] = MappingProxyType(

@@ -57,7 +57,8 @@ def fit_project(
     for pou in project.pous:
         if pou.interface is not None:
             types.sections(pou.interface.sections, pou.report_path, constants)
-        _fit_pou(FittedPou(pou, project.dialect, report, own, names, globals_, functions, keeps_drawings), final_scan)
+        unit = FittedPou(pou, project.dialect, report, own, names, globals_, functions, keeps_drawings)
+        _fit_pou(unit, final_scan, same_loops=options.of_matiec)
     _configure(project, report, lists)
     fit_expressions(project, report)
     if not keeps_drawings:
@@ -91,7 +92,7 @@ def _typed_functions(project: Project) -> dict[str, DataType]:
 # -- POUs -------------------------------------------------------------------------------------------------------------
 
 
-def _fit_pou(unit: FittedPou, final_scan: bool | None) -> None:
+def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool) -> None:
     pou = unit.pou
     if pou.kind is PouKind.ORGANIZATION_BLOCK:
         pou.kind = PouKind.PROGRAM
@@ -130,7 +131,7 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None) -> None:
     written = [body, *(action.body for action in pou.actions)]
     for text in written:
         if isinstance(text, StBody):
-            looping, obstacles = without_for(text.text, unit.dialect)
+            looping, obstacles = (text.text, []) if same_loops else without_for(text.text, unit.dialect)
             for obstacle in obstacles:
                 unit.note(Outcome.APPROXIMATED, "loop", unit.path, obstacle)
             shown = compilable_statements(looping, unit.dialect, unit.idle, unit.result)

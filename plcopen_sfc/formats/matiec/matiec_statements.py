@@ -92,6 +92,7 @@ def without_for(text: str, dialect: Dialect) -> tuple[str, list[str]]:
 
     matiec compiles ``FOR i := a TO b`` into ``while (i < b)`` with the first turn not counted: a loop of exactly one
     turn is not executed at all, and `i` ends a turn earlier than elsewhere (seen in the C code of 2024, also with BY).
+    Loops of projects for matiec are not given to this function: they do there what they did before.
     Only loops of literals whose variable nothing else uses are left as they are.
     """
     parsed = parse_statements(text, dialect)
@@ -119,6 +120,20 @@ def without_for(text: str, dialect: Dialect) -> tuple[str, list[str]]:
 
     tree = transform(parsed.tree, change)
     return (render(parsed, tree) if tree is not parsed.tree else text), obstacles
+
+
+def note_loops(project: Project, report: ConversionReport, tool: str) -> None:
+    """Report the FOR loops of a project for matiec that `tool` executes as IEC 61131-3 says: with the last turn."""
+    for text_site in text_sites(project):
+        if not (text_site.is_program_text and text_site.reading is SiteKind.STATEMENTS):
+            continue
+        tree = parse_statements(text_site.text, project.dialect).tree
+        named = Counter(node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name))
+        for node in walk(tree):
+            if isinstance(node, n.For) and not _is_executed_alike(node, named):
+                loop = f"FOR {print_node(node.variable)}"
+                why = f"{loop}: matiec leaves out a single turn and ends a turn earlier, {tool} does not"
+                report.add(Outcome.APPROXIMATED, "loop", text_site.report_path, why)
 
 
 def _is_executed_alike(loop: n.For, named: Mapping[str, int]) -> bool:

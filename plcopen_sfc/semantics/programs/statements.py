@@ -446,6 +446,10 @@ class StatementTranslator:
         if not (start.constant and end.constant) and (step is None or step.constant):
             order = Operator.LESS_OR_EQUAL if step is None or step.value > 0 else Operator.GREATER_OR_EQUAL
             self._watch_conditions([n.Operation(order, (node.start, node.end))])
+        if self._library.profile.for_asks_ahead:
+            self._writer.write(f"{place.text} = {start.text}")
+            self._turns_asking_ahead(node, place.text, type_, end, step)
+            return
         last, by = self._writer.temporary(), self._writer.temporary()
         self._writer.write(f"{last} = {end.text}")
         if step is not None and not step.constant:
@@ -470,6 +474,27 @@ class StatementTranslator:
             with self._within(f"FOR {print_node(node.variable)}"):
                 self._inside(following, node.statements)
             self._writer.write(following)
+
+    def _turns_asking_ahead(
+        self, node: n.For, variable: str, type_: t.ElementaryType, end: Code, step: Code | None
+    ) -> None:
+        """Write the turns of a FOR as matiec compiles it: `Profile.for_asks_ahead`."""
+        if step is not None and step.constant and step.value == 0:
+            raise SimulationError("FOR goes on by 0: it would not end")
+        by, bounds = ("1", (1, 1)) if step is None else (step.text, (step.low, step.high))
+        moved = Code(f"({variable} + {by})", type_, type_.least + bounds[0], type_.greatest + bounds[1])
+        ahead = f"{variable} + {by}"
+        within = f"({ahead} <= {end.text} if {by} > 0 else {ahead} >= {end.text})"
+        again = self._writer.temporary()
+        self._writer.write(f"{again} = False")
+        self._guards.forget(node)
+        with self._writer.block(f"while {within}:"):
+            with self._writer.block(f"if {again}:"):
+                self._writer.write(f"{variable} = {settled(moved).text}")
+            self._writer.write(f"{again} = True")
+            self._count_turn()
+            with self._within(f"FOR {print_node(node.variable)}"):
+                self._inside("", node.statements)
 
     def _repeat(self, statements: Sequence[Statement], condition: n.Expression) -> None:
         again = self._writer.temporary()

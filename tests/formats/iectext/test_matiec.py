@@ -11,6 +11,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.model.project import FileHeader
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.profile import PROFILES
 from plcopen_sfc.semantics.programs import Controller
@@ -323,3 +324,55 @@ def test_a_loop_that_matiec_may_leave_out_is_reported(loop: str) -> None:
     text = f"PROGRAM Plant VAR i, k, n : INT; END_VAR {loop}; END_PROGRAM"
     _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "iec-text", flavour="matiec", partial=True)
     assert [item.what for item in report.losses] == ["loop"]
+
+
+def _of_beremiz(loop: str) -> sfc.Project:
+    """A file of Beremiz with a loop, as its editor leaves it: without a name of the product."""
+    text = f"PROGRAM Plant VAR_INPUT n : INT; END_VAR VAR i, j, k : INT; END_VAR {loop} END_PROGRAM"
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.header = FileHeader(company="Unknown", product="Unnamed", version="1")
+    return sfc.loads(sfc.dumps(project, format="plcopen", fresh=True), format="plcopen")
+
+
+JUDGED_LOOPS = {
+    **LOOPS,
+    "its end moves": "FOR i := 1 TO n DO k := k + 1; n := n - 1; END_FOR; k := k + 100 * i;",
+    "its step is a variable": "FOR i := 0 TO 9 BY n + 1 DO k := k + 1; END_FOR; k := k + 100 * i;",
+    "up to the greatest value": "FOR i := 32765 TO 32767 DO k := k + 1; END_FOR; k := k + i;",
+}
+
+
+@pytest.mark.parametrize("loop", JUDGED_LOOPS.values(), ids=JUDGED_LOOPS)
+@pytest.mark.parametrize("n", [0, 1, 3])
+def test_loops_of_beremiz_do_what_matiec_makes_of_them(loop: str, n: int, tmp_path: Path) -> None:
+    project = _of_beremiz(loop)
+    data, report = sfc.convert(project, "iec-text", flavour="matiec")
+    assert report.losses == []
+    instance = Controller(project).instance("Plant")
+    instance["n"] = n
+    instance.scan()
+    text = f"PROGRAM Plant VAR n : INT; END_VAR VAR i, j, k : INT; END_VAR {loop} END_PROGRAM"
+    for number, compiled in enumerate((text, data.decode())):
+        machine = require_matiec().build(compiled, tmp_path / str(number), program="Plant")
+        assert machine.run([{"n": n}], ["k"])[0]["k"] == instance["k"]
+
+
+@pytest.mark.parametrize("target", ["iec-text", "codesys", "scl", "simaticml"])
+def test_loops_of_beremiz_are_reported_in_tools_that_count_every_turn(target: str) -> None:
+    loop = "FOR i := 1 TO n DO k := k + 1; END_FOR;"
+    _, report = sfc.convert(_of_beremiz(loop), target, partial=True)
+    assert [item.outcome for item in report.losses if item.what == "loop"] == [Outcome.APPROXIMATED]
+    _, report = sfc.convert(_of_beremiz(LOOPS["literals"]), target, partial=True)
+    assert not [item for item in report.losses if item.what == "loop"]
+
+
+def test_loops_for_beremiz_are_written_so_that_it_counts_every_turn() -> None:
+    text = f"PROGRAM Plant VAR_INPUT n : INT; END_VAR VAR i, k : INT; END_VAR {LOOPS['one turn']} END_PROGRAM"
+    project = sfc.loads(text.encode(), format="iec-text")
+    result = sfc.loads(sfc.dumps(project, format="plcopen", flavour="beremiz"), format="plcopen")
+    found = [Controller(project, "iec").instance("Plant"), Controller(result, "beremiz").instance("Plant")]
+    for instance in found:
+        instance.scan()
+    assert found[0]["k"] == found[1]["k"] == 34
+    kept = sfc.loads(sfc.dumps(_of_beremiz(LOOPS["one turn"]), format="plcopen", flavour="beremiz"), format="plcopen")
+    assert "FOR i := 3 TO 3" in kept.pou("Plant").bodies[0].text  # it is theirs: they execute it as before
