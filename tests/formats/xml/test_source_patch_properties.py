@@ -9,6 +9,7 @@ import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from lxml import etree
@@ -243,6 +244,7 @@ def meaning(element: etree._Element, *, known_only: bool = False) -> tuple[objec
 _SETTINGS = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 
 
+@pytest.mark.slow
 @_SETTINGS
 @given(st.data())
 def test_no_edit_gives_the_same_bytes(data: st.DataObject) -> None:
@@ -251,6 +253,7 @@ def test_no_edit_gives_the_same_bytes(data: st.DataObject) -> None:
     assert patch_xml(source, tree, etree.fromstring(etree.tostring(tree))) == source
 
 
+@pytest.mark.slow
 @_SETTINGS
 @given(st.data())
 def test_the_result_says_what_the_edited_tree_says(data: st.DataObject) -> None:
@@ -291,6 +294,7 @@ def test_an_attribute_edit_stays_inside_the_tag(data: st.DataObject) -> None:
     assert "<" not in new
 
 
+@pytest.mark.slow
 @_SETTINGS
 @given(st.data())
 def test_a_new_child_only_adds(data: st.DataObject) -> None:
@@ -307,6 +311,7 @@ def test_a_new_child_only_adds(data: st.DataObject) -> None:
     assert new.count("<") <= 2  # `<added/>` or `<added></added>`
 
 
+@pytest.mark.slow
 @_SETTINGS
 @given(st.data())
 def test_a_removed_child_is_only_cut_out(data: st.DataObject) -> None:
@@ -326,6 +331,7 @@ def _has_text(element: etree._Element | None) -> bool:
     return element is not None and bool(element.text or any(child.tail for child in element))
 
 
+@pytest.mark.slow
 @_SETTINGS
 @given(st.data())
 def test_what_only_the_source_knows_survives_every_edit_but_removal(data: st.DataObject) -> None:
