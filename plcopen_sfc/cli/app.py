@@ -247,7 +247,7 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
     no_init: o.NoInit = False,
     stop: o.Stop = None,
     reset_actions: o.ResetActions = False,
-    states: o.States = "numbers",
+    states: o.States = None,
     actions: o.Actions = "inline",
     flags: o.Flags = "local",
     modes: o.Modes = None,

@@ -161,7 +161,10 @@ Stop = Annotated[
     _option("--stop", "On this condition (emergency stop) activate only the initial step.", "CONDITION"),
 ]
 ResetActions = Annotated[bool, _option("--reset-actions", "Let --init and --stop end stored actions too.")]
-States = Annotated[str, _option("--states", "Write states of a CASE as numbers, constants or enumeration.", "KIND")]
+States = Annotated[
+    str | None,
+    _option("--states", "Write states of a CASE as numbers, constants or enumeration; usual are names.", "KIND"),
+]
 Actions = Annotated[str, _option("--actions", "Write actions inline, or in a block of their own: block.", "PLACE")]
 Flags = Annotated[str, _option("--flags", "Put step flags local, to an address (M20.0), or in a data block.", "PLACE")]
 Modes = Annotated[

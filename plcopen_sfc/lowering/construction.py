@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.code.code_declarations import LOCAL, FlagPlaces, Namin
 from plcopen_sfc.lowering.code.code_memory import BitMemory, BlockMemory, Memory, OperandMemory
 from plcopen_sfc.lowering.code.flat_statements import flatten
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code.single_use import inline_single_uses
 from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEncoding, no_regions, one_step_at_a_time
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepBitEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_encodings import GrafcetCase, GrafcetFlipFlops, no_case
@@ -47,6 +48,7 @@ from plcopen_sfc.lowering.lowering_options import (
     has_one_sheet,
     shows_networks,
     tool_of,
+    usual_states,
 )
 from plcopen_sfc.lowering.reading.chart_reading import read_chart
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
@@ -108,7 +110,7 @@ def choose(
         )
     if language is not Language.ST and chosen is not Construction.FLIPFLOP:
         raise LoweringError(f"{chosen} is structured text, it cannot be drawn in {language}", location=place)
-    if rules.states is not States.NUMBERS and chosen not in (Construction.CASE, Construction.REGIONS):
+    if rules.states not in (None, States.NUMBERS) and chosen not in (Construction.CASE, Construction.REGIONS):
         raise LoweringError(
             f"{chosen} has no states that could be written as {rules.states}",
             location=place,
@@ -241,6 +243,8 @@ def construct(
         # variables of G7_StepPlus and the like are types that only a GRAPH block can declare
         pou = without_step_data(pou)
     chosen, language, why = choose(source, construction, rules, style=style, language=language)
+    if rules.states is None:
+        rules = replace(rules, states=usual_states(style, rules.target, dialect))
     code = _code(source, dialect, rules, language, project)
     if rules.flags != LOCAL:
         code.flags = FlagPlaces(rules, pou.name, project, code.tool)
@@ -260,6 +264,9 @@ def construct(
     # most of a sequencer would be the text of boxes in CODESYS
     if code.needs_flat_statements or (code.drawn and isinstance(source, GraphSource)):
         flatten(code, pou.variables())
+    steps = [*maker.active_steps().values(), *(maker.active(step.index) for step in source.net.steps)]
+    if not code.drawn:
+        inline_single_uses(code, [*steps, *filter(None, [code.left_out])])
     drives = maker.drives if isinstance(maker, ScanSchedule) else []
     return Constructed(
         assemble(pou, code, dialect, language),

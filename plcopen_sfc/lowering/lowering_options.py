@@ -86,6 +86,7 @@ class LoweringRules:
     address of the first one (``M20.0``), or the name of a data block. `target`: the format that the code is for,
     without its version. `at_rest`: commands and mode switches of an S7-GRAPH block that are inactive inputs, ``all``
     for all that it has: there is no code for them, and the code does what the chart does while they are FALSE.
+    `states`: None are names where the target takes them as labels of a CASE (`usual_states`).
     """
 
     profile: Profile
@@ -93,7 +94,7 @@ class LoweringRules:
     init: str | None = None
     stop: str | None = None
     reset_actions: bool = False
-    states: States = States.NUMBERS
+    states: States | None = None
     actions: ActionPlace = ActionPlace.INLINE
     flags: str = "local"
     modes: frozenset[OperatingMode] = frozenset()
@@ -108,6 +109,15 @@ def tool_of(target: str | None, dialect: Dialect) -> Tool | None:
     """Return the tool that a format is for; without a format that of the dialect of the project. None: IEC 61131-3."""
     own = format_named(target)[0].dialect if target is not None else dialect
     return _TOOL_OF_DIALECT.get(own) if own is not None else None
+
+
+def usual_states(style: Style, target: str | None, dialect: Dialect) -> States:
+    """Return the form of states where none is asked for: constants, or numbers where constants are no labels."""
+    # IEC 61131-3 ed. 2, 3.3.2.3, has literals and values of enumerations as labels of a CASE, and matiec, which also
+    # compiles for Beremiz and OpenPLC, refuses constants there. Textbooks have numbers
+    if style is Style.CLASSIC or tool_of(target, dialect) is None:
+        return States.NUMBERS
+    return States.CONSTANTS
 
 
 def has_one_sheet(target: str | None) -> bool:

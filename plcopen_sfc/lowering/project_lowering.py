@@ -24,7 +24,7 @@ class LoweringOptions(TypedDict, total=False):
     init: str | None
     stop: str | None
     reset_actions: bool
-    states: States | str
+    states: States | str | None
     actions: ActionPlace | str
     flags: str
     modes: Iterable[OperatingMode | str]

@@ -41,31 +41,31 @@ def test_a_ring_is_one_case_that_starts_with_no_step() -> None:
 
 // Step sequence
 CASE #step_number OF
-    1: // Step 1 – initial step
+    #STEP_1: // Step 1 – initial step
         IF #c1 THEN
-            #step_number := 2;
+            #step_number := #STEP_2;
         END_IF;
-    2: // Step 2
+    #STEP_2: // Step 2
         IF #c2 THEN
-            #step_number := 3;
+            #step_number := #STEP_3;
         END_IF;
-    3: // Step 3
+    #STEP_3: // Step 3
         IF #c3 THEN
-            #step_number := 1;
+            #step_number := #STEP_1;
         END_IF;
 END_CASE;
 
 // Start of the sequence
 IF #FirstScan THEN
-    #step_number := 1;
+    #step_number := #STEP_1;
     #FirstScan := FALSE;
 END_IF;
 
 // Action #Q
-#Q := #step_number = 2;
+#Q := #step_number = #STEP_2;
 
 // Step S3: actions
-IF #step_number = 3 AND #step_number_old <> 3 THEN
+IF #step_number = #STEP_3 AND #step_number_old <> #STEP_3 THEN
     #P := TRUE;
 END_IF;"""
     )
@@ -98,7 +98,7 @@ def test_interlocks_supervisions_and_events(event: str, acknowledge: bool) -> No
 def test_a_coil_that_something_else_writes_is_left_alone() -> None:
     chart = ring(act("N"), act("N", event="S0"))
     chart.permanent_post = [m.PermanentOperation(body=m.StBody(text="IF #c1 AND #c3 THEN #Q := TRUE; END_IF;"))]
-    assert "IF #step_number = 2 OR #step_number_old = 2 OR #X2_S0_old THEN" in code(chart)
+    assert "IF #step_number = #STEP_2 OR #step_number_old = #STEP_2 OR #X2_S0_old THEN" in code(chart)
     proven(chart)
 
 
@@ -125,12 +125,12 @@ def test_what_steps_do_stands_in_the_branches_of_a_case_by_their_numbers() -> No
     acting = made.partition("// Actions of the active step\n")[2].partition("\n\n")[0]
     assert acting.splitlines()[:5] == [
         "CASE #step_number OF",
-        "    1: // Step 1 S3",
+        "    #STEP_S3: // Step 1 S3",
         "        #Q := FALSE;",
         "        #t_mode := 3;",
         "        #t_time := T#20ms;",
     ]
-    assert "        IF #step_number_old <> 2 THEN" in acting
+    assert "        IF #step_number_old <> #STEP_2 THEN" in acting
 
 
 def counting(number: int) -> m.BodyCondition:
@@ -185,8 +185,8 @@ def test_several_sequences() -> None:
     with pytest.raises(LoweringError, match="2 initial steps"):
         code(chart)
     made = code(chart, construction=REGIONS)
-    assert "#next_step_number := 2;" in made  # the other one asks for step 2
-    assert "#step_number_S10 := 5;" in made
+    assert "#next_step_number := #STEP_2;" in made  # the other one asks for step 2
+    assert "#step_number_S10 := #STEP_S11;" in made
     proven(chart, "OFF_SQ INIT_SQ", "Q P S_NO:INT S_MORE", REGIONS)
 
 

@@ -74,6 +74,21 @@ def test_constants_are_those_of_the_block() -> None:
     assert "    SCHRITT_Warten: // Schritt Warten – Initialschritt\n" in text_of(lowered)
 
 
+@pytest.mark.parametrize("target", ["scl", "simaticml", "codesys"])
+def test_states_have_names_unless_asked_otherwise(target: str) -> None:
+    original = project(chain("Warten>S7 S7>Warten", "Warten"))
+    assert "STEP_Warten: // Step Warten" in text_of(lower(original, target=target).pou)
+    assert "    1: // Step Warten" in text_of(lower(original, target=target, states="numbers").pou)
+    classic = lower(original, "case", target=target, style="classic").pou
+    assert "STEP_" not in text_of(classic)
+
+
+@pytest.mark.parametrize("target", [None, "plcopen", "iec-text"])
+def test_constants_are_no_labels_in_edition_2(target: str | None) -> None:
+    """matiec: invalid case element(s) defined after 'OF' in ST 'CASE' statement."""
+    assert "    7: // Step 7" in text_of(lower(project(chain("S1>S7 S7>S1")), target=target).pou)
+
+
 def test_constants_of_scl_are_local_names() -> None:
     lowered = lower(project(chain("S1>S2 S2>S1"), dialect=m.Dialect.SCL), states="constants", profile="iec").pou
     assert "CASE #step_number OF\n    #STEP_1:" in text_of(lowered)

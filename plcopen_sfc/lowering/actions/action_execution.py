@@ -340,18 +340,17 @@ def _union(sets: Iterable[frozenset[Path]]) -> frozenset[Path]:
 
 def add_changes(source: ChartSource, code: LoweredCode, memory: Memory, active: StepValue, texts: Texts) -> None:
     """Append the exit actions of all steps that were left, then the entry actions of those that were entered."""
-    edges: list[Statement] = []
     exits: list[Statement] = []
     entries: list[Statement] = []
     for step in source.step_code:
         name = source.net.steps[step.step].step.name
         if step.exit:
-            left = memory.falling(texts.with_suffix(name, "exit"), active(step.step), edges)
+            left = memory.falling(texts.with_suffix(name, "exit"), active(step.step), exits)
             exits += memory.conditional(texts.with_suffix(name, "left"), left, step.exit)
         if step.entry:
-            entered = memory.rising(texts.with_suffix(name, "entry"), active(step.step), edges)
+            entered = memory.rising(texts.with_suffix(name, "entry"), active(step.step), entries)
             entries += memory.conditional(texts.with_suffix(name, "entered"), entered, step.entry)
-    code.add(texts.step_actions, [*edges, *exits, *entries])
+    code.add(texts.step_actions, [*exits, *entries])
 
 
 def add_main_actions(source: ChartSource, code: LoweredCode, memory: Memory, active: StepValue, texts: Texts) -> None:

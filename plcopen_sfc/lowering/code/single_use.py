@@ -1,0 +1,122 @@
+"""Helper variables that are read once: their value is written where it is read, and they are gone."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Collection
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import transform, walk
+from plcopen_sfc.languages.st.effects import Path, is_impure, may_change, reads, writes
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code.boolean_logic import simplified
+from plcopen_sfc.lowering.code.code_declarations import BOOL
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
+
+_FARTHEST = 12
+"""How many statements may be between a helper and its reader: what is farther away is read better by its name."""
+
+
+def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
+    """Replace helpers that one statement of their own network reads, where nothing changes their value in between.
+
+    `kept` are expressions that others ask for: their variables stay.
+    """
+    helpers = {v.name.casefold() for v in code.variables if v.type == BOOL and v.initial is None}
+    helpers -= {name for expression in kept for name in _names(expression)}
+    found: Counter[str] = Counter()
+    for network in code.networks:
+        if isinstance(network, CodeNetwork):
+            found.update(name for statement in network.statements for name in _names(statement))
+        else:
+            found.update(re.findall(r"\w+", network.text.casefold()))
+    # once written and once read
+    once = {name for name in helpers if found[name] == 2}
+    private = {variable.name.casefold() for variable in (*code.variables, *code.constants)}
+    gone: set[str] = set()
+    for place, network in enumerate(code.networks):
+        if isinstance(network, CodeNetwork) and not network.remarks:
+            inliner = _Inliner(network.statements, once, private)
+            code.networks[place] = CodeNetwork(network.title, tuple(inliner.statements), network.comment)
+            gone |= inliner.gone
+    code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in gone]
+
+
+def _names(tree: n.Node) -> list[str]:
+    return [node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)]
+
+
+class _Inliner:
+    """Statements of a network without the helpers `once`; `gone` are those that were replaced."""
+
+    def __init__(self, statements: tuple[Statement, ...], once: Collection[str], private: set[str]) -> None:
+        self.statements, self.gone = list(statements), set[str]()
+        self._private = private
+        place = 0
+        while place < len(self.statements):
+            each = self.statements[place]
+            if (
+                isinstance(each, n.Assignment)
+                and isinstance(each.target, n.Name)
+                and each.target.identifier.casefold() in once
+                and each.kind is n.AssignmentKind.ASSIGN
+                and not is_impure(each.value)
+                and self._inlined(place, each.target, each.value)
+            ):
+                self.gone.add(each.target.identifier.casefold())
+            else:
+                place += 1
+
+    def _inlined(self, place: int, helper: n.Name, value: Expression) -> bool:
+        """Put the value of the helper that is written at `place` where it is read; False if it must stay."""
+        name = helper.identifier.casefold()
+        behind = range(place + 1, min(place + 1 + _FARTHEST, len(self.statements)))
+        reader = next((i for i in behind if name in _names(self.statements[i])), None)
+        if reader is None:
+            return False
+        replaced = _replaced(self.statements[reader], name, value)
+        if replaced is None:
+            return False
+        before: list[Statement] = []
+        after: list[Statement] = []
+        for each in self.statements[place + 1 : reader]:
+            if self._changes(each, reads(value)):
+                after.append(each)  # the last value of an edge, which the reader needs as it was
+            elif any(self._depend(each, moved) for moved in after):
+                return False
+            else:
+                before.append(each)
+        if any(not _keeps_a_value(each) or self._depend(self.statements[reader], each) for each in after):
+            return False
+        if after and any(isinstance(node, n.Return | n.Exit | n.Continue) for node in walk(replaced)):
+            return False
+        self.statements[place : reader + 1] = [*before, replaced, *after]
+        return True
+
+    def _changes(self, statement: Statement, read: frozenset[Path]) -> bool:
+        return may_change(read, writes(statement, frozenset()), self._private)
+
+    def _depend(self, one: Statement, other: Statement) -> bool:
+        """Return True if one of two statements changes what the other one reads or writes."""
+        return self._changes(one, reads(other) | writes(other, frozenset())) or self._changes(other, reads(one))
+
+
+def _keeps_a_value(statement: Statement) -> bool:
+    return isinstance(statement, n.Assignment) and not is_impure(statement.value)
+
+
+def _replaced(reader: Statement, name: str, value: Expression) -> Statement | None:
+    """Return a statement with a value instead of a name, if it evaluates that before it does anything."""
+
+    def change(node: n.Node) -> n.Node:
+        return n.Parenthesized(value) if isinstance(node, n.Name) and node.identifier.casefold() == name else node
+
+    match reader:
+        case n.If((first, *others), otherwise) if name in _names(first.condition) and not is_impure(first.condition):
+            branch = n.Branch(simplified(transform(first.condition, change)), first.statements)
+            return n.If((branch, *others), otherwise)
+        # inside a longer expression the name tells more than its value
+        case n.Assignment(target, n.Name(identifier), n.AssignmentKind.ASSIGN) if identifier.casefold() == name:
+            return n.Assignment(target, value)
+    return None
