@@ -109,7 +109,7 @@ class WriteOptions:
     `of_graph`: the project has the semantics of S7-GRAPH: a transition without condition is TRUE, each row of a step
     writes its operand for itself, in the order of the rows.
     `of_codesys`: it has the semantics of CODESYS, step actions and SFC flags too.
-    `of_matiec`: its FOR loops are those of matiec, which leaves out a single turn.
+    `of_matiec`: it is of Beremiz or OpenPLC, whose compiler matiec executes charts and FOR loops as they are.
     `final_scan`: actions of the project are executed once more after their step was left (IEC 61131-3, 6.7.4.6).
     """
 

@@ -28,7 +28,6 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _ORDER = (PouKind.FUNCTION, PouKind.FUNCTION_BLOCK, PouKind.PROGRAM)
-_OF_THESE_TOOLS = ("beremiz", "openplc")
 
 
 def fit_project(
@@ -39,7 +38,7 @@ def fit_project(
     `options` tell the tool of the project.
     `keeps_drawings`: for the converters of Beremiz and OpenPLC, which translate FBD, LD and drawn conditions for it.
     """
-    own = _is_of_matiec_tools(project)
+    own = options.of_matiec
     final_scan = None if own or options.of_graph else options.of_codesys
     name_structures(project, report)
     give_plain_names(project, report)
@@ -63,15 +62,6 @@ def fit_project(
     fit_expressions(project, report)
     if not keeps_drawings:
         note_undeclared(project, report)
-
-
-def _is_of_matiec_tools(project: Project) -> bool:
-    """True if the project is of Beremiz or OpenPLC, which execute it as it is.
-
-    Their editor leaves ``Unknown`` and ``Unnamed`` in the header until a user fills it in (seen in 8 of 10 files).
-    """
-    names = (project.header.company.casefold(), project.header.product.casefold())
-    return any(tool in name for tool in _OF_THESE_TOOLS for name in names) or names == ("unknown", "unnamed")
 
 
 def _typed_functions(project: Project) -> dict[str, DataType]:

@@ -376,3 +376,19 @@ def test_loops_for_beremiz_are_written_so_that_it_counts_every_turn() -> None:
     assert found[0]["k"] == found[1]["k"] == 34
     kept = sfc.loads(sfc.dumps(_of_beremiz(LOOPS["one turn"]), format="plcopen", flavour="beremiz"), format="plcopen")
     assert "FOR i := 3 TO 3" in kept.pou("Plant").bodies[0].text  # it is theirs: they execute it as before
+
+
+@pytest.mark.parametrize(
+    ("company", "product", "version"), [("Unbekannt", "Unbenannt", "1"), ("Nieznany", "Unnamed", "1"), ("A", "B", "2")]
+)
+def test_what_is_simulated_as_beremiz_is_written_as_it_is(company: str, product: str, version: str) -> None:
+    project = sfc.loads(
+        b"PROGRAM Plant VAR n : INT; END_VAR INITIAL_STEP A: W(N); END_STEP STEP B: END_STEP "
+        b"TRANSITION FROM A TO B := n > 3; END_TRANSITION ACTION W: n := n + 1; END_ACTION END_PROGRAM",
+        format="iec-text",
+    )
+    project.header = FileHeader(company=company, product=product, version=version)
+    read = sfc.loads(sfc.dumps(project, format="plcopen"), format="plcopen")
+    _, report = sfc.convert(read, "iec-text", flavour="matiec", partial=True)
+    is_reported = "action" in {item.what for item in report.losses}  # the final scan of IEC, which Beremiz has not
+    assert is_reported is Simulation(resolve(read, "Plant")).profile.final_scan
