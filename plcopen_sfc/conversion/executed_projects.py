@@ -35,7 +35,7 @@ from plcopen_sfc.languages.task_schedules import schedule_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import ForeignData
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
-from plcopen_sfc.model.network import Block
+from plcopen_sfc.model.network import Block, Node
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task
 from plcopen_sfc.model.sfc import Step
@@ -329,6 +329,10 @@ class _Reader:
     def _called_programs(self, pou: Pou) -> list[str]:
         """Instance data blocks of programs that a block calls, in lower case; empty if it does anything else."""
         body = pou.body
+        if isinstance(body, FbdBody | LdBody) and len(pou.bodies) == 1:
+            boxes = [node for network in body.networks for node in network.nodes]
+            names = [_called_alone(box) for box in boxes]
+            return names if all(name in self.programs for name in names) else []
         if not isinstance(body, StBody) or len(pou.bodies) > 1:
             return []
         found: list[str] = []
@@ -432,6 +436,14 @@ class _Reader:
             result = pou.name if pou.kind is PouKind.FUNCTION else ""
             meaning = self.code(body, result)
             part.tell(f"code {number + 1}" if number else "code", meaning)
+
+
+def _called_alone(node: Node) -> str:
+    """The data block, in lower case, that a box calls without parameters; empty for anything else."""
+    pins = [pin.input for pin in node.parameters.inputs] if isinstance(node, Block) else []
+    if not isinstance(node, Block) or any(pin.connections or pin.expression for pin in pins if pin is not None):
+        return ""
+    return (node.instance or "").strip('"').casefold()
 
 
 def _carried_elements(variable: Variable) -> list[str]:

@@ -14,7 +14,6 @@ from typing import NamedTuple
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.s7_globals import global_names, local_tags
 from plcopen_sfc.languages.task_schedules import nanoseconds, schedule_of
-from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import PouInstance, Project, Task
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
@@ -30,12 +29,14 @@ _EVERY_CYCLE = frozenset({"", "freewheeling"})
 class Caller(NamedTuple):
     """An organization block that calls instances of programs, in place of a task.
 
-    `task` None: the instances have none. `interval` is its cycle time as a literal, empty: it runs in every cycle.
+    `block` has no body yet: it calls the data blocks `called`, each with its program. `task` None: the instances have
+    none. `interval` is its cycle time as a literal, empty: it runs in every cycle.
     """
 
     block: Pou
     task: Task | None
     interval: str
+    called: tuple[tuple[str, str], ...]
 
     @property
     def event_class(self) -> str:
@@ -92,16 +93,11 @@ def s7_programs(project: Project) -> S7Programs:
         while number in numbers:
             number += 1
         numbers.add(number)
-        text = "\n".join(f'"{instance_of(program).name}"();' for program in called)
+        blocks = tuple((instance_of(program).name, program.name) for program in called)
         interface = Interface(sections=[VariableSection(kind=SectionKind.TEMP)])
-        block = Pou(
-            name=_free(name, taken),
-            number=number,
-            kind=PouKind.ORGANIZATION_BLOCK,
-            interface=interface,
-            bodies=[StBody(text=text)],
-        )
-        found.callers.append(Caller(block, task, interval))
+        kind = PouKind.ORGANIZATION_BLOCK
+        block = Pou(name=_free(name, taken), number=number, kind=kind, interface=interface)
+        found.callers.append(Caller(block, task, interval, blocks))
 
     for resource in project.resources():
         for task in resource.tasks:
@@ -129,7 +125,7 @@ def report_program(project: Project, pou: Pou, report: ConversionReport) -> None
     found = s7_programs(project)
     names = [block.name for block in found.instances[pou.name.casefold()]]
     why = f"a function block with the instance data block {' and '.join(names)}"
-    if not any(f'"{name}"()' in _text(caller) for caller in found.callers for name in names):
+    if not any(name in names for caller in found.callers for name, _ in caller.called):
         why += "; no task calls it, so no organization block does"
     report.add(Outcome.TRANSLATED, "program", pou.report_path, why)
 
@@ -142,7 +138,7 @@ def report_tasks(project: Project, report: ConversionReport) -> None:
         outcome = Outcome.NOT_EXECUTED if called else Outcome.TRANSLATED
         reason = f"{why}; no organization block is written that calls {called or 'nothing'}"
         report.add(outcome, "task", f"task {task.name}", reason)
-    for block, stands_for, interval in found.callers:
+    for block, stands_for, interval, _ in found.callers:
         if stands_for is None:
             continue
         path = f"task {stands_for.name}"
@@ -158,11 +154,6 @@ def report_tasks(project: Project, report: ConversionReport) -> None:
             report.add(Outcome.APPROXIMATED, "priority", path, why)
         else:
             report.add(Outcome.TRANSLATED, "priority", path, "there is one organization block only")
-
-
-def _text(caller: Caller) -> str:
-    body = caller.block.body
-    return body.text if isinstance(body, StBody) else ""
 
 
 def _program(instance: PouInstance) -> str:

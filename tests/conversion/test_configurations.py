@@ -80,12 +80,16 @@ def edge(project: m.Project, name: str) -> str | None:
 
 def called_blocks(project: m.Project) -> dict[str, list[str]]:
     """The data blocks that each organization block of S7 calls."""
-    bodies = {pou.name: pou.body for pou in project.pous if pou.kind is m.PouKind.ORGANIZATION_BLOCK}
-    return {
-        name: [call.partition("(")[0].strip().strip('"') for call in body.text.split(";") if call.strip()]
-        for name, body in bodies.items()
-        if isinstance(body, m.StBody)
-    }
+    found: dict[str, list[str]] = {}
+    for pou in (pou for pou in project.pous if pou.kind is m.PouKind.ORGANIZATION_BLOCK):
+        if isinstance(pou.body, m.StBody):
+            calls = [call.partition("(")[0] for call in pou.body.text.split(";")]
+        else:
+            assert isinstance(pou.body, m.FbdBody)
+            nodes = [node for network in pou.body.networks for node in network.nodes]
+            calls = [node.instance or "" for node in nodes if isinstance(node, m.Block)]
+        found[pou.name] = [call.strip().strip('"') for call in calls if call.strip()]
+    return found
 
 
 @dataclass(frozen=True)

@@ -65,8 +65,10 @@ def test_a_task_without_interval_is_a_program_cycle(target: str) -> None:
     assert (instance.name, instance.kind, instance.type_name) == ("PLC_PRG_DB", m.DataBlockKind.INSTANCE, "PLC_PRG")
     caller = seen.pou("MainTask")
     assert (caller.kind, caller.number) == (m.PouKind.ORGANIZATION_BLOCK, 123 if target == "simaticml" else None)
-    assert isinstance(caller.body, m.StBody)
-    assert '"PLC_PRG_DB"();' in caller.body.text
+    running = Controller(seen).instance("MainTask")
+    running.scan()
+    running.scan()
+    assert running["PLC_PRG_DB.n"] == 2
     assert "<SecondaryType>ProgramCycle</SecondaryType>" in data.decode() or target == "scl"
 
 
@@ -150,8 +152,22 @@ def test_each_instance_of_a_program_has_data_of_its_own() -> None:
     seen = sfc.loads(data, as_tool=True)
     assert [block.name for block in seen.data_blocks] == ["Main_DB", "Main_DB_1"]
     caller = seen.pou("Fast").body
-    assert isinstance(caller, m.StBody)
-    assert caller.text.split() == ['"Main_DB"();', '"Main_DB_1"();']
+    assert isinstance(caller, m.FbdBody)
+    boxes = [node for network in caller.networks for node in network.nodes if isinstance(node, m.Block)]
+    assert [box.instance for box in boxes] == ['"Main_DB"', '"Main_DB_1"']
+
+
+def test_a_version_without_program_text_calls_programs_too() -> None:
+    """Only a chart: the versions before V15 export no SCL."""
+    source = sfc.loads(CHART.replace("Start", "Go").encode(), format="iec-text")
+    source.configurations = [
+        m.Configuration(
+            name="Plc", resources=[m.Resource(name="R", instances=[m.PouInstance(name="I", type_name="Main")])]
+        )
+    ]
+    data, report = sfc.convert(source, "simaticml-V14 SP1", strict=True)
+    assert not report.losses
+    assert [pou.name for pou in sfc.loads(data, as_tool=True).pous] == ["Main", "Programs"]
 
 
 def test_the_name_of_a_data_block_is_free() -> None:

@@ -220,6 +220,7 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
     for block in (*data_blocks_of(project), *programs.blocks):
         yield WrittenBlock(("data block", block.name), blocks=tuple(_named(_data_block(block, types))), apart=True)
     for caller in programs.callers:
+        caller.block.bodies = [StBody(text="\n".join(f'"{name}"();' for name, _ in caller.called))]
         yield WrittenBlock(("POU", caller.block.name), blocks=tuple(_named(_pou(caller.block, types, ()))), apart=True)
 
 

@@ -22,12 +22,13 @@ from plcopen_sfc.formats.simaticml.openness_objects import (
     write_tag_table,
 )
 from plcopen_sfc.formats.simaticml.openness_schemas import refuse_older
-from plcopen_sfc.formats.simaticml.scl_token_writer import CALL
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion
 from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of, unconnected
 from plcopen_sfc.languages.s7_programs import report_tasks, s7_programs
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.body import FbdBody
+from plcopen_sfc.model.network import Block, BlockCall, LogicNetwork
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import FileHeader, Project, TagTable
 from plcopen_sfc.model.types import DataTypeDeclaration
@@ -170,11 +171,16 @@ def added_objects(project: Project) -> list[Pou | DataBlock | TagTable]:
     programs = s7_programs(project)
     for caller in programs.callers:
         caller.block.carried = Carried(attributes={"SecondaryType": caller.event_class})
-        for body in caller.block.bodies:
-            body.carried = Carried(attributes={f'{CALL}"{block.name}"': "FB" for block in programs.blocks})
+        caller.block.bodies = [FbdBody(networks=[_call(*each) for each in caller.called])]
     tables = [*s7_types(project).tables(), *tag_tables_of(project)]
     blocks = [*data_blocks_of(project), *programs.blocks]
     return [*tables, *blocks, *(caller.block for caller in programs.callers)]
+
+
+def _call(block: str, program: str) -> LogicNetwork:
+    """Return a network that calls a data block: all versions of TIA Portal have networks, but not program text."""
+    box = Block(id=1, type_name=program, instance=f'"{block}"', call=BlockCall.FUNCTION_BLOCK)
+    return LogicNetwork(nodes=[box])
 
 
 def _in_order(
