@@ -150,7 +150,9 @@ def spelling(before: str, after: str) -> str:
     if bare[0] == bare[1]:  # SCL calculates in other types, and has no logic of integers
         return "conversions"
     logic = re.sub(r"NOT \((\S+) XOR (\S+)\)", r"\1=\2", after)
-    if re.sub(r"\s*=\s*TRUE|\s", "", before) == re.sub(r"\s", "", logic):  # S7 has no box that compares BOOL
+    if (
+        re.sub(r"\s*=\s*TRUE|\s", "", before).casefold() == re.sub(r"\s", "", logic).casefold()
+    ):  # S7 has no box that compares BOOL
         return "conversions"
     return "Step" if before == after.replace("Step_2", "Step") else f"{before!r} became {after!r}"
 

@@ -6,7 +6,7 @@ nothing is lost: the text is read as it is, and the rest of the model is put beh
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Mapping
 from typing import Any
 
 from plcopen_sfc.formats.scl.scl_reader import KEYWORDS, read_source
@@ -54,6 +54,7 @@ from plcopen_sfc.model.types import (
     DerivedType,
     MemberValue,
     PointerType,
+    SimpleValue,
     StructType,
     StructValue,
     Variable,
@@ -134,7 +135,7 @@ _IN_A_BLOCK = 2
 
 def _as_written(project: Project, types: S7Types) -> Project:
     """Return a copy of `project` with the types, values and numbers that its text has for those of the project."""
-    copy = project.model_copy(deep=True)
+    copy, literals = project.model_copy(deep=True), _literals(project, types)
     for pou in copy.pous:
         if pou.interface is not None:
             pou.interface.sections = [_in_scl(section, pou, types) for section in pou.interface.sections]
@@ -156,7 +157,7 @@ def _as_written(project: Project, types: S7Types) -> Project:
         declaration.type, declaration.initial = _struct(declaration, types), None
     for body in (pou.body for pou in copy.pous):
         if isinstance(body, StBody):
-            body.text = _without_constants(body.text, types)
+            body.text = _with_literals(body.text, literals)
     return copy
 
 
@@ -188,6 +189,7 @@ def _named(pieces: Iterator[WrittenBlock]) -> Iterator[WrittenBlock]:
 
 def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
     types, called, tags = s7_types(project), called_actions(project), local_tags(project)
+    literals = _literals(project, types)
     for declaration in project.data_types:
         report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
         yield WrittenBlock(("type", declaration.name), _data_type(declaration, types), apart=True)
@@ -198,17 +200,23 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
             outcome = Outcome.EXTENSION_DATA if why == UNCALLED else Outcome.NOT_EXECUTED
             report.add(outcome, what, ObjectPath(f"POU {pou.name}", name), why)
         yield WrittenBlock(
-            ("POU", pou.name), blocks=tuple(_named(_pou(pou, types, tags.get(pou.name.casefold(), ())))), apart=True
+            ("POU", pou.name),
+            blocks=tuple(_named(_pou(pou, types, tags.get(pou.name.casefold(), ()), literals))),
+            apart=True,
         )
     for block in project.data_blocks:
         report.add(Outcome.KEPT, "data block", f"data block {block.name}")
         yield WrittenBlock(("data block", block.name), blocks=tuple(_named(_data_block(block, types))), apart=True)
     for what, name, why in left_out(project):
         report.add(Outcome.NOT_EXECUTED, what, name, why)
+    declared = _named_in_declarations(project)
     for table in tag_tables_of(project):
         for name in [*(tag.name for tag in table.tags), *(constant.name for constant in table.constants)]:
-            why = "a source declares no tags and user constants: it must be in the project already"
-            report.add(Outcome.NOT_EXECUTED, "global variable", name, why)
+            if name.casefold() in literals and name.casefold() not in declared:
+                report.add(Outcome.TRANSLATED, "global variable", name, "its value stands in the texts")
+            else:
+                why = "a source declares no tags and user constants: it must be in the project already"
+                report.add(Outcome.NOT_EXECUTED, "global variable", name, why)
     for what, name, why in unconnected(project):
         report.add(Outcome.NOT_EXECUTED, what, name, why)
     report_tasks(project, report)
@@ -221,7 +229,23 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
         yield WrittenBlock(("data block", block.name), blocks=tuple(_named(_data_block(block, types))), apart=True)
     for caller in programs.callers:
         caller.block.bodies = [StBody(text="\n".join(f'"{name}"();' for name, _ in caller.called))]
-        yield WrittenBlock(("POU", caller.block.name), blocks=tuple(_named(_pou(caller.block, types, ()))), apart=True)
+        yield WrittenBlock(
+            ("POU", caller.block.name), blocks=tuple(_named(_pou(caller.block, types, (), literals))), apart=True
+        )
+
+
+def _named_in_declarations(project: Project) -> set[str]:
+    """The names, in lower case, that bounds and start values have in quotation marks."""
+    interfaces = [*(pou.interface for pou in project.pous), *(block.interface for block in project.data_blocks)]
+    variables = [variable for interface in interfaces if interface is not None for variable in interface.variables()]
+    types = [each.type for each in project.data_types]
+    texts = [*(write_variable(each, _SCL, "") for each in variables), *(write_type(each, _SCL) for each in types)]
+    return {
+        token.value.strip('"').casefold()
+        for text in texts
+        for token in tokenize(text, _SCL).tokens
+        if token.value.startswith('"')
+    }
 
 
 def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, str]]:
@@ -337,22 +361,29 @@ def _in_scl(section: VariableSection, pou: Pou, types: S7Types) -> VariableSecti
     return section.model_copy(update={"kind": SectionKind.TEMP, "retain": False}) if temporary else section
 
 
-def _without_constants(text: str, types: S7Types) -> str:
-    """Return a text with the numbers of values of enumerations: a source declares no user constants."""
-    if not types.constants:
-        return text
+def _literals(project: Project, types: S7Types) -> dict[str, str]:
+    """Values of enumerations and of constants of lists, by their names in lower case: a source declares neither."""
+    found = {each.name.casefold(): str(each.number) for each in types.constants}
+    for constant in (each for table in tag_tables_of(project) for each in table.constants):
+        if isinstance(constant.initial, SimpleValue) and constant.initial.text:
+            found[constant.name.casefold()] = constant.initial.text
+    return found
+
+
+def _with_literals(text: str, literals: Mapping[str, str]) -> str:
+    """Return a text with values in place of the constants in `literals`."""
     edits = []
-    for token in tokenize(text, _SCL).tokens:
-        value = types.named(token.value.strip('"')) if token.value.startswith('"') else None
+    for token in tokenize(text, _SCL).tokens if literals else ():
+        value = literals.get(token.value.strip('"').casefold()) if token.value.startswith('"') else None
         if value is not None:
-            edits.append(Edit(*token.span, str(value.number)))
+            edits.append(Edit(*token.span, value))
     return apply_edits(text, edits)
 
 
 # -- blocks
 
 
-def _pou(pou: Pou, types: S7Types, tags: Container[str]) -> Iterator[WrittenBlock]:
+def _pou(pou: Pou, types: S7Types, tags: Container[str], literals: Mapping[str, str]) -> Iterator[WrittenBlock]:
     keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
     result = pou.interface.return_type if pou.interface is not None else None
     written = f" : {write_type(types.type(result), _SCL) if result is not None else 'Void'}"
@@ -366,7 +397,7 @@ def _pou(pou: Pou, types: S7Types, tags: Container[str]) -> Iterator[WrittenBloc
                 section = section.model_copy(update={"variables": members})  # noqa: PLW2901
             yield _section(_in_scl(section, pou, types), types)
     yield WrittenBlock(("begin", ""), "BEGIN")
-    text = _without_constants(pou.body.text, types) if isinstance(pou.body, StBody) else ""
+    text = _with_literals(pou.body.text, literals) if isinstance(pou.body, StBody) else ""
     yield WrittenBlock(("body", ""), text if _stays_inside(text, keyword) else "", verbatim=True)
     yield WrittenBlock(("end", ""), f"END_{keyword}")
 

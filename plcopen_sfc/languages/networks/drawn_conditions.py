@@ -175,7 +175,9 @@ class _ConditionReader:
         return found
 
     def _text(self, text: str) -> NetworkExpression:
-        parsed = parse_expression(text, self._dialect)
+        parsed = parse_expression(
+            text.rstrip().removesuffix(";"), self._dialect
+        )  # CODESYS exports it where users type it
         return NetworkExpression(
             tree=parsed.tree, problems=tuple(NetworkProblem(f"{text!r}: {p.message}") for p in parsed.problems)
         )
@@ -201,7 +203,7 @@ class _ConditionReader:
 
     def _statements(self, text: str, name: str) -> NetworkExpression:
         """ST: an expression, with ``:=`` before it or a semicolon behind it as tools write it, or statements."""
-        stripped = text.strip().removeprefix(":=").removesuffix(";")
+        stripped = text.strip().removeprefix(":=")
         as_expression = self._text(stripped)
         if as_expression.complete:
             return as_expression
