@@ -23,9 +23,9 @@ from plcopen_sfc.conversion.meaning import (
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, condition_reader
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, transform
+from plcopen_sfc.languages.st import parse_expression, parse_statements, transform
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
-from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.conditions import Condition, Expression
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -45,6 +45,7 @@ class Around(Protocol):
     profile: Profile
     dialect: Dialect
     global_names: set[str]
+    added_functions: dict[str, Pou]
 
     def named(self, node: n.Node, result: str = "") -> n.Node:
         """A name as all tools could have it."""
@@ -70,6 +71,11 @@ class ChartReader:
         declared = {variable.name.casefold() for variable in pou.variables()} | owner.global_names
         self.flags = flags_in_use(chart, owner.profile, lambda name: name.casefold() in declared)
         self.used = Counter(name for step in chart.steps for name in _executed_by(step))
+        self.calls: Counter[str] = Counter()
+        for step in chart.steps if owner.added_functions else ():
+            lasts = [last for last, _ in self._final_calls(step)]
+            rows = (row for row in step.actions if not any(row is last for last in lasts))
+            self.calls.update(each.name for row in rows if (each := self._function(row.body)) is not None)
         self._read_condition = condition_reader(chart, owner.dialect, transitions=pou.transitions)
 
     def condition_of(self, condition: Condition) -> NetworkExpression:
@@ -116,9 +122,10 @@ class ChartReader:
         for event, action in (("S1", step.entry_action), ("", step.main_action), ("S0", step.exit_action)):
             if action is not None:
                 self._step_action(part, event, action)
+        final = self._final_calls(step)
         for association in step.actions:
-            if not association.exclude:
-                self._association(part, step, association)
+            if not association.exclude and not any(association is last for last, _ in final):
+                self._association(part, step, association, ends=any(association is first for _, first in final))
         self._stored(part, step)
         if step.macro is not None:
             inner = part.add("macro-step", step.name, path)
@@ -145,14 +152,42 @@ class ChartReader:
         part.tell("trigger", Meaning.of((when, control), _STEP_ACTIONS[event]))
         part.tell("code", code)
 
-    def _association(self, step: Part, of: Step, association: ActionAssociation) -> None:
-        name, code = self._code_of(association.target, association.body)
+    def _function(self, body: Body | None) -> Pou | None:
+        """The function added for an action that a row does nothing but call, with the variables of the block."""
+        if not isinstance(body, StBody) or not self.owner.added_functions:
+            return None
+        statements = parse_statements(body.text, self.owner.dialect).tree.statements
+        call = statements[0].call if len(statements) == 1 and isinstance(statements[0], n.CallStatement) else None
+        if not isinstance(call, n.Call) or not isinstance(call.callee, n.Name):
+            return None
+        function = self.owner.added_functions.get(call.callee.identifier.casefold())
+        passed = {_same_name(argument) for argument in call.arguments}
+        if function is None or passed != {variable.name.casefold() for variable in function.variables()}:
+            return None
+        return function
+
+    def _final_calls(self, step: Step) -> list[tuple[ActionAssociation, ActionAssociation]]:
+        """The rows that call an added function once more when the step ends, each with the row that calls it before."""
+        calls = [row for row in step.actions if not row.exclude and self._function(row.body) is not None]
+        lasting = [row for row in calls if row.event is None]
+        found: list[tuple[ActionAssociation, ActionAssociation]] = []
+        for row in (each for each in calls if each.event is ActionEvent.S0):
+            pairs = (each for each in lasting if each.body == row.body and all(each is not first for _, first in found))
+            first = next(pairs, None)
+            if first is not None:
+                found.append((row, first))
+        return found
+
+    def _association(self, step: Part, of: Step, association: ActionAssociation, *, ends: bool = False) -> None:
+        """Note an association. `ends`: another one executes it once more when the step ends."""
+        function = self._function(association.body)
+        name, code = self._code_of(association.target, association.body if function is None else function.body)
         if association.forcing is not None:
             name = f"force {association.forcing.chart}"
         part = step.add("action", name, f"{step.path} / action {name}")
         part.tell("trigger", self._trigger(association, is_code=code is not None))
         pulse = association.qualifier in (Qualifier.P, Qualifier.P1, Qualifier.P0)
-        if code is not None and self.owner.profile.final_scan and not pulse:
+        if ends or (code is not None and self.owner.profile.final_scan and not pulse):
             part.tell("final scan", Meaning.of(True))
         part.tell("code", code)
         if association.target is not None and association.body is not None:
@@ -230,7 +265,8 @@ class ChartReader:
         """
         name = plain_name(association.target) if association.target is not None else ""
         matters = is_code or association.qualifier.needs_duration or association.qualifier is Qualifier.P
-        if not matters or self.used[name] < 2:
+        function = self._function(association.body)
+        if not matters or (self.used[name] if function is None else self.calls[function.name]) < 2:
             return ""
         profile = self.owner.profile
         alone = profile.graph_parameters and profile.action_control is not ActionControl.SEQUENTIAL
@@ -335,6 +371,15 @@ def _executed_by(step: Step) -> Iterator[str]:
     for action in (*(row.target for row in step.actions), step.entry_action, step.main_action, step.exit_action):
         if isinstance(action, str):
             yield plain_name(action)
+
+
+def _same_name(argument: n.Argument) -> str:
+    """The name of a parameter, in lower case, that gets the variable of the same name; empty for any other."""
+    named, value = argument.name, argument.value
+    same = (
+        named is not None and isinstance(value, n.Name) and value.identifier.casefold() == named.identifier.casefold()
+    )
+    return named.identifier.casefold() if named is not None and same else ""
 
 
 _STORED = {Qualifier.S: "TRUE", Qualifier.R: "FALSE", Qualifier.R0: "FALSE"}

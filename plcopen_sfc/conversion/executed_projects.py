@@ -71,7 +71,7 @@ def executed(
     `source` is the project as it was read, where its program text was put into another dialect and its tasks into
     other terms since: the rules of its tool apply to direct addresses, to tasks and to its own data. `compared_with` is
     the source of a conversion: the project may have structures in place of its lists of global variables, and instance
-    data blocks and organization blocks in place of its programs and tasks.
+    data blocks and organization blocks in place of its programs and tasks, and functions in place of its actions.
     """
     return _Reader(project, profile or default_profile(project), source or project, compared_with or Part("")).read()
 
@@ -102,6 +102,12 @@ class _Reader:
         }
         if project.dialect is Dialect.SCL:
             self.programs |= {block.casefold(): name.casefold() for name, block in names_of_programs(project).items()}
+        others = {key.name for key in compared_with.parts if key.kind == "POU"}
+        self.added_functions = {
+            pou.name.casefold(): pou
+            for pou in project.pous
+            if pou.kind is PouKind.FUNCTION and others and plain_name(pou.name) not in others
+        }
         self.declared = {declaration.name.casefold(): declaration.type for declaration in project.data_types}
         self.tags = local_tags(project) if project.dialect is Dialect.SCL else {}
         self.global_names = {v.name.casefold() for section in self.project.global_sections() for v in section.variables}

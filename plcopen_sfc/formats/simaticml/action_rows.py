@@ -2,7 +2,8 @@
 
 A row is an operand, an assignment of one operand, or a call (TIA Portal rejects expressions at the right when it
 compiles; seen with V20). An action of a POU has no counterpart: its statements become rows where each is such an
-assignment. Other actions are not written: a row with an undeclared operand would not compile.
+assignment, else a function of their own that the rows call. Other actions are not written: a row with an undeclared
+operand would not compile.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.action_functions import ActionFunctions, call_of
 from plcopen_sfc.formats.simaticml.added_elements import mark_added
 from plcopen_sfc.formats.simaticml.element_reader import ASSOCIATION
 from plcopen_sfc.formats.simaticml.element_writer import (
@@ -23,12 +25,12 @@ from plcopen_sfc.formats.simaticml.element_writer import (
 )
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
 from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, GRAPH_QUALIFIERS, row_fields, write_row
-from plcopen_sfc.formats.xml.extension_data import fields_left
+from plcopen_sfc.formats.xml.extension_data import Markup, fields_left, markup_of
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -39,6 +41,8 @@ from plcopen_sfc.report import Outcome
 _ONCE = frozenset({Qualifier.P, Qualifier.P1, Qualifier.P0})
 _WHILE_ACTIVE = frozenset({Qualifier.NONE, Qualifier.N})
 _NATIVE_KINDS = frozenset({None, ActionKind.CONTINUOUS})
+_S1, _S0 = ActionEvent.S1, ActionEvent.S0
+_LABELS = {_S1: "entry", None: "main", _S0: "exit"}
 _STORED = {ActionKind.ON_ACTIVATION: ActionEvent.S1, ActionKind.ON_DEACTIVATION: ActionEvent.S0}
 
 
@@ -54,19 +58,21 @@ class PlannedRows:
 class RowPlanner:
     """Decides for each action of the chart of a block which rows express it.
 
-    `of_tia`: the block is one of TIA Portal; a row that no rule fits is written as it was read.
+    Statements that are no rows are in `functions`. `of_tia`: the block is one of TIA Portal; a row that no rule fits is
+    written as it was read.
     """
 
-    def __init__(self, project: Project, pou: Pou | None, *, of_tia: bool) -> None:
+    def __init__(self, project: Project, pou: Pou | None, functions: ActionFunctions, *, of_tia: bool) -> None:
         self._project = project
         self._pou = pou
+        self._functions = functions
         self._of_tia = of_tia
 
-    def association(self, action: ActionAssociation, *, inverted: bool = False) -> PlannedRows:
-        """Return the rows of an association. `inverted`: those of its step act while the step is not active."""
+    def association(self, action: ActionAssociation, step: Step) -> PlannedRows:
+        """Return the rows of an association of `step`."""
         if action.exclude:
             return PlannedRows((), Outcome.TRANSLATED, "it is excluded from the build; it is not written")
-        reason = _reason_against_rows(action, inverted=inverted)
+        reason = _reason_against_rows(action, inverted=step.negated)
         if reason:
             return PlannedRows(why=reason)
         if self._is_row(action):
@@ -76,9 +82,9 @@ class RowPlanner:
             return code
         if code is None:
             return self._operand(action)
-        return _timed(_assignments(code), action)
+        return _timed(self._rows(code, action.target or f"{step.name}_action"), action)
 
-    def step_action(self, code: str | Body, event: ActionEvent | None) -> PlannedRows:
+    def step_action(self, code: str | Body, step: Step, event: ActionEvent | None) -> PlannedRows:
         """Return the rows of an entry action (event S1), an exit action (S0) or a main action (none) of CODESYS."""
         body: Body | None
         if isinstance(code, str):
@@ -90,9 +96,23 @@ class RowPlanner:
             body = found
         else:
             body = code
-        rows = _assignments(body)
+        label = code if isinstance(code, str) else f"{step.name}_{_LABELS[event]}"
+        rows = self._rows(body, label)
         row = {"event": event}
         return PlannedRows(tuple(each.model_copy(update=row) for each in rows.rows), rows.outcome, rows.why)
+
+    def _rows(self, body: Body, label: str) -> PlannedRows:
+        """Return the statements of a body as rows without a time: as assignments, or as the call of a function."""
+        rows = _assignments(body)
+        if rows.outcome is not Outcome.NOT_EXECUTED or self._pou is None:
+            return rows
+        function = self._functions.function(self._pou, label.removeprefix("#").strip('"'), body)
+        if isinstance(function, str):
+            return PlannedRows(why=f"{rows.why}, and no function holds them: {function}")
+        row = ActionAssociation(id=0, qualifier=Qualifier.CALL, body=StBody(text=call_of(function)))
+        return PlannedRows(
+            (row,), Outcome.TRANSLATED, f"its statements are the function {function.name}, which a row calls"
+        )
 
     def _is_row(self, action: ActionAssociation) -> bool:
         """True for a call, and for a row of TIA Portal that no rule fits."""
@@ -227,6 +247,10 @@ def _timed(found: PlannedRows, action: ActionAssociation) -> PlannedRows:
     # P1, P0 and events happen once in both; N and P are executed once more in the final scan of IEC 61131-3
     if qualifier in (Qualifier.P1, Qualifier.P0) or action.event is not None:
         return PlannedRows(rows, found.outcome, found.why)
+    # GRAPH executes rows with the event S0 in the cycle that leaves the step, as IEC 61131-3 does with the final scan
+    if qualifier in _WHILE_ACTIVE and all(row.qualifier is Qualifier.CALL for row in rows):
+        last = tuple(row.model_copy(update={"event": ActionEvent.S0}) for row in rows)
+        return PlannedRows((*rows, *last), found.outcome, f"{found.why}, and another one for the final scan")
     why = "S7-GRAPH does not execute an action once more after it has ended, as the final scan of IEC 61131-3 does"
     return PlannedRows(rows, Outcome.APPROXIMATED, why)
 
@@ -314,24 +338,24 @@ class RowsWriter:
         Returns the fields of the step which rows express in another way.
         """
         instead: list[str] = []
-        if not step.exclude and self._step_action(parent, "entry action", step.entry_action, ActionEvent.S1):
+        if not step.exclude and self._step_action(parent, step, "entry action", step.entry_action, ActionEvent.S1):
             instead.append("entry_action")
-        if not step.exclude and self._step_action(parent, "main action", step.main_action, None):
+        if not step.exclude and self._step_action(parent, step, "main action", step.main_action, None):
             instead.append("main_action")
         for action in step.actions:
             if self._action(parent, action, step) and "actions" not in instead:
                 instead.append("actions")
-        if not step.exclude and self._step_action(parent, "exit action", step.exit_action, ActionEvent.S0):
+        if not step.exclude and self._step_action(parent, step, "exit action", step.exit_action, ActionEvent.S0):
             instead.append("exit_action")
         return instead
 
     def _step_action(
-        self, parent: etree._Element, what: str, code: str | Body | None, event: ActionEvent | None
+        self, parent: etree._Element, step: Step, what: str, code: str | Body | None, event: ActionEvent | None
     ) -> bool:
         """Write the rows of an entry, main or exit action. Returns True if there are any."""
         if code is None:
             return False
-        planned = self.planner.step_action(code, event)
+        planned = self.planner.step_action(code, step, event)
         for row in planned.rows:
             element = sub(parent, "Action")
             write_row(element, row, self.blocks)
@@ -358,7 +382,7 @@ class RowsWriter:
             add_element(self.ctx, parent, action.body.content)
             self.ctx.keep("action")
             return False
-        planned = self.planner.association(action, inverted=step.negated)
+        planned = self.planner.association(action, step)
         if step.exclude:
             planned = PlannedRows((), Outcome.TRANSLATED, "its step is excluded from the build")
         if planned.rows == (action,):
@@ -395,3 +419,18 @@ def _still_means(kept: etree._Element, action: ActionAssociation) -> bool:
     """True if a row of the file still means the same as the association."""
     same = ActionAssociation.model_validate({"id": action.id, **row_fields(kept), "carried": None})
     return same == action.model_copy(update={"carried": None})
+
+
+def action_functions(project: Project) -> ActionFunctions:
+    """Return the functions of all actions of `project` that the rows of its charts call."""
+    functions = ActionFunctions(project)
+    charts = [(pou, body.chart) for pou in project.pous for body in pou.bodies if isinstance(body, SfcBody)]
+    for pou, chart in charts:
+        planner = RowPlanner(project, pou, functions, of_tia=markup_of(project) is Markup.SIMATICML)
+        for step in (each for each in chart.steps if not each.exclude):
+            for code, event in ((step.entry_action, _S1), (step.main_action, None), (step.exit_action, _S0)):
+                if code is not None:
+                    planner.step_action(code, step, event)
+            for action in step.actions:
+                planner.association(action, step)
+    return functions

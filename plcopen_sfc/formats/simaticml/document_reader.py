@@ -278,7 +278,7 @@ def read_project(
             if copied is AddedMark.EDITED:
                 forget_mark(child)
                 ctx.edited_copies.add((child.findtext("{*}AttributeList/{*}Name") or "").casefold())
-                ctx.warn("XML213", "a copy of global variables was edited: it is an object of its own now", child)
+                ctx.warn("XML213", f"an object added for {PRODUCT} was edited: it is one of the project now", child)
             look_at_object(ctx, child)
             fields[where].append(late.object(child, place, keep_id=not usual))
         elif kind != "Engineering":

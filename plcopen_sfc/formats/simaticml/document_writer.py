@@ -12,6 +12,7 @@ from difflib import SequenceMatcher
 from lxml import etree
 
 from plcopen_sfc.formats.format_interface import WriteOptions
+from plcopen_sfc.formats.simaticml.action_rows import action_functions
 from plcopen_sfc.formats.simaticml.added_elements import mark_added, seal_marks
 from plcopen_sfc.formats.simaticml.document_reader import IDS, PRODUCT, SCHEMA
 from plcopen_sfc.formats.simaticml.element_writer import ID, DocumentWriting, add_element, finish, sub
@@ -167,14 +168,15 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
 
 
 def added_objects(project: Project) -> list[Pou | DataBlock | TagTable]:
-    """Return the objects that only S7 has: those of enumerations, global variables, programs and tasks."""
+    """Return the objects that only S7 has: those of enumerations, global variables, programs, tasks and actions."""
     programs = s7_programs(project)
     for caller in programs.callers:
         caller.block.carried = Carried(attributes={"SecondaryType": caller.event_class})
         caller.block.bodies = [FbdBody(networks=[_call(*each) for each in caller.called])]
     tables = [*s7_types(project).tables(), *tag_tables_of(project)]
     blocks = [*data_blocks_of(project), *programs.blocks]
-    return [*tables, *blocks, *(caller.block for caller in programs.callers)]
+    functions = action_functions(project).made
+    return [*tables, *blocks, *functions, *(caller.block for caller in programs.callers)]
 
 
 def _call(block: str, program: str) -> LogicNetwork:

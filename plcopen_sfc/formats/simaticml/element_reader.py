@@ -61,7 +61,7 @@ class DocumentReading:
         self.constants: frozenset[str] = frozenset()
         """Constants of that block, as its texts name them, in lower case."""
         self.edited_copies: set[str] = set()
-        """Tag tables that were written as copies and edited since, in lower case."""
+        """Objects that were added for TIA Portal and edited since, in lower case."""
         self.place: list[str] = []
         """Names of the objects around the one being read, for messages."""
 

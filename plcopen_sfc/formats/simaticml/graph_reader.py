@@ -291,7 +291,7 @@ class _ChartReader:
         shell = _shell(element)
         rows = children(element)
         notes = {comment: self._note(comment) for comment in element.iterchildren(etree.Comment)}
-        edited = [name for note in notes.values() for name in edited_fields(note, element)]
+        edited = [name for note in notes.values() for name in edited_fields(note, element, self.ctx.edited_copies)]
         for row in element:
             if not isinstance(row.tag, str):
                 association = notes.get(row, {}).get(ASSOCIATION)  # one without a row

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.action_rows import RowPlanner, RowsWriter
+from plcopen_sfc.formats.simaticml.action_rows import RowPlanner, RowsWriter, action_functions
 from plcopen_sfc.formats.simaticml.added_elements import mark_added
 from plcopen_sfc.formats.simaticml.element_reader import children, local
 from plcopen_sfc.formats.simaticml.element_writer import (
@@ -101,7 +101,9 @@ class _ChartWriter:
         self.last_transition = max(self.transition_numbers.values(), default=0)
         self.of_tia = markup_of(ctx.project) is Markup.SIMATICML
         pou = next((pou for pou in ctx.project.pous if pou.name == ctx.body_name), None)
-        self.rows = RowsWriter(ctx, RowPlanner(ctx.project, pou, of_tia=self.of_tia))
+        if ctx.action_functions is None:
+            ctx.action_functions = action_functions(ctx.project)
+        self.rows = RowsWriter(ctx, RowPlanner(ctx.project, pou, ctx.action_functions, of_tia=self.of_tia))
         transitions = pou.transitions if pou is not None else []
         self.declared = {variable.name.casefold() for variable in pou.variables()} if pou is not None else set()
         self.conditions = ConditionWriter(ctx, condition_reader(chart, Dialect.SCL, transitions=transitions))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Set
 from typing import Any
 
 from lxml import etree
@@ -109,13 +109,15 @@ def _named_in(type_: Any, place: list[str]) -> set[str]:
 _SHOWN = {"type": "type", "initial": "start value"}
 
 
-def edited_fields(kept: Fields, actions: etree._Element) -> list[str]:
+def edited_fields(kept: Fields, actions: etree._Element, copies: Set[str]) -> list[str]:
     """Return the fields of a step of which the rows count, as they are no longer as they were written.
 
-    `kept`: the fields in the comment at the rows.
+    `kept`: the fields in the comment at the rows. `copies`: added objects that were edited; a row may call one.
     """
     fields = kept.get(INSTEAD)
-    return fields if isinstance(fields, list) and kept.get(WRITTEN) != rows_digest(actions) else []
+    words = {token.get("Text", "").strip('"').casefold() for token in actions.iter("{*}Token")}
+    is_edited = kept.get(WRITTEN) != rows_digest(actions) or not words.isdisjoint(copies)
+    return fields if isinstance(fields, list) and is_edited else []
 
 
 def forget_edited_exclusions(

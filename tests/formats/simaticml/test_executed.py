@@ -101,12 +101,45 @@ def test_step_actions_of_single_assignments_are_rows_with_events() -> None:
 
 
 @pytest.mark.parametrize("kind", ["entry_action", "main_action", "exit_action"])
-@pytest.mark.parametrize("name", ["Sum", "Choose", "Chart"])
-def test_other_step_actions_are_not_written(name: str, kind: str) -> None:
-    data, report = converted(project_with(**{kind: name}))
+def test_other_step_actions_are_not_written(kind: str) -> None:
+    data, report = converted(project_with(**{kind: "Chart"}))
     assert rows(data) == []
     (why,) = lost(report, kind.replace("_", " "))
-    assert why.startswith(f"`{name}` is not executed: ")
+    assert why.startswith("`Chart` is not executed: ")
+
+
+def test_step_actions_of_more_statements_are_functions() -> None:
+    """A function for each action, whoever calls it, with the variables it names, and a name of its own."""
+    project = project_with(entry_action="Choose", main_action="Sum", exit_action="Choose")
+    project.pous.append(m.Pou(name="SEQ_SUM", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.StBody(text=";")]))
+    data, report = converted(project)
+    assert report.losses == []
+    seen = sfc.loads(data, as_tool=True)
+    chart = seen.pou("Seq").chart
+    assert chart is not None
+    called = [(row.event or "", row.body.text) for row in chart.step("Run").actions if isinstance(row.body, m.StBody)]
+    choose = '"Seq_Choose"(a := #a, b := #b, q := #q);'
+    assert called == [("S1", choose), ("", '"Seq_Sum_2"(level := #level);'), ("S0", choose)]
+    function = seen.pou("Seq_Choose")
+    assert isinstance(function.body, m.StBody)
+    assert function.body.text == "IF #a THEN #q := #b; END_IF;"
+    passed = {kind: [v.name for v in function.variables(kind)] for kind in (m.SectionKind.INPUT, m.SectionKind.IN_OUT)}
+    assert passed == {m.SectionKind.INPUT: ["a", "b"], m.SectionKind.IN_OUT: ["q"]}
+    assert [pou.name for pou in sfc.loads(data).pous] == ["Seq", "SEQ_SUM"], "it comes back as an action"
+
+
+def test_an_edited_function_is_what_the_step_calls() -> None:
+    data, _ = sfc.convert(project_with(entry_action="Sum", actions=[]), "simaticml")
+    edited = data.replace(b">1</ConstantValue>", b">2</ConstantValue>")
+    assert edited != data
+    back = sfc.loads(edited)
+    chart = back.pou("Seq").chart
+    assert chart is not None
+    assert chart.step("Run").entry_action is None
+    (row,) = chart.step("Run").actions
+    assert row.body == m.StBody(text='"Seq_Sum"(level := #level);')
+    assert back.pou("Seq_Sum").body == m.StBody(text="#level := #level + 2;")
+    assert {"XML213", "XML214"} <= {each.code for each in back.diagnostics}
 
 
 BODIES = [
@@ -116,7 +149,10 @@ BODIES = [
     ("P", "Clear", Outcome.APPROXIMATED, [("N", "S1", "#q", "FALSE")]),
     ("N", "Nothing", Outcome.APPROXIMATED, []),
     *((q, "Clear", Outcome.NOT_EXECUTED, []) for q in ("S", "R", "L", "D", "SD", "DS", "SL")),
-    *((q, "Choose", Outcome.NOT_EXECUTED, []) for q in ("N", "P", "P1", "P0")),
+    ("P1", "Choose", Outcome.TRANSLATED, [("CALL", "S1", None, None)]),
+    ("P0", "Choose", Outcome.TRANSLATED, [("CALL", "S0", None, None)]),
+    ("N", "Choose", Outcome.TRANSLATED, [("CALL", "", None, None), ("CALL", "S0", None, None)]),
+    ("P", "Choose", Outcome.APPROXIMATED, [("CALL", "S1", None, None)]),
     ("N", "Chart", Outcome.NOT_EXECUTED, []),
 ]
 
@@ -147,7 +183,8 @@ def test_qualifiers_that_graph_does_not_have_are_no_others(qualifier: str) -> No
     [
         {"negated": True},
         {"condition": "a"},
-        {"target": None, "body": {"language": "ST", "text": "IF a THEN q := TRUE; END_IF;"}},
+        {"target": None, "body": {"language": "ST", "text": "IF b THEN a := TRUE; END_IF;"}},
+        {"target": None, "body": {"language": "ST", "text": "q := Run.X AND a;"}},
         {"target": None, "body": {"language": "IL", "text": "LD a\nST q"}},
         {"value": "a AND b"},
         {"kind": "onEvent"},
