@@ -50,6 +50,12 @@ def _rename() -> Operation:
     return rename
 
 
+def _rename_many() -> Operation:
+    from plcopen_sfc.refactor.rename import rename_many  # noqa: PLC0415
+
+    return rename_many
+
+
 def _rename_step() -> Operation:
     from plcopen_sfc.refactor.rename import rename_step  # noqa: PLC0415
 
@@ -69,6 +75,7 @@ def _to_svg() -> Operation:
 
 
 provide("rename", _rename)
+provide("rename_many", _rename_many)
 provide("rename_step", _rename_step)
 provide("locations_of", _locations_of)
 provide("to_svg", _to_svg)

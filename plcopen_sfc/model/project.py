@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 from pydantic import Field, PrivateAttr
 
@@ -289,6 +289,15 @@ class Project(Owned, Element):
         """
         result: RenameResult = provided("rename")(self, path, new)
         return result
+
+    def rename_many(self, table: Mapping[Any, str]) -> list[RenameResult]:
+        """Give several things new names in one pass, all of them or none: ``{"Main.S1": "Fill", "Main.S2": "Mix"}``.
+
+        Names may be exchanged. Gives a result for each entry. Raises `ModelError` as `rename` does. See
+        `plcopen_sfc.refactor.rename`, also for tables by pattern.
+        """
+        results: list[RenameResult] = provided("rename_many")(self, table)
+        return results
 
     def locations_of(self, paths: Iterable[str]) -> list[Location]:
         """Places of objects in the files of the project, by their paths: ``POU Main / step S3``.

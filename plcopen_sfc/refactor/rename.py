@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -28,52 +28,71 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
 from plcopen_sfc.report import RenameResult, Undecided
 
+Wanted = Mapping[Declaration, str]
+"""The new names of declarations that are renamed together."""
 
-def visible_clashes(names: Names, declaration: Declaration, uses: Sequence[Occurrence], new: str) -> Iterator[str]:
-    """Yield the declarations that are called `new` already: in the scope of `declaration`, or where it is used."""
-    beside = list(_beside(names, declaration, new))
-    yield from (f"there is a {other} already" for other in beside)
+
+def visible_clashes(
+    names: Names, declaration: Declaration, uses: Sequence[Occurrence], wanted: Wanted
+) -> Iterator[str]:
+    """Yield what has the new name of `declaration` already, or gets it too: in its scope, or where it is used."""
+    new = wanted[declaration]
+    beside = list(_beside(names, declaration, wanted))
+    yield from beside
     for use in uses if not beside else ():
         meaning = names.resolver.meaning(replace(use.reference, name=new), use.text_site)
         candidates = (meaning.declaration,) if meaning.declaration is not None else meaning.candidates or ()
         for other in candidates:
-            if other != declaration and not _is_hidden(declaration, other):
+            if other != declaration and not _leaves(other, wanted) and not _is_hidden(declaration, other):
                 yield f"{use.use} would mean the {other}"
 
 
 def changed_meanings(
-    declaration: Declaration, before: Sequence[Occurrence], after: Sequence[Occurrence]
-) -> Iterator[str]:
-    """The names that mean something else after the rename; `before` and `after` are the same places of a project.
+    wanted: Wanted, before: Sequence[Occurrence], after: Sequence[Occurrence]
+) -> Iterator[tuple[Declaration, str]]:
+    """The names that mean something else after the rename, each with the renamed thing that is to blame.
 
-    Those that could not be decided before may be so now, but for the renamed thing.
+    `before` and `after` are the same places of a project. Those that could not be decided before may be so now, but
+    for a renamed thing.
     """
+    first = next(iter(wanted))
     if len(before) != len(after):
-        yield "a text that names it would be read in another way"
+        yield first, "a text that names it would be read in another way"
         return
     for old, new in zip(before, after, strict=True):
         was, now = old.meaning.declaration, new.meaning.declaration
-        if now == was if not old.meaning.doubt else now != declaration:
+        if now == was if not old.meaning.doubt else now is None or now not in wanted:
             continue
-        if was == declaration:
+        if was is not None and was in wanted:
             others = (now,) if now is not None else new.meaning.candidates or ()
-            yield f"{old.use} would mean {_said(next((d for d in others if d not in (None, declaration)), None))}"
+            yield was, f"{old.use} would mean {_said(next((d for d in others if d not in (None, was)), None))}"
         else:
-            yield f"{old.use} means {_said(was)} now"
+            yield now if now is not None and now in wanted else first, f"{old.use} means {_said(was)} now"
 
 
 def _said(declaration: Declaration | None) -> str:
     return f"the {declaration}" if declaration is not None else "something that the project does not declare"
 
 
-def _beside(names: Names, declaration: Declaration, new: str) -> Iterator[Declaration]:
-    """Declarations of the new name in the same scope."""
+def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[str]:
+    """What has the new name in the same scope, or gets it together with `declaration`."""
+    key = wanted[declaration].casefold()
     transition = declaration.kind is Kind.TRANSITION
+    alike = [other for other, new in wanted.items() if new.casefold() == key and other != declaration]
     for level in names.levels():
         if declaration in level:
-            for other in level.named(new):
-                if other != declaration and (other.kind is Kind.TRANSITION) == transition:
-                    yield other
+            for other in level.named(key):
+                stays = other != declaration and other not in alike and not _leaves(other, wanted)
+                if stays and (other.kind is Kind.TRANSITION) == transition:
+                    yield f"there is a {other} already"
+            for other in alike:
+                if other in level and (other.kind is Kind.TRANSITION) == transition:
+                    yield f"the {other} gets this name too"
+
+
+def _leaves(declaration: Declaration, wanted: Wanted) -> bool:
+    """True if a declaration gives up its name in the same pass, so that another may have it."""
+    return wanted.get(declaration, declaration.name).casefold() != declaration.name.casefold()
 
 
 def _is_hidden(declaration: Declaration, other: Declaration) -> bool:
@@ -100,11 +119,56 @@ def rename(project: Project, what: Declaration | Model | str, new: str) -> Renam
     check_argument(what, (str, Model, Declaration), 'what to rename is a path ("Main.S3") or an object of the model')
     check_argument(new, str, "the new name is a text")
     names = Names(project)
-    if isinstance(what, str):
-        what = the_one(names, what)
-    elif isinstance(what, Model):
+    if isinstance(what, Model):
         what = names.declaration_of(what)
-    return _rename(names, names.resolver.original(what), new)
+    return _rename(names, {_original(names, what): new})[0]
+
+
+def rename_many(project: Project, table: Mapping[Declaration | str, str]) -> list[RenameResult]:
+    """Give several things new names in one pass; all of them, or none.
+
+    `table` has the new name for each path or declaration, such as those of `names_by_pattern`. Names may be exchanged:
+    a name is free if its owner gets another one in the same pass. Gives a result for each entry, in their order.
+    Raises `ModelError` as `rename` does, and where two entries name one thing; then nothing is changed.
+    """
+    check_argument(project, Project, "rename_many needs a project")
+    check_argument(table, Mapping, 'rename_many needs a table of new names: {"Main.S1": "Fill"}')
+    names = Names(project)
+    wanted: dict[Declaration, str] = {}
+    for what, new in table.items():
+        check_argument(what, (str, Declaration), 'what to rename is a path ("Main.S3") or a declaration')
+        check_argument(new, str, "the new name is a text")
+        declaration = _original(names, what)
+        if declaration in wanted:
+            raise ModelError(f"the {declaration} is in the table twice", hint="Give each thing one new name.")
+        wanted[declaration] = new
+    return _rename(names, wanted)
+
+
+def names_by_pattern(project: Project, kind: Kind, pattern: str, new: str) -> dict[Declaration, str]:
+    r"""The table for `rename_many` of all things of a kind whose whole path matches a regular expression.
+
+    `new` is the new name, with groups of the pattern: ``Main\.S(\d+)`` and ``N\1``. Case does not matter. Raises
+    `ModelError` where the pattern is no regular expression, or `new` asks for a group that it does not have.
+    """
+    names = Names(project)
+    table: dict[Declaration, str] = {}
+    try:
+        expression = re.compile(pattern, re.IGNORECASE)
+        for declaration in names.declarations():
+            found = expression.fullmatch(declaration.path) if declaration.kind is kind else None
+            if found is not None:
+                table.setdefault(names.resolver.original(declaration), found.expand(new))
+    except (re.error, IndexError) as error:
+        raise ModelError(
+            f"{pattern!r} and {new!r} are no pattern and new name: {error}",
+            hint=r"Write a regular expression for the path, as Main\.S(\d+), and a name with its groups, as N\1.",
+        ) from None
+    return table
+
+
+def _original(names: Names, what: Declaration | str) -> Declaration:
+    return names.resolver.original(the_one(names, what) if isinstance(what, str) else what)
 
 
 def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:
@@ -117,43 +181,56 @@ def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:
     return rename(project, step, new)
 
 
-def _rename(names: Names, declaration: Declaration, new: str) -> RenameResult:
-    old, path = declaration.name, declaration.path
-    if new == old:
-        return RenameResult(path, old, new)
+def _rename(names: Names, table: Wanted) -> list[RenameResult]:
+    """Rename the keys of `table`, which are originals, or raise `ModelError` and change nothing."""
+    wanted = {declaration: new for declaration, new in table.items() if new != declaration.name}
+    for declaration, new in wanted.items():
+        _check_name(names, declaration, new)
+    found = list(names.occurrences(*(d.name for d in wanted), *wanted.values()))
+    by_name: dict[str, list[Occurrence]] = {}
+    for occurrence in found:
+        by_name.setdefault(occurrence.reference.name.casefold(), []).append(occurrence)
+    results: list[RenameResult] = []
+    changes: list[_Change] = []
+    for declaration, new in table.items():
+        own = by_name.get(declaration.name.casefold(), []) if declaration in wanted else []
+        uses = [occurrence for occurrence in own if occurrence.refers_to(declaration)]
+        if _leaves(declaration, wanted):
+            _refuse(declaration, new, visible_clashes(names, declaration, uses, wanted))
+        # what is said of the places is how they are before the rename
+        undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in own if o.may_refer_to(declaration))
+        changed = tuple(occurrence.use for occurrence in uses)
+        results.append(RenameResult(declaration.path, declaration.name, new, changed, undecided))
+        if declaration in wanted:
+            holders = (*declaration.holders, *names.resolver.repeated(declaration))
+            changes += [_Change(holder, "name", holder.name, new) for holder in holders]
+    old_names = {declaration.name.casefold() for declaration in wanted}
+    for text in _by_piece(o for o in found if o.reference.name.casefold() in old_names):
+        if any(occurrence.meaning.declaration in wanted for occurrence in text):
+            changes += _text_changes(text, wanted, names.dialect)
+    for change in changes:
+        change.make()
+    after = list(names.after_edits().occurrences(*old_names, *wanted.values()))
+    if wanted and any(changed_meanings(wanted, found, after)):
+        for change in changes:
+            change.take_back()
+        reasons = list(changed_meanings(wanted, found, after))  # worded with the names as they are again
+        culprit = reasons[0][0]
+        _refuse(culprit, wanted[culprit], (reason for _, reason in reasons))
+    return results
+
+
+def _check_name(names: Names, declaration: Declaration, new: str) -> None:
+    """Raise `ModelError` where a declaration cannot have this name wherever it is."""
     if declaration.kind is Kind.NAMESPACE:
-        raise ModelError("applications, resources and configurations cannot be renamed", location=Location(path=path))
+        raise ModelError(
+            "applications, resources and configurations cannot be renamed", location=Location(path=declaration.path)
+        )
     problem = objection(new, names.project.dialect)
     if problem:
         raise ModelError(f"{new!r} cannot be a name: {problem}", location=Location(path=str(declaration)))
     if declaration.kind is Kind.VARIABLE and names.project.dialect in (Dialect.CODESYS, Dialect.TWINCAT):
-        _refuse(declaration, new, _flags(old, new))
-    found = list(names.occurrences(old, new))
-    uses = [occurrence for occurrence in found if occurrence.refers_to(declaration)]
-    if new.casefold() != old.casefold():
-        _refuse(declaration, new, visible_clashes(names, declaration, uses, new))
-    # what is said of the places is how they are before the rename
-    undecided = tuple(
-        Undecided(o.use, o.meaning.doubt)
-        for o in found
-        if o.may_refer_to(declaration) and o.reference.name.casefold() == old.casefold()
-    )
-    result = RenameResult(path, old, new, tuple(occurrence.use for occurrence in uses), undecided)
-    holders = (*declaration.holders, *names.resolver.repeated(declaration))
-    changes = [_Change(holder, "name", holder.name, new) for holder in holders]
-    for own in _by_piece(o for o in found if o.reference.name.casefold() == old.casefold()):
-        if any(occurrence.refers_to(declaration) for occurrence in own):
-            changes += _text_changes(own, declaration, new, names.dialect)
-    for change in changes:
-        change.make()
-    after = list(names.after_edits().occurrences(old, new))
-    objections = list(changed_meanings(declaration, found, after))
-    if objections:
-        for change in changes:
-            change.take_back()
-        before = list(changed_meanings(declaration, found, after))  # worded with the names as they are again
-        _refuse(declaration, new, before)
-    return result
+        _refuse(declaration, new, _flags(declaration.name, new))
 
 
 def _flags(*names: str) -> Iterator[str]:
@@ -204,17 +281,20 @@ def _by_piece(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
     return [sorted(own, key=lambda occurrence: occurrence.reference.span) for own in text_sites.values()]
 
 
-def _text_changes(found: list[Occurrence], declaration: Declaration, new: str, dialect: Dialect) -> Iterator[_Change]:
-    """The changes of a text in which `found` are all places that have the old name."""
+def _text_changes(found: list[Occurrence], wanted: Wanted, dialect: Dialect) -> Iterator[_Change]:
+    """The changes of a text in which `found` are all places that have one of the old names."""
     text_site = found[0].text_site
+    new_names = [wanted.get(o.meaning.declaration) if o.meaning.declaration else None for o in found]
     edits = [
-        Edit(*o.reference.span, _spelt(new, o.reference, text_site, dialect)) for o in found if o.refers_to(declaration)
+        Edit(*o.reference.span, _spelt(new, o.reference, text_site, dialect))
+        for o, new in zip(found, new_names, strict=True)
+        if new is not None
     ]
     yield _Change(text_site.holder, text_site.key, text_site.text, apply_edits(text_site.text, edits))
     markup: str | None = getattr(text_site.holder, "markup", None)
     if markup is not None and is_tokens(markup):
-        names = [new if occurrence.refers_to(declaration) else None for occurrence in found]
-        yield _Change(text_site.holder, "markup", markup, edit_tokens(markup, declaration.name, names))
+        old_names = {declaration.name.casefold() for declaration in wanted}
+        yield _Change(text_site.holder, "markup", markup, edit_tokens(markup, old_names, new_names))
     elif markup is not None:
         yield _Change(text_site.holder, "markup", markup, edit_markup(markup, text_site.text, edits))
 
@@ -255,13 +335,13 @@ def edit_markup(markup: str, text: str, edits: Iterable[Edit]) -> str | None:
     return apply_edits(markup, moved)
 
 
-def edit_tokens(markup: str, name: str, new: list[str | None]) -> str | None:
-    """The ``StructuredText`` of TIA Portal with another name at some of the places that have `name`.
+def edit_tokens(markup: str, names: Set[str], new: list[str | None]) -> str | None:
+    """The ``StructuredText`` of TIA Portal with other names at some of the places that have one of `names`.
 
-    `new` has an item for each place of the text that has it, in their order: None where it stays. Gives None if the
-    tokens do not have as many.
+    `names` are in lower case. `new` has an item for each place of the text that has one of them, in their order: None
+    where it stays. Gives None if the tokens do not have as many.
     """
-    places = [found for found in _NAME.finditer(markup) if html.unescape(found[1]).casefold() == name.casefold()]
+    places = [found for found in _NAME.finditer(markup) if html.unescape(found[1]).casefold() in names]
     if len(places) != len(new):
         return None
     edits = [
