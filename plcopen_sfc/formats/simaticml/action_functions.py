@@ -8,12 +8,13 @@ passes the variables. The statements stay as they are.
 from __future__ import annotations
 
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_globals import global_names
 from plcopen_sfc.languages.s7_programs import s7_programs
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_statements, walk
+from plcopen_sfc.languages.st import parse_statements, print_node, walk
 from plcopen_sfc.languages.st.effects import ANYTHING, effects
-from plcopen_sfc.model.body import Body, StBody
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, ElementaryType, Variable
@@ -38,6 +39,11 @@ class ActionFunctions:
 
     def function(self, pou: Pou, label: str, body: Body) -> Pou | str:
         """Return the function for the body of an action of `pou`; a reason where there is none."""
+        if isinstance(body, FbdBody | LdBody):
+            drawn = body_statements(body, Dialect.SCL)
+            if drawn.obstacles or drawn.helpers or drawn.open_ends:
+                return "its network is no list of statements"
+            body = StBody(text=print_node(drawn.tree, Dialect.SCL))
         if not isinstance(body, StBody):
             return f"it is a body in {body.language}"
         if self._is_of_tia:

@@ -14,6 +14,7 @@ from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.network import Connection as Wire
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.simulation import simulate
+from tests.conversion.features import drawn
 from tests.formats.simaticml.documents import parsed
 from tests.formats.simaticml.official import official, outer_parts, without_namespace
 
@@ -126,6 +127,19 @@ def test_step_actions_of_more_statements_are_functions() -> None:
     passed = {kind: [v.name for v in function.variables(kind)] for kind in (m.SectionKind.INPUT, m.SectionKind.IN_OUT)}
     assert passed == {m.SectionKind.INPUT: ["a", "b"], m.SectionKind.IN_OUT: ["q"]}
     assert [pou.name for pou in sfc.loads(data).pous] == ["Seq", "SEQ_SUM"], "it comes back as an action"
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+def test_networks_of_more_statements_are_functions(language: str) -> None:
+    project = project_with(action("N", "Sum"))
+    project.pous[0].actions[2].body = drawn("q := a AND NOT b; level := level + 1;", language, m.Dialect.CODESYS)
+    data, report = converted(project)
+    assert report.losses == []
+    assert rows(data) == [("CALL", "", None, None), ("CALL", "S0", None, None)]
+    back = sfc.loads(data).pous[0].find_action("Sum")
+    assert back is not None
+    assert back.body is not None
+    assert back.body.language == language
 
 
 def test_an_edited_function_is_what_the_step_calls() -> None:
