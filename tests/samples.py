@@ -13,10 +13,12 @@ from xml.parsers import expat
 from xml.sax.saxutils import escape
 
 import pytest
+from _pytest.mark import ParameterSet
 from lxml import etree
 
 from plcopen_sfc.model import Project
 from tests.corpus import ROOT, corpus_files
+from tests.sweeps import one_variant
 
 FIXTURES = ROOT / "fixtures"
 UNREADABLE = frozenset(
@@ -68,6 +70,12 @@ CORPUS_PARAMS = [
     )
 ]
 ALL_PARAMS = [*FIXTURE_PARAMS, *CORPUS_PARAMS]
+
+
+def params(number: int) -> list[ParameterSet]:
+    """All files but the variants of one project that other sweeps have: those have other numbers."""
+    chosen = one_variant(real_files(), number)
+    return [*FIXTURE_PARAMS, *(param for param in CORPUS_PARAMS if param.values[0] in (None, *chosen))]
 
 
 # -- bytes and text ---------------------------------------------------------------------------------------------------

@@ -8,13 +8,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Hashable, Iterable, Sequence
+from pathlib import Path
 from typing import TypeVar
 
-__all__ = ["WHOLE", "in_turn", "one_of_each", "some_of"]
+__all__ = ["WHOLE", "examples", "in_turn", "one_of_each", "one_variant", "some_of"]
 
 WHOLE = bool(os.environ.get("PLCOPEN_SFC_FULL"))
 
 T = TypeVar("T")
+
+
+def examples(count: int) -> int:
+    """A third of the examples of a property: these are the same in every run of `.ci/run`."""
+    return count if WHOLE else max(count // 3, 5)
 
 
 def some_of(items: Sequence[T], every: int) -> Sequence[T]:
@@ -25,6 +31,16 @@ def some_of(items: Sequence[T], every: int) -> Sequence[T]:
 def in_turn(items: Sequence[T], number: int, count: int = 1) -> Sequence[T]:
     """`count` of them: which, goes round with the number of whoever asks."""
     return items if WHOLE else [items[(number + k * len(items) // count) % len(items)] for k in range(count)]
+
+
+def one_variant(paths: Sequence[Path], number: int, count: int = 1) -> list[Path]:
+    """`paths` with `count` of the large files: these are variants of one project, and each sweep has others of them."""
+    large = [path for path in paths if path.stat().st_size > _LARGE]
+    chosen = in_turn(large, number, count) if large else []
+    return [path for path in paths if path not in large or path in chosen]
+
+
+_LARGE = 300_000
 
 
 def one_of_each(items: Iterable[T], kind: Callable[[T], Hashable]) -> list[T]:

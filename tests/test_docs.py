@@ -17,6 +17,7 @@ from typing import NamedTuple
 import pytest
 
 import plcopen_sfc
+from plcopen_sfc.cli import main
 from plcopen_sfc.errors import SfcError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -69,7 +70,10 @@ RUN_PAGES = [page for page in PAGES if any(block.language in ("python", "console
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", RUN_PAGES, ids=name_of)
-def test_examples_of_a_page_run(page: Path, workplace: Path) -> None:
+def test_examples_of_a_page_run(
+    page: Path, workplace: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
     names: dict[str, object] = {"__name__": "example"}
     found = blocks(page)
     for block, after in zip(found, [*found[1:], Block("", "", 0)], strict=True):
@@ -87,8 +91,10 @@ def test_examples_of_a_page_run(page: Path, workplace: Path) -> None:
                 line, _, expected = call.partition("\n")
                 program, *arguments = shlex.split(line)
                 assert program == "plcopen-sfc"
-                result = command(["-m", "plcopen_sfc", *arguments], workplace)
-                assert agrees(expected, result.stdout), f"{line} prints:\n{result.stdout}{result.stderr}"
+                capsys.readouterr()
+                main(arguments)
+                result = capsys.readouterr()
+                assert agrees(expected, result.out), f"{line} prints:\n{result.out}{result.err}"
 
 
 # -- README and .ci/run -----------------------------------------------------------------------------------------------

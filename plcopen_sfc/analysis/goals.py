@@ -24,7 +24,7 @@ from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.values import joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.languages.st.literals import literal_value
+from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
@@ -228,17 +228,27 @@ class Goals:
 
     def constants(self, signal: Signal) -> Iterator[Value]:
         """The constants in the conditions that an input of a type could have."""
-        kinds = signal.literals
+        for found in self._literals:
+            if found.kind in signal.literals:
+                try:
+                    yield signal.accept(found.value)
+                except SfcError:
+                    continue  # the type has no such value
+
+    @cached_property
+    def _literals(self) -> list[LiteralValue]:
+        """The values of the literals in all conditions, each once."""
+        found: dict[tuple[LiteralKind, type, object], LiteralValue] = {}
         transitions = chain.from_iterable(self.transitions)
         for goal in chain(transitions, self.branches, self.outcomes, self.parts):
-            for node in walk(goal.tree) if goal.tree is not None and kinds else ():
+            for node in walk(goal.tree) if goal.tree is not None else ():
                 if isinstance(node, n.Literal):
                     try:
-                        found = literal_value(node, self._project.dialect)
-                        if found.kind in kinds:
-                            yield signal.accept(found.value)
+                        value = literal_value(node, self._project.dialect)
                     except SfcError:
-                        continue  # the type has no such value
+                        continue
+                    found.setdefault((value.kind, type(value.value), value.value), value)
+        return list(found.values())
 
     def open_parts(self) -> Iterator[Goal]:
         """The parts of conditions of transitions whose sources were entered, and which have not decided them."""

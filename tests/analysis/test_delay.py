@@ -15,6 +15,7 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model import ActionAssociation, Expression, Project, Qualifier
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.schemes import Flow, chart_of, flows
+from tests.sweeps import examples
 
 AUTO = "auto"
 TOOLS = (("iec", "codesys"), ("codesys", "s7graph"), ("s7graph", "codesys"), ("s7graph", "iec"), ("matiec", "codesys"))
@@ -212,7 +213,7 @@ def test_charts_of_every_shape_have_a_constant_delay(flow: Flow, qualifiers: lis
 # -- scans that are cut elsewhere
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=examples(15))
 @given(
     flow=flows(),
     qualifiers=st.lists(st.sampled_from("N S R P L D".split()), min_size=3, max_size=3),

@@ -31,6 +31,7 @@ from tests.analysis.schemes import (
     textbook_set_dominant,
     unguarded,
 )
+from tests.sweeps import examples
 
 IEC_ALL = replace(PROFILES["iec"], name="all", competing=Competing.ALL)
 SELECTION = Flow(4, (((0,), (1,)), ((0,), (2,)), ((1,), (3,)), ((2,), (3,)), ((3,), (0,))))
@@ -80,7 +81,7 @@ def test_a_case_on_one_variable_is_proven(chart: str) -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(flow=flows())
 def test_exact_schemes_are_proven_for_random_charts(flow: Flow) -> None:
     for scheme in EXACT.values():
@@ -94,14 +95,14 @@ def test_exact_schemes_are_proven_for_random_charts(flow: Flow) -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=examples(20))
 @given(flow=flows())
 def test_textbook_chains_are_found_different_for_random_charts(flow: Flow) -> None:
     for scheme in WRONG_ANYWHERE.values():
         assert_different(compare(flow, scheme(flow)))
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(flow=flows())
 def test_competing_transitions_without_a_guard_are_found_wherever_there_are_competing_transitions(flow: Flow) -> None:
     verdict = compare(flow, unguarded(flow))

@@ -22,6 +22,7 @@ from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import BodyCondition, NamedCondition
 from plcopen_sfc.model.pou import NamedTransition
 from tests.analysis.nets import chart_of
+from tests.sweeps import examples
 
 Evaluate = Callable[[dict[str, Any]], Any]
 
@@ -102,7 +103,7 @@ def of_witness(witness: dict[str, str]) -> dict[str, Any]:
     return found | {name: literal_value(value).value for name, value in witness.items()}
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(conditions(), conditions())
 def test_integers_of_a_known_range_are_decided_as_by_evaluation(
     a: tuple[str, Evaluate], b: tuple[str, Evaluate]
@@ -116,7 +117,7 @@ def test_integers_of_a_known_range_are_decided_as_by_evaluation(
         assert b[1](values)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(conditions())
 def test_constants_are_found_as_by_evaluation(condition: tuple[str, Evaluate]) -> None:
     seen = {bool(condition[1](values)) for values in situations([0, 1, 2, 3])}
@@ -124,7 +125,7 @@ def test_constants_are_found_as_by_evaluation(condition: tuple[str, Evaluate]) -
     assert truth(condition[0], knowledge=integers) is expected
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(conditions(), st.lists(conditions(), max_size=2))
 def test_cover_is_found_as_by_evaluation(condition: tuple[str, Evaluate], others: list[tuple[str, Evaluate]]) -> None:
     left = any(condition[1](v) and not any(o[1](v) for o in others) for v in situations([0, 1, 2, 3]))
@@ -132,7 +133,7 @@ def test_cover_is_found_as_by_evaluation(condition: tuple[str, Evaluate], others
     assert found is (Answer.NO if left else Answer.YES)
 
 
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(80))
 @given(conditions(), conditions())
 def test_numbers_of_unknown_type_are_never_decided_wrongly(a: tuple[str, Evaluate], b: tuple[str, Evaluate]) -> None:
     # every order of two numbers among the constants -1 to 4, with fractions between them
@@ -173,7 +174,7 @@ def of_all_kinds(tree: Any) -> VariableValues | None:
     return domains.get(tree.identifier) if isinstance(tree, n.Name) else None
 
 
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(80))
 @given(ill_typed(), ill_typed(), st.sampled_from([None, of_all_kinds]))
 def test_any_condition_gets_an_answer(a: str, b: str, knowledge: Any) -> None:
     found = exclusive(a, b, knowledge=knowledge)

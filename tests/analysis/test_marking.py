@@ -13,6 +13,7 @@ from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.net import Competing, Net
 from tests.analysis.nets import Arcs, any_nets, chart_of, chart_of_arcs
+from tests.sweeps import examples
 
 Situation = frozenset[int]
 
@@ -41,7 +42,7 @@ def as_set(marking: int) -> Situation:
     return frozenset(i for i in range(marking.bit_length()) if marking >> i & 1)
 
 
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(80))
 @given(any_nets(), st.booleans())
 def test_search_agrees_with_simulation(net: tuple[int, tuple[int, ...], Arcs], together: bool) -> None:
     steps, initial, arcs = net
@@ -71,7 +72,7 @@ def test_search_agrees_with_simulation(net: tuple[int, tuple[int, ...], Arcs], t
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(80))
 @given(any_nets(), st.booleans())
 def test_traces_can_be_walked(net: tuple[int, tuple[int, ...], Arcs], together: bool) -> None:
     competing = Competing.ALL if together else Competing.PRIORITY
@@ -91,7 +92,7 @@ def test_traces_can_be_walked(net: tuple[int, tuple[int, ...], Arcs], together: 
         assert found.step.bit & found.marking & found.transition.post & ~found.transition.pre
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(100))
 @given(any_nets(), st.lists(st.integers(0, 127), max_size=30), st.sampled_from([Competing.PRIORITY, Competing.ALL]))
 def test_every_run_stays_in_the_graph(
     net: tuple[int, tuple[int, ...], Arcs], inputs: list[int], competing: Competing

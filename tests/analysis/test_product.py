@@ -13,6 +13,7 @@ from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe
 from plcopen_sfc.analysis.product import Branching, Explored, explore
 from plcopen_sfc.errors import ModelError, UnknownBehaviourError, UnstableChartError
 from plcopen_sfc.semantics.signals import Signal, SignalKind
+from tests.sweeps import examples
 
 Read = Callable[[str], Any]
 Step = Callable[[Any, Read], tuple[Any, tuple[Any, ...]]]
@@ -129,7 +130,7 @@ def test_integers_are_compared_in_all_their_intervals(
         assert left(n) != right(n)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(st.data())
 def test_intervals_decide_as_every_value_does(data: st.DataObject) -> None:
     signal = Signal("INT", INT.kind, least=-8, greatest=8)
@@ -202,7 +203,7 @@ def test_a_number_that_is_put_out_is_compared_with_care() -> None:
 
 
 @pytest.mark.parametrize("signal", [Signal("n", SignalKind.INTEGER, least=-6, greatest=9), REAL])
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(200))
 @given(
     questions=st.lists(
         st.tuples(

@@ -10,6 +10,7 @@ from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.regions import Obstacle, Regions, Unstructured, find_regions
 from plcopen_sfc.semantics.net import Net, mask
 from tests.analysis.nets import Arcs, any_nets, block_chart, chart_of, chart_of_arcs
+from tests.sweeps import examples
 
 
 def check_claims(found: Regions, cap: int) -> None:
@@ -45,7 +46,7 @@ def _runs(found: Regions, block: int, active: set[int]) -> bool:
     return any(i in active or any(_runs(found, b, active) for b in _blocks(found, i)) for i in branches)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(any_nets(max_steps=7, max_transitions=9))
 def test_what_regions_claim_of_any_net_holds(net: tuple[int, tuple[int, ...], Arcs]) -> None:
     found = find_regions(chart_of_arcs(*net))
@@ -55,7 +56,7 @@ def test_what_regions_claim_of_any_net_holds(net: tuple[int, tuple[int, ...], Ar
         assert found.message
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(st.integers(0, 10**9), st.integers(4, 40))
 def test_nested_blocks_have_regions(seed: int, size: int) -> None:
     found = find_regions(block_chart(seed, size))
@@ -65,7 +66,7 @@ def test_nested_blocks_have_regions(seed: int, size: int) -> None:
     check_claims(found, 2000)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=examples(50))
 @given(st.integers(0, 10**9), st.integers(4, 14), st.data())
 def test_with_jumps_anywhere_the_claims_hold(seed: int, size: int, data: st.DataObject) -> None:
     chart = block_chart(seed, size)

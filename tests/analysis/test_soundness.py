@@ -11,6 +11,7 @@ from plcopen_sfc.analysis.soundness import Proof, soundness
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.net import Net
 from tests.analysis.nets import Arcs, any_nets, block_chart, chart_of, chart_of_arcs
+from tests.sweeps import examples
 
 
 def agree(chart: SfcNetwork, cap: int = 20_000) -> bool:
@@ -25,13 +26,13 @@ def agree(chart: SfcNetwork, cap: int = 20_000) -> bool:
     return True
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(200))
 @given(any_nets(max_steps=7, max_transitions=9))
 def test_reduction_never_disagrees_with_the_markings(net: tuple[int, tuple[int, ...], Arcs]) -> None:
     assert agree(chart_of_arcs(*net))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(st.integers(0, 10**9), st.integers(4, 40))
 def test_blocks_are_proven_without_markings(seed: int, size: int) -> None:
     chart = block_chart(seed, size)
@@ -43,7 +44,7 @@ def test_blocks_are_proven_without_markings(seed: int, size: int) -> None:
     agree(chart)
 
 
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(80))
 @given(st.integers(0, 10**9), st.integers(4, 14), st.integers(1, 3), st.data())
 def test_spoiled_blocks_are_judged_as_by_their_markings(seed: int, size: int, jumps: int, data: st.DataObject) -> None:
     chart = block_chart(seed, size)

@@ -17,6 +17,7 @@ from plcopen_sfc.model import Project
 from plcopen_sfc.model.compare import differences
 from tests.corpus import ROOT
 from tests.documents.exports import PLACES, block, changes, contents, export
+from tests.sweeps import examples
 
 posix_only = pytest.mark.skipif(os.name == "nt", reason="needs POSIX permissions and links")
 not_root = pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="root may read everything")
@@ -404,7 +405,7 @@ FUNCTION_BLOCK Pumps VAR s : State; END_VAR s.a := TRUE; END_FUNCTION_BLOCK
 names = st.text(st.characters(codec="utf-8", exclude_characters='\x00"'), min_size=1, max_size=12)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(st.lists(names, min_size=1, max_size=4, unique=True))
 def test_any_names_are_files(tmp_path_factory: pytest.TempPathFactory, many: list[str]) -> None:
     """Whatever objects are called, each gets a file of its own, and saving again changes nothing."""
@@ -432,7 +433,7 @@ def test_any_names_are_files(tmp_path_factory: pytest.TempPathFactory, many: lis
 DEEDS = ("name", "number", "move", "copy", "delete", "save", "nothing")
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(st.lists(st.tuples(st.sampled_from(DEEDS), st.integers(0, 5)), max_size=8))
 def test_any_edits_come_back(tmp_path_factory: pytest.TempPathFactory, deeds: list[tuple[str, int]]) -> None:
     """After any edits the folder is what the project says, and nothing was touched that the report does not name."""

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from plcopen_sfc.drawing import DrawingStyle, draw, fits, renumber
 from plcopen_sfc.model.sfc import SfcNetwork
 from tests.drawing.nets import any_net, links_of_chart, links_of_drawing, nested_net
+from tests.sweeps import examples
 
 STYLES = list(DrawingStyle)
 CHARTS = st.one_of(any_net(), nested_net())
-SLOW = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+SLOW = settings(max_examples=examples(100), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @pytest.mark.slow

@@ -13,9 +13,10 @@ from plcopen_sfc.model.drawing import Symbol, SymbolKind
 from plcopen_sfc.model.network import Connection, Contact, InputPin, LeftPowerRail, OutputPin
 from plcopen_sfc.model.sfc import SfcNetwork
 from tests.drawing.nets import any_net, make, nested_net
+from tests.sweeps import examples
 
 STYLES = list(DrawingStyle)
-SLOW = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+SLOW = settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def boxes(chart: SfcNetwork) -> dict[int, tuple[float, float, float, float]]:

@@ -12,9 +12,10 @@ from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.drawing import Symbol, SymbolKind
 from plcopen_sfc.model.sfc import SfcNetwork
 from tests.drawing.nets import any_net, links_of_chart, links_of_drawing, make, nested_net
+from tests.sweeps import examples
 
 STYLES = list(DrawingStyle)
-SLOW = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+SLOW = settings(max_examples=examples(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def edit(data: st.DataObject, chart: SfcNetwork) -> None:

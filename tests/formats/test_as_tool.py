@@ -16,6 +16,7 @@ from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.compare import differences
 from tests.strategies import projects
+from tests.sweeps import examples
 
 TARGETS = ["plcopen-1.01", "plcopen-2.01", "codesys", "simaticml", "scl", "iec-text"]
 FIXTURES = Path(__file__).parents[2] / "fixtures"
@@ -51,7 +52,7 @@ def test_nothing_of_ours_is_left(name: str, target: str) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(project=projects(), target=st.sampled_from(TARGETS))
 def test_whatever_is_carried_is_not_seen(project: m.Project, target: str) -> None:
     content = sfc.dumps(project, format=target, partial=True)
@@ -82,7 +83,7 @@ def plain_blocks(draw: st.DrawFn) -> m.Project:
     return m.Project(pous=pous)
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(project=plain_blocks(), target=st.sampled_from(TARGETS))
 def test_what_needs_no_carrying_is_read_as_always(project: m.Project, target: str) -> None:
     if target in ("scl", "simaticml"):

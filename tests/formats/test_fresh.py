@@ -11,7 +11,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from tests.corpus import ROOT
-from tests.samples import ALL_PARAMS, FIXTURE_PARAMS, TC6, assert_same, local, tree_of
+from tests.samples import ALL_PARAMS, FIXTURE_PARAMS, TC6, assert_same, local, params, tree_of
 
 Fact = tuple[str, str, str]
 """Path of an element with the names on the way, attribute (or ``#text``, or "" for the element itself), value."""
@@ -109,7 +109,7 @@ class Written:
         return old - new, new - old
 
 
-@pytest.fixture(scope="module", params=ALL_PARAMS)
+@pytest.fixture(scope="module", params=params(5))
 def written(request: pytest.FixtureRequest) -> Written:
     """Each file once for all tests."""
     return Written(request.param)

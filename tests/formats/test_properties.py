@@ -25,7 +25,7 @@ def loaded(data: bytes, name: str) -> m.Project:
 
 
 quick = settings(
-    max_examples=int(os.environ.get("PLCOPEN_SFC_EXAMPLES", "10")),
+    max_examples=int(os.environ.get("PLCOPEN_SFC_EXAMPLES", "5")),
     phases=[Phase.explicit, Phase.generate],  # projects are big: what fails is read faster than it is shrunk
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],

@@ -191,7 +191,7 @@ HUGE = {
 }
 
 
-HUGE_SIZE = 5_000_000 if WHOLE else 1_000_000
+HUGE_SIZE = 5_000_000 if WHOLE else 500_000
 
 
 @pytest.mark.slow

@@ -25,7 +25,7 @@ from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.lowering.random_charts import QUALIFIERS, Shape, random_chart
 
-CHARTS = int(os.environ.get("PLCOPEN_SFC_CAMPAIGN") or 16)
+CHARTS = int(os.environ.get("PLCOPEN_SFC_CAMPAIGN") or 8)
 BATCH = 8
 FORMS = [
     (Construction.FLIPFLOP, Language.ST),

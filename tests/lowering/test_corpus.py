@@ -144,7 +144,7 @@ def test_all_do_the_same_or_are_refused(family: str) -> None:
 
 def test_each_form_refuses_few() -> None:
     require_corpus()
-    forms = some_of(FORMS, 3)
+    forms = some_of(FORMS, 4)
     found: dict[str, Counter[str]] = {f"{construction} {language}": Counter() for construction, language in forms}
     count = 0
     for charts in corpus_charts():

@@ -15,6 +15,7 @@ from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import Construction, lower
 from plcopen_sfc.semantics.simulation import simulate
 from tests.lowering.charts import boolean, pou_with, training_chain
+from tests.sweeps import examples
 
 FORMS = [("flipflop", "FBD"), ("flipflop", "LD"), ("flipflop", "ST"), ("bits", "ST")]
 TARGETS = ["plcopen-2.01", "codesys", "simaticml", "scl", "iec-text"]
@@ -47,7 +48,7 @@ def test_it_does_what_the_chart_does(construction: str, language: str, target: s
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(st.integers(0, 40), st.integers(0, 7), st.integers(1, 12), st.sampled_from(["simaticml", "codesys", None]))
 def test_addresses_count_on_with_a_carry(byte: int, bit: int, steps: int, target: str | None) -> None:
     for spelled in (f"M{byte}.{bit}", f"%mx{byte}.{bit}"):

@@ -11,6 +11,7 @@ from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import lower
 from tests.lowering.charts import act, boolean, pou_with, training_chain
+from tests.sweeps import examples
 
 NUMBER = m.ElementaryType(name=m.Elementary.INT)
 
@@ -59,7 +60,7 @@ def _branched(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=examples(20))
 @given(st.recursive(ASSIGNMENTS, _branched, max_leaves=6), st.sampled_from(["FBD", "LD"]))
 def test_whatever_the_branches_are(text: str, language: str) -> None:
     original = with_action(text)

@@ -28,7 +28,7 @@ from tests.lowering.sequencers import (
     verdict,
 )
 from tests.semantics.charts.rig import chain
-from tests.sweeps import WHOLE
+from tests.sweeps import examples
 
 
 def proven(chart: m.SfcNetwork, inputs: str = "", outputs: str = "Q", cap: int = 3_000) -> None:
@@ -517,7 +517,7 @@ def actions(draw: st.DrawFn, chart: m.SfcNetwork, *, switching: bool) -> m.Actio
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=60 if WHOLE else 30, derandomize=True)
+@settings(deadline=None, max_examples=examples(60), derandomize=True)
 @given(sequencers())
 def test_any_sequencer(drawn: tuple[m.SfcNetwork, str, str]) -> None:
     chart, inputs, outputs = drawn

@@ -15,7 +15,7 @@ from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.sequencers import STANDARD_INPUTS, STANDARD_OUTPUTS, act, block, guarded, ring, text, verdict
 from tests.lowering.test_graph import sequencers
 from tests.semantics.charts.rig import chain
-from tests.sweeps import WHOLE
+from tests.sweeps import examples
 
 CASE, REGIONS = Construction.CASE, Construction.REGIONS
 
@@ -349,9 +349,7 @@ def _text(lowered: LoweredPou) -> str:
 
 
 @pytest.mark.slow
-@settings(
-    deadline=None, max_examples=40 if WHOLE else 20, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
-)
+@settings(deadline=None, max_examples=examples(40), derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(sequencers(switching=False))
 def test_any_sequencer(drawn: tuple[m.SfcNetwork, str, str]) -> None:
     project = block(*drawn)

@@ -16,6 +16,7 @@ from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.semantics.simulation import simulate
 from tests.lowering.charts import act, pou_with, training_chain
+from tests.sweeps import examples
 
 FORMS = [("flipflop", "ST"), ("flipflop", "FBD"), ("flipflop", "LD"), ("case", "ST"), ("bits", "ST")]
 MODES = ("enable", "single-step", "advance", "select")
@@ -80,7 +81,7 @@ def pressed(pushes: Iterable[bool], **held: object) -> list[dict[str, object]]:
     return [{**held, "Advance": push} for push in pushes]
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(st.sampled_from(KEYS), st.lists(st.booleans(), min_size=1, max_size=15), st.booleans())
 def test_a_push_leads_exactly_one_step_on(
     key: tuple[tuple[str, str], str], pushes: list[bool], with_conditions: bool
@@ -122,7 +123,7 @@ def test_nothing_fires_without_enable(key: tuple[tuple[str, str], str]) -> None:
     assert seen[-1] == [2]
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(
     st.sampled_from(KEYS),
     st.lists(st.fixed_dictionaries({name: st.booleans() for name in SENSORS}), max_size=6),

@@ -19,6 +19,7 @@ from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.nets import block_chart, chart_of
 from tests.languages.networks.build import output
 from tests.lowering.charts import act, boolean, pou_with
+from tests.sweeps import examples
 
 PARALLEL = "S1>S2+S10 S2>S3 S10>S11 S3+S11>S4 S4>S1"
 
@@ -96,7 +97,7 @@ def test_parts_of_every_kind(name: str, profile: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
-@settings(deadline=None, max_examples=12)
+@settings(deadline=None, max_examples=examples(12))
 @given(seed=st.integers(0, 10_000), size=st.integers(3, 9))
 def test_random_charts_of_blocks(profile: str, seed: int, size: int) -> None:
     pou = driven(block_chart(seed, size), {})

@@ -16,6 +16,7 @@ from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.semantics.simulation import simulate
 from tests.lowering.charts import boolean, pou_with, training_chain
+from tests.sweeps import examples
 
 FORMS = [("flipflop", "ST"), ("flipflop", "FBD"), ("flipflop", "LD"), ("case", "ST"), ("bits", "ST")]
 
@@ -78,7 +79,7 @@ def made_without_condition(construction: str, language: str) -> LoweredPou:
     )
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(st.sampled_from(KEYS), SCANS, SCANS, st.integers(1, 3), st.booleans())
 def test_afterwards_the_chain_goes_on_as_if_it_had_just_begun(
     key: tuple[str, str, str],
@@ -101,7 +102,7 @@ def test_afterwards_the_chain_goes_on_as_if_it_had_just_begun(
     assert seen[len(before) + held :] == fresh
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(st.sampled_from(FORMS), SCANS, st.randoms(use_true_random=False))
 def test_starting_anew_is_what_sfc_reset_does(
     form: tuple[str, str], scans: list[dict[str, bool]], random: Random

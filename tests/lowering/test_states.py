@@ -17,6 +17,7 @@ from plcopen_sfc.semantics.net import Net
 from tests.analysis.nets import chart_of
 from tests.lowering.charts import act, boolean, pou_with, training_chain
 from tests.lowering.test_regions import PARALLEL, chain
+from tests.sweeps import examples
 
 DIALECTS = {
     "iec": m.Dialect.IEC,
@@ -157,7 +158,7 @@ def test_big_numbers_need_a_bigger_type() -> None:
 NUMBERS = st.none() | st.integers(-3, 9) | st.sampled_from([32_767, 2**31 - 1, 2**40])
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(st.lists(NUMBERS, min_size=1, max_size=8))
 def test_numbers_differ_and_the_first_step_that_has_one_keeps_it(numbers: list[int | None]) -> None:
     chart = m.SfcNetwork()

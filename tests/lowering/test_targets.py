@@ -22,6 +22,7 @@ from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering import LoweredPou, lower
 from tests.corpus import XSD
 from tests.lowering.charts import act, pou_with, training_chain
+from tests.sweeps import examples
 
 TARGETS = ["plcopen-1.01", "plcopen-2.0", "plcopen-2.01", "codesys", "simaticml"]
 
@@ -188,7 +189,7 @@ TERMS = st.recursive(
 )
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(st.lists(st.lists(TERMS, min_size=1, max_size=3), min_size=1, max_size=4), st.sampled_from([None, Tool.CODESYS]))
 def test_a_sheet_holds_all_networks_in_their_order(groups: list[list[str]], tool: Tool | None) -> None:
     networks = []

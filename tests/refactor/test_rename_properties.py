@@ -15,6 +15,7 @@ from plcopen_sfc.refactor.rename import rename
 from tests.languages.binding.projects import chart, enum, interface, meanings, struct
 from tests.strategies import maybe, unique
 from tests.strategies import projects as odd_projects
+from tests.sweeps import examples
 
 WORDS = ["a", "b", "c", "S1", "S2", "Main", "FB", "P", "K"]
 words = st.sampled_from(WORDS)
@@ -107,7 +108,7 @@ def projects(draw: Callable[..., Any]) -> m.Project:
     )
 
 
-@settings(max_examples=200, suppress_health_check=[HealthCheck.too_slow], deadline=None)
+@settings(max_examples=examples(200), suppress_health_check=[HealthCheck.too_slow], deadline=None)
 @given(st.data())
 def test_names_mean_the_same_after_a_rename(data: st.DataObject) -> None:
     made = data.draw(projects())
@@ -137,7 +138,7 @@ def decided(found: list[tuple[object, bool]], before: list[tuple[object, bool]])
     return [meaning for meaning, (_, doubt) in zip(found, before, strict=True) if not doubt]
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow], deadline=None)
+@settings(max_examples=examples(60), suppress_health_check=[HealthCheck.too_slow], deadline=None)
 @given(projects())
 def test_looking_for_uses_changes_nothing(made: m.Project) -> None:
     before = made.model_copy(deep=True)
@@ -150,7 +151,7 @@ def test_looking_for_uses_changes_nothing(made: m.Project) -> None:
     assert made == before
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow], deadline=None)
+@settings(max_examples=examples(60), suppress_health_check=[HealthCheck.too_slow], deadline=None)
 @given(odd_projects(), st.data())
 def test_odd_texts_are_no_reason_to_fail(made: m.Project, data: st.DataObject) -> None:
     """Texts with all that must be escaped somewhere, most of which no grammar reads."""

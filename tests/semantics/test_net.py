@@ -12,6 +12,7 @@ from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, SfcNetwork, Transition
 from plcopen_sfc.semantics.net import Competing, Net, NetProblemKind
 from tests.analysis.nets import Arcs, any_nets, chart_of, chart_of_arcs
+from tests.sweeps import examples
 
 ALL_TRUE = -1
 
@@ -209,7 +210,7 @@ def test_unknown_names_of_steps() -> None:
         Net.of(chart_of("1>2")).marking(["3"])
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(100))
 @given(any_nets(max_transitions=9), st.integers(0, 511), st.integers(0, 63))
 def test_firing_follows_the_definition(net: tuple[int, tuple[int, ...], Arcs], true: int, marking: int) -> None:
     """Written down as the standards have it, with sets: t fires if enabled, true, and none before it competes."""

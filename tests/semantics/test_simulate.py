@@ -17,6 +17,7 @@ from plcopen_sfc.semantics.inputs import RandomInputs
 from plcopen_sfc.semantics.simulation import Simulation, nanoseconds
 from plcopen_sfc.semantics.subjects import resolve
 from plcopen_sfc.semantics.trace import Trace
+from tests.sweeps import examples
 
 MS = 1_000_000
 PLANT = """
@@ -108,7 +109,7 @@ def test_scan_times_that_are_none(time: str | int | timedelta) -> None:
         nanoseconds(time)
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=examples(15))
 @given(st.integers(0, 1000))
 def test_random_inputs_give_the_same_trace_again(seed: int) -> None:
     source = RandomInputs(seed, hold=(1, 4), ranges={"Level": (0, 5)})

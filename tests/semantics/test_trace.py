@@ -14,6 +14,7 @@ from vcd.reader import RealChange, ScalarChange, ScopeDecl, StringChange, TokenK
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.trace import Change, Column, Trace
+from tests.sweeps import examples
 
 MS = 1_000_000
 MODE = Signal.enumeration("E_Mode", {0: "Off", 1: "Auto", 5: "Manual"})
@@ -202,7 +203,7 @@ VALUES = st.tuples(
 ).map(list)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(rows=st.lists(VALUES, min_size=1, max_size=8))
 def test_every_cell_means_its_value(rows: list[list[Value]]) -> None:
     trace = trace_of(rows)
@@ -214,7 +215,7 @@ def test_every_cell_means_its_value(rows: list[list[Value]]) -> None:
     assert len(table) == len(rows) + 1
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(rows=st.lists(VALUES, min_size=1, max_size=8))
 def test_vcd_says_every_change(rows: list[list[Value]]) -> None:
     trace = trace_of(rows)

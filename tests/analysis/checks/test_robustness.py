@@ -30,12 +30,13 @@ from plcopen_sfc.model import (
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.drawing.nets import any_net
 from tests.strategies import projects
+from tests.sweeps import examples
 
 profiles = st.sampled_from(sorted(PROFILES))
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(projects(), profiles)
 def test_any_project(project: Project, profile: str) -> None:
     found = sfc.check(project, profile=profile)
@@ -96,7 +97,7 @@ def hierarchies(draw: st.DrawFn, depth: int = 1) -> SfcNetwork:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(hierarchies(), profiles)
 def test_any_hierarchy(chart: SfcNetwork, profile: str) -> None:
     for finding in sfc.check(chart, profile=profile):

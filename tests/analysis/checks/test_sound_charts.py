@@ -15,6 +15,7 @@ from plcopen_sfc.drawing import DrawingStyle, prepare
 from plcopen_sfc.model import Pou, PouKind, Project, SfcBody, SfcNetwork
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.drawing.nets import any_net, make, nested_net
+from tests.sweeps import examples
 
 
 @st.composite
@@ -51,7 +52,7 @@ def blocks(draw: st.DrawFn) -> SfcNetwork:
     return make(len(steps), edges)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(blocks(), st.sampled_from(sorted(PROFILES)))
 def test_nothing_is_wrong_with_the_structure_of_nested_branches(chart: SfcNetwork, profile: str) -> None:
     project = Project(pous=[Pou(name="P", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=chart)])])
@@ -61,7 +62,7 @@ def test_nothing_is_wrong_with_the_structure_of_nested_branches(chart: SfcNetwor
     assert [str(f) for f in sfc.check(project, profile=profile, select=["STR"])] == []
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(blocks(), st.integers(1, 10))
 def test_nothing_is_made_up_where_there_are_too_many_situations(chart: SfcNetwork, most: int) -> None:
     with patch("plcopen_sfc.analysis.checks.checked_chart.MOST_MARKINGS", most):
@@ -69,7 +70,7 @@ def test_nothing_is_made_up_where_there_are_too_many_situations(chart: SfcNetwor
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(nested_net(), st.randoms(use_true_random=False))
 def test_the_order_in_a_file_does_not_matter_for_the_structure(chart: SfcNetwork, chance: Random) -> None:
     def found() -> set[str]:
@@ -82,7 +83,7 @@ def test_the_order_in_a_file_does_not_matter_for_the_structure(chart: SfcNetwork
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(any_net(), st.sampled_from(sorted(PROFILES)))
 def test_whatever_a_chart_is_like_it_can_be_checked(chart: SfcNetwork, profile: str) -> None:
     for finding in sfc.check(chart, profile=profile):
@@ -90,7 +91,7 @@ def test_whatever_a_chart_is_like_it_can_be_checked(chart: SfcNetwork, profile: 
         assert isinstance(finding.severity, Severity)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(any_net())
 def test_a_net_without_findings_on_its_structure_has_none_in_its_drawing(chart: SfcNetwork) -> None:
     """The drawings that we make say what the chart says, so that no rule on drawings is broken by them."""

@@ -15,6 +15,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.report import Outcome
 from tests.samples import FIXTURES
 from tests.strategies import projects
+from tests.sweeps import examples
 
 PLANT = (FIXTURES / "iectext" / "mixing_plant.st").read_text(encoding="utf-8")
 PIECES = [
@@ -36,7 +37,7 @@ PIECES = [
     "//",
 ]
 some = settings(
-    max_examples=40,
+    max_examples=examples(40),
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],

@@ -15,9 +15,10 @@ from plcopen_sfc.report import Outcome
 from tests.corpus import corpus_files, require_corpus
 from tests.samples import FIXTURES, accepting, fixture_files
 from tests.strategies import projects
+from tests.sweeps import one_variant
 
 OWN = sorted((FIXTURES / "iectext").iterdir())
-CORPUS = [path for kind in ("plcopen", "codesys") for path in corpus_files(kind)]
+CORPUS = one_variant([path for kind in ("plcopen", "codesys") for path in corpus_files(kind)], 2)
 TEXTS = [path for path in corpus_files("iectext") if path.suffix in (".sfc", ".txt", ".test")]
 
 
@@ -94,7 +95,7 @@ def test_texts_of_others_load_and_come_back(path: Path) -> None:
 
 
 @settings(
-    max_examples=int(os.environ.get("PLCOPEN_SFC_EXAMPLES", "10")) * 3,
+    max_examples=int(os.environ.get("PLCOPEN_SFC_EXAMPLES", "5")) * 3,
     phases=[Phase.explicit, Phase.generate],
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],

@@ -14,8 +14,9 @@ from plcopen_sfc.formats.text_patch import decode_text
 from plcopen_sfc.report import LOSSES, ConversionReport
 from tests import strategies as random_model
 from tests.languages.declarations import test_model as sayable
+from tests.sweeps import examples
 
-QUICK = settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+QUICK = settings(max_examples=examples(40), deadline=None, suppress_health_check=list(HealthCheck))
 
 
 @pytest.mark.slow

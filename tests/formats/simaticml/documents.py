@@ -9,6 +9,7 @@ import pytest
 from lxml import etree
 
 from tests.corpus import ROOT, corpus_files
+from tests.sweeps import WHOLE, some_of
 
 FIXTURES = ROOT / "fixtures" / "simaticml"
 FIXTURE_PARAMS = [pytest.param(path, id=path.name) for path in sorted(FIXTURES.glob("*.xml"))]
@@ -42,8 +43,13 @@ CORPUS_PARAMS = [
     )
 ]
 ALL_PARAMS = [*FIXTURE_PARAMS, *CORPUS_PARAMS]
+SOME_PARAMS = [*FIXTURE_PARAMS, *some_of(CORPUS_PARAMS, 3)]
+"""For sweeps that take long: many documents of the corpus are versions of one."""
 GRAPH_PARAMS = [
     param
     for param in ALL_PARAMS
     if isinstance(path := param.values[0], Path) and b"NetworkSource/Graph/v" in path.read_bytes()
+]
+SOME_GRAPH_PARAMS = [
+    param for param in GRAPH_PARAMS if WHOLE or param in FIXTURE_PARAMS or GRAPH_PARAMS.index(param) % 3 == 0
 ]

@@ -16,6 +16,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.model import Project
 from plcopen_sfc.model.project_object import ProjectObject
 from tests.documents.exports import FIXTURES, block
+from tests.sweeps import examples
 
 PATHS = sorted(FIXTURES.glob("*.xml"))
 by_name = pytest.mark.parametrize("path", PATHS, ids=lambda path: path.name)
@@ -118,7 +119,7 @@ def test_the_folder_that_a_file_names_itself() -> None:
     assert b'{"folder": "C"}' in sfc.dumps(project)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30))
 @given(st.lists(st.sampled_from(["name", "read", "number", "comment", "copy", "save"]), max_size=6))
 def test_any_order_of_looking_and_editing_gives_the_same(deeds: list[str]) -> None:
     """An object that was read first and one that was not are the same after the same edits."""

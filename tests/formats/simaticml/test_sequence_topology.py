@@ -19,6 +19,7 @@ from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.drawing.nets import any_net, make, nested_net
 from tests.formats.simaticml.documents import GRAPH_PARAMS, parsed
+from tests.sweeps import examples
 
 LEGAL = {
     ("Step", "Transition"),
@@ -96,7 +97,7 @@ def test_nested_charts_are_legal_and_come_back(chart: SfcNetwork) -> None:
     assert len(list(root.iter("{*}Step"))) == len(chart.steps)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(chart=any_net(max_steps=5).filter(lambda chart: bool(chart.steps)))
 def test_any_chart_comes_back(chart: SfcNetwork) -> None:
     wanted = links(chart)

@@ -26,12 +26,13 @@ from plcopen_sfc.formats.simaticml.tia_versions import (
 from plcopen_sfc.model.sfc import AlarmCategory
 from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.report import Outcome
-from tests.formats.simaticml.documents import ALL_PARAMS, CORPUS_PARAMS, FIXTURES, GRAPH_PARAMS, parsed
+from tests.formats.simaticml.documents import CORPUS_PARAMS, FIXTURES, SOME_GRAPH_PARAMS, SOME_PARAMS, parsed
 from tests.formats.simaticml.drilling_plc import FOLDER as PLC
 from tests.formats.simaticml.official import official, outer_parts, without_namespace
 from tests.samples import accepting
+from tests.sweeps import WHOLE
 
-LARGE = 300_000
+LARGE = 300_000 if WHOLE else 50_000
 """Documents of more bytes are tried in one version."""
 DISTINCT = [v for v in VERSIONS if v.name in {"V14 SP1", "V15", "V15.1", "V16", "V19", "V21"}]
 """The versions that differ in the schemas of programs."""
@@ -117,7 +118,7 @@ def test_a_plc_in_another_version_and_back_is_the_same(tmp_path: Path) -> None:
 
 def sampled() -> list[Any]:
     """Real documents with a chart, and every twelfth of the others."""
-    return [param for place, param in enumerate(CORPUS_PARAMS) if place % 12 == 0 or param in GRAPH_PARAMS]
+    return [param for place, param in enumerate(CORPUS_PARAMS) if place % 12 == 0 or param in SOME_GRAPH_PARAMS]
 
 
 @pytest.mark.slow
@@ -255,7 +256,7 @@ def test_objects_that_are_no_blocks_are_kept() -> None:
     assert b"<Hmi.Tag.TagTable" in sfc.dumps(project, fresh=True)
 
 
-@pytest.mark.parametrize("path", ALL_PARAMS)
+@pytest.mark.parametrize("path", SOME_PARAMS)
 def test_versions_of_documents_are_those_of_the_table(path: Path) -> None:
     """The schema numbers of real exports; a document made by hand may say others, which are kept."""
     project = sfc.load(path)

@@ -21,6 +21,7 @@ from plcopen_sfc.languages.declarations import (
 from plcopen_sfc.languages.declarations.type_names import is_identifier
 from plcopen_sfc.languages.dialects import Dialect
 from tests import strategies as random_model
+from tests.sweeps import examples
 
 # -- what a text can say ----------------------------------------------------------------------------------------------
 
@@ -100,7 +101,7 @@ dialects = st.sampled_from([Dialect.IEC, Dialect.CODESYS, Dialect.SCL])
 
 @pytest.mark.slow
 @given(sections, dialects)
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 def test_a_section_comes_back(section: m.VariableSection, dialect: Dialect) -> None:
     text = write_section(section, dialect)
     declared = read_declarations(text, dialect)
@@ -110,7 +111,7 @@ def test_a_section_comes_back(section: m.VariableSection, dialect: Dialect) -> N
 
 @pytest.mark.slow
 @given(declarations, st.sampled_from([Dialect.IEC, Dialect.CODESYS]))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 def test_a_data_type_comes_back(declaration: m.DataTypeDeclaration, dialect: Dialect) -> None:
     text = write_data_type(declaration, dialect)
     declared = read_declarations(text, dialect)
@@ -119,7 +120,7 @@ def test_a_data_type_comes_back(declaration: m.DataTypeDeclaration, dialect: Dia
 
 
 @given(declarations)
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 def test_a_structure_comes_back_from_scl(declaration: m.DataTypeDeclaration) -> None:
     declaration.initial = None
     if not isinstance(declaration.type, m.StructType):
@@ -131,7 +132,7 @@ def test_a_structure_comes_back_from_scl(declaration: m.DataTypeDeclaration) -> 
 
 @pytest.mark.slow
 @given(random_model.sections, dialects)
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 def test_whatever_the_model_holds_what_is_written_can_be_read(section: m.VariableSection, dialect: Dialect) -> None:
     text = write_section(section, dialect)
     declared = read_declarations(text, dialect)

@@ -13,6 +13,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import declaration_nodes as d
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_declarations
+from tests.sweeps import examples
 
 
 def messages(text: str, dialect: Dialect = Dialect.IEC) -> list[str]:
@@ -131,7 +132,7 @@ WORDS = [*"VAR END_VAR TYPE END_TYPE STRUCT END_STRUCT a : ; , ( ) [ ] := INT 1 
 
 
 @given(st.lists(st.sampled_from(WORDS), max_size=30).map(" ".join))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 def test_every_text_has_a_tree_of_which_nothing_is_lost(text: str) -> None:
     parsed = parse_declarations(text)
     covered = 0

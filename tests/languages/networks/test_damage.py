@@ -36,6 +36,7 @@ from plcopen_sfc.model.network import (
     RightPowerRail,
     Storage,
 )
+from tests.sweeps import examples
 
 TYPES = ["AND", "OR", "XOR", "NOT", "GT", "ADD", "MOVE", "SEL", "TON", "SR", "R_TRIG", "Mine", "EXECUTE"]
 KINDS = [
@@ -114,7 +115,7 @@ def damaged(draw: Any) -> LogicNetwork:
     return LogicNetwork(nodes=[node(number) for number in range(count)])
 
 
-@settings(deadline=None, max_examples=200, suppress_health_check=[HealthCheck.too_slow])
+@settings(deadline=None, max_examples=examples(200), suppress_health_check=[HealthCheck.too_slow])
 @given(damaged())
 def test_nothing_is_lost_silently(network: LogicNetwork) -> None:
     read = network_statements([network], Dialect.CODESYS)

@@ -33,6 +33,7 @@ from plcopen_sfc.model import (
 from plcopen_sfc.model.network import BlockCall, Node, Storage
 from tests.languages.networks.programs import INSTANCES, programs
 from tests.samples import FIXTURES
+from tests.sweeps import examples
 
 
 def statements(text: str, dialect: Dialect = Dialect.CODESYS) -> tuple[n.Statement, ...]:
@@ -197,7 +198,7 @@ def project(body: FbdBody | LdBody) -> Project:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(programs, st.sampled_from(["FBD", "LD"]))
 def test_files_hold_what_is_drawn(program: n.Statements, language: str) -> None:
     rules = DrawingRules(Dialect.CODESYS, instances=INSTANCES)

@@ -20,6 +20,7 @@ from plcopen_sfc.languages.networks import (
     draw_ld,
 )
 from plcopen_sfc.languages.st import parse_statements, print_node
+from tests.sweeps import examples
 
 
 def drawn(text: str, rules: DrawingRules, *, ladder: bool = False) -> DrawnFbd | DrawnLd:
@@ -64,7 +65,7 @@ def test_what_is_no_plain_output_stays_text() -> None:
 NAMES = st.sampled_from(["a", "b", "c"])
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(
     st.lists(st.tuples(NAMES, st.sampled_from(["q1", "q2", "q3"])), min_size=1, max_size=4, unique_by=lambda p: p[1]),
     st.booleans(),

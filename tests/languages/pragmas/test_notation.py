@@ -21,6 +21,7 @@ from plcopen_sfc.languages.pragmas import (
     parse_change,
 )
 from plcopen_sfc.languages.pragmas.notation import Scanner
+from tests.sweeps import examples
 
 keys = st.text(max_size=4)
 values: st.SearchStrategy[Any] = st.recursive(
@@ -29,7 +30,7 @@ values: st.SearchStrategy[Any] = st.recursive(
     max_leaves=8,
 )
 fields = st.dictionaries(keys, values, max_size=4)
-many = settings(max_examples=500, deadline=None)
+many = settings(max_examples=examples(500), deadline=None)
 
 
 def read(text: str) -> Any:

@@ -29,6 +29,7 @@ from plcopen_sfc.model import (
 from plcopen_sfc.semantics.charts import ChartProgram, compile_chart
 from plcopen_sfc.semantics.profile import PROFILES
 from plcopen_sfc.semantics.programs import Controller, Instance
+from tests.sweeps import examples
 
 MS = 1_000_000
 QUALIFIERS = ("N", "R", "S", "L", "D", "P", "P1", "P0", "SD", "DS", "SL")
@@ -109,7 +110,7 @@ def bench(chart: SfcNetwork, profile: str, inputs: int) -> tuple[Controller, Ins
     return controller, controller.instance("Main")
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(seed=st.integers(0, 10**9))
 def test_the_control_does_what_the_block_of_the_standard_does(seed: int) -> None:
     random = Random(seed)  # noqa: S311
@@ -137,7 +138,7 @@ def test_the_control_does_what_the_block_of_the_standard_does(seed: int) -> None
         assert instance["n"] == runs, (qualifiers, time, scan)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(seed=st.integers(0, 10**9), profile=st.sampled_from(["iec", "codesys", "grafcet"]))
 def test_a_snapshot_is_all_that_a_chart_knows(seed: int, profile: str) -> None:
     """Going on from a snapshot, also at another time, gives the same as before."""

@@ -14,6 +14,7 @@ from plcopen_sfc.model import ActionAssociation, Macro, Qualifier, SfcBody, SfcN
 from plcopen_sfc.semantics.net import Competing
 from plcopen_sfc.semantics.profile import PROFILES, Evolution, Profile
 from tests.semantics.charts.rig import MS, Rig, chain
+from tests.sweeps import examples
 
 IEC = PROFILES["iec"]
 
@@ -244,7 +245,7 @@ def _reference(
 
 
 @pytest.mark.parametrize("exclusive", [True, False])
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(seed=st.integers(0, 10**9))
 def test_random_nets_do_what_the_rules_say(exclusive: bool, seed: int) -> None:
     random = Random(seed)  # noqa: S311
@@ -280,7 +281,7 @@ def test_errors_say_the_scan_the_pou_and_the_place() -> None:
     assert "division by zero" in str(found.value)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(seed=st.integers(0, 10**9))
 def test_random_nets_become_stable_as_the_rules_say(seed: int) -> None:
     """The evolutions of one scan, with the same inputs, until nothing is cleared."""

@@ -13,6 +13,7 @@ from hypothesis import strategies as s
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.dialects import Dialect
 from tests.semantics.programs.running import main
+from tests.sweeps import examples
 
 WIDTHS = {
     "SINT": (8, True),
@@ -110,7 +111,7 @@ def programs(draw: s.DrawFn, dialect: Dialect) -> tuple[dict[str, tuple[str, int
 
 @pytest.mark.slow
 @pytest.mark.parametrize("dialect", [Dialect.IEC, Dialect.CODESYS, Dialect.SCL])
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(80))
 @given(s.data())
 def test_integers_wrap_as_arithmetic_by_hand_says(dialect: Dialect, data: s.DataObject) -> None:
     variables, expected, target = data.draw(programs(dialect))
@@ -159,7 +160,7 @@ def as_single(value: float) -> float:
     return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(s.floats(-1e9, 1e9).map(as_single), s.floats(-1e9, 1e9).map(as_single), s.sampled_from(["+", "-", "*", "/"]))
 def test_real_is_rounded_to_single_precision_and_lreal_is_not(a: float, b: float, operator: str) -> None:
     b = b or 1.0
@@ -188,7 +189,7 @@ def test_reals_become_integers_by_rounding(value: str, iec: int, codesys: int) -
     assert main(f"r : REAL := {value}; i : INT;", "i := REAL_TO_INT(r);", Dialect.CODESYS)["i"] == codesys
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(s.sampled_from(ORDER), s.sampled_from(ORDER), s.data())
 def test_conversions_between_integers_keep_the_low_bits(source: str, target: str, data: s.DataObject) -> None:
     value = data.draw(s.integers(*bounds(source)))
@@ -196,7 +197,7 @@ def test_conversions_between_integers_keep_the_low_bits(source: str, target: str
     assert instance["b"] == instance["c"] == wrap(value, target)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(s.sampled_from(["BYTE", "WORD", "DWORD", "LWORD", "INT", "DINT"]), s.integers(0, 70), s.data())
 def test_shifts_and_rotations(type_: str, count: int, data: s.DataObject) -> None:
     value = data.draw(s.integers(*bounds(type_)))

@@ -16,6 +16,7 @@ from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.scopes import Scope
 from plcopen_sfc.semantics.programs.types import Frame
 from tests.semantics.programs.running import MS, project_of, start
+from tests.sweeps import examples
 
 MIXED = """
 TYPE P : STRUCT x : INT; t : TON; END_STRUCT; END_TYPE
@@ -44,7 +45,7 @@ def drive(instance: Instance, scans: list[tuple[bool, bool, int]]) -> list[tuple
     return seen
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(SCANS, SCANS, s.integers(0, 10**6))
 def test_a_snapshot_can_go_on_at_any_time(
     before: list[tuple[bool, bool, int]], after: list[tuple[bool, bool, int]], later: int

@@ -9,6 +9,7 @@ from hypothesis import strategies as s
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.semantics.programs import Instance
 from tests.semantics.programs.running import MS, scan_at, start
+from tests.sweeps import examples
 
 TRUTH = [(False, False), (True, False), (True, True), (False, False), (False, True), (True, True), (False, False)]
 
@@ -146,7 +147,7 @@ def test_the_timers_of_s7() -> None:
     assert (instance["c.ET"], instance["c.Q"]) == (0, False)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=examples(50))
 @given(s.lists(s.tuples(s.booleans(), s.integers(1, 60)), min_size=1, max_size=40))
 def test_timers_follow_the_history_of_their_input(steps: list[tuple[bool, int]]) -> None:
     instance = TIMERS

@@ -14,6 +14,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.standard_blocks import BlockKind, standard_blocks
 from plcopen_sfc.semantics.programs import Controller
 from tests.semantics.programs.running import main, project_of
+from tests.sweeps import examples
 
 DAY = 86_400_000_000_000
 
@@ -180,7 +181,7 @@ def test_all_functions_of_the_table_of_standard_blocks_are_known() -> None:
     assert not unknown
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(s.text("abc", max_size=8), s.text("abc", max_size=3), s.integers(0, 9), s.integers(1, 9))
 def test_strings_are_taken_apart_and_put_together(text: str, part: str, count: int, position: int) -> None:
     instance = STRINGS

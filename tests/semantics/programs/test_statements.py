@@ -10,6 +10,7 @@ from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.semantics.programs import Controller
 from tests.semantics.programs.running import main, project_of
+from tests.sweeps import examples
 
 
 @pytest.mark.parametrize(("x", "y"), [(0, 1), (1, 2), (2, 3), (3, 3), (4, 3), (5, 4), (-1, 4), (9, 4)])
@@ -20,7 +21,7 @@ def test_branches(x: int, y: int) -> None:
     assert main(f"x : INT := {x}; y : INT;", chain)["y"] == y
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(s.lists(s.lists(s.integers(-40, 40), min_size=1, max_size=3), min_size=1, max_size=25), s.booleans())
 def test_the_first_label_of_many_is_taken(labels: list[list[int]], otherwise: bool) -> None:
     branches = "".join(f"{', '.join(map(str, own))}: y := {i + 1}; " for i, own in enumerate(labels))
