@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -16,6 +17,7 @@ from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.errors import Location, ModelError, UnknownFormatError, check_argument
 from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.format_interface import Format
+from plcopen_sfc.formats.provenance import may_have_controls, texts_of
 from plcopen_sfc.formats.registry import FORMATS, TIA_FORMAT, for_tia, format_named
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, objection
 from plcopen_sfc.model import times
@@ -44,14 +46,16 @@ class Mistake(NamedTuple):
 
 
 def refuse_mistakes(project: Project, kind: Format) -> None:
-    """Raise `ModelError` for ids that two objects have, times that are none, and names that the target cannot have."""
+    """Raise `ModelError` for what cannot be saved.
+
+    That are ids that two objects have, times that are none, and names and characters that the target cannot have.
+    """
     found = set(_mistakes(project, kind))
-    if not found:
-        return
-    for source in _sources(project):
+    for source in _sources(project) if found else ():
         before = format_named(source.format)[0].codec().read(source.content).project
         _read_some(before, {mistake.path for mistake in found})
         found -= set(_mistakes(before, kind))
+    found |= set(_unwritable_texts(project, kind))
     if found:
         first, *others = sorted(found)
         more = f" (and {len(others)} more of such mistakes)" if others else ""
@@ -93,6 +97,26 @@ def _mistakes(project: Project, kind: Format) -> Iterator[Mistake]:
             chart = getattr(body.body, "chart", None)
             if isinstance(chart, SfcNetwork) and not chart.is_unread:
                 yield from _chart_mistakes(chart, pou.report_path_of(body.name), names)
+
+
+def _unwritable_texts(project: Project, kind: Format) -> Iterator[Mistake]:
+    """Yield texts with characters that a file of a format cannot hold: no file holds surrogates, XML no controls."""
+    forbidden, holder = (_NOT_IN_XML, "XML") if kind.xml else (_SURROGATES, "a file")
+    texts = [("project", text) for text in texts_of(project, exclude=set(Project.OBJECTS))]
+    come_from_xml = all(format_named(source.format)[0].xml for source in _sources(project))
+    for thing in project.objects():
+        if (not thing.is_unread or (kind.xml and not come_from_xml)) and may_have_controls(thing):
+            texts += [(thing.report_path, text) for text in texts_of(thing)]
+    for path, text in texts:
+        found = forbidden.search(text)
+        if found is not None:
+            what = f"{text[:_SHOWN]!r} has the character U+{ord(found[0]):04X}"
+            yield Mistake(path, f"{what}, which {holder} cannot hold")
+
+
+_NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_SURROGATES = re.compile("[\ud800-\udfff]")
+_SHOWN = 40
 
 
 def _names(project: Project) -> Iterator[tuple[str, str]]:

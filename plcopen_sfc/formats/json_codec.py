@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 from pydantic import ValidationError
 
@@ -12,6 +13,9 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _VERSION = 1
+
+
+_SURROGATE = re.compile(rb"\\u[dD][89a-fA-F]")
 
 
 class JsonCodec(Codec):
@@ -28,6 +32,14 @@ class JsonCodec(Codec):
         except json.JSONDecodeError as error:
             place = Location(file, error.lineno, error.colno)
             raise FormatError(f"not JSON: {error.msg}", location=place) from error
+        except ValueError as error:  # Python reads no number of more than 4300 digits
+            raise FormatError(f"not JSON that can be read: {error}", location=Location(file)) from error
+        if _SURROGATE.search(data):
+            try:
+                json.dumps(content, ensure_ascii=False).encode()
+            except UnicodeEncodeError as error:
+                half = ord(error.object[error.start])
+                raise EncodingError(f"U+{half:04X} alone is no character", location=Location(file)) from error
         if not isinstance(content, dict) or content.get("format") != "plcopen_sfc" or "project" not in content:
             raise StructureError("this JSON is no model that plcopen_sfc has saved", location=Location(file))
         if content.get("version") != _VERSION:

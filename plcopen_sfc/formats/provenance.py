@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
+from pydantic_core import PydanticSerializationError
+
+from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.pou import Pou
@@ -18,11 +22,13 @@ __all__ = [
     "content_digest",
     "is_from",
     "is_untouched",
+    "may_have_controls",
     "place_in_folder",
     "put_in_folder",
     "read_later",
     "remember_body",
     "take_provenance",
+    "texts_of",
 ]
 
 L = TypeVar("L", bound=LateElement)
@@ -87,8 +93,40 @@ def content_digest(thing: ProjectObject) -> bytes:
     return hashlib.blake2b(repr(("untouched", known)).encode()).digest()
 
 
+def may_have_controls(thing: ProjectObject) -> bool:
+    """True if texts of an object may have control characters or surrogates; untouched charts of files are left out."""
+    try:
+        return _CONTROL.search(_content(thing)[0]) is not None
+    except PydanticSerializationError:
+        return True  # a surrogate, which UTF-8 does not have
+
+
+_CONTROL = re.compile(rb"\\(?:u00|b|f)|\xef\xbf[\xbe\xbf]")
+
+
+def texts_of(thing: Model, exclude: set[str] | None = None) -> Iterator[str]:
+    """Yield all texts of an object, but for some of its fields, in their order."""
+    pending: list[Any] = [thing.__pydantic_serializer__.to_python(thing, exclude_none=True, exclude=exclude)]
+    while pending:
+        content = pending.pop()
+        if isinstance(content, str):
+            yield content
+        elif isinstance(content, dict):
+            pending += reversed(content.values())
+        elif isinstance(content, list | tuple):
+            pending += reversed(content)
+
+
 def _own_digest(thing: LateElement) -> bytes:
     """Return a digest of the fields of an element; untouched charts count by their source and stay unread."""
+    content, names = _content(thing)
+    digest = hashlib.blake2b(content)
+    digest.update("\0".join(names).encode())
+    return digest.digest()
+
+
+def _content(thing: LateElement) -> tuple[bytes, list[str]]:
+    """Return the fields of an element as JSON, without its untouched charts, and the sources of these."""
     exclude: dict[str, Any] = {}
     names: list[str] = []
     if isinstance(thing, Pou):
@@ -99,10 +137,7 @@ def _own_digest(thing: LateElement) -> bytes:
                 field, index, *rest = path
                 below: dict[Any, Any] = exclude.setdefault(str(field), {})
                 below[index] = {"body": {"chart"}} if rest else {"chart"}
-    content = thing.__pydantic_serializer__.to_json(thing, exclude_none=True, exclude=exclude or None)
-    digest = hashlib.blake2b(content)
-    digest.update("\0".join(names).encode())
-    return digest.digest()
+    return thing.__pydantic_serializer__.to_json(thing, exclude_none=True, exclude=exclude or None), names
 
 
 def _charts_in(pou: Pou) -> Iterator[tuple[tuple[str | int, ...], str, SfcBody]]:

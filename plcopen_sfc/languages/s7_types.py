@@ -187,10 +187,14 @@ def _elements(type_: ArrayType) -> int | None:
     return count
 
 
+_LONGEST = 400
+"""Characters of a number; Python converts no more than 4300 digits."""
+
+
 def number_of(text: str) -> int | None:
     """The number that a literal is; None for anything else."""
     found = _NUMBER.fullmatch(text.strip())
-    if found is None:
+    if found is None or len(text) > _LONGEST:
         return None
     return int(found[1].replace("_", "")) if found[1] else int(found[3].replace("_", ""), int(found[2]))
 

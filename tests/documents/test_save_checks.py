@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -163,3 +164,78 @@ def test_names_that_the_file_had_already_do_not_keep_an_edit_from_being_saved(ki
     again = sfc.loads(sfc.dumps(loaded))
     assert again.pou("Main").chart.step("Empty")
     assert again == loaded
+
+
+def _of_project(made, text):
+    made.comment = text
+
+
+def _of_pou(made, text):
+    made.pou("Main").comment = text
+
+
+def _of_condition(made, text):
+    made.pou("Main").chart.transitions[0].condition = sfc.Expression(text=text)
+
+
+@pytest.mark.parametrize("put", [_of_project, _of_pou, _of_condition])
+@pytest.mark.parametrize("character", ["\x00", "\x0b", "\x1f", "\ufffe", "\ud800"])
+def test_a_character_that_no_file_of_the_target_can_hold_is_refused(put, character):
+    """It was left out of XML without a word, and lone surrogates ended with an error of Python."""
+    made = project()
+    put(made, f"a{character}b")
+    for format in ("plcopen", "codesys", "simaticml"):
+        with pytest.raises(sfc.ModelError, match=f"the character U\\+{ord(character):04X}, which XML cannot hold"):
+            sfc.dumps(made, format=format)
+    for format in ("iec-text", "scl", "json"):
+        if character == "\ud800":
+            with pytest.raises(sfc.ModelError, match=r"the character U\+D800, which a file cannot hold"):
+                sfc.dumps(made, format=format)
+    if character != "\ud800":
+        assert sfc.loads(sfc.dumps(made, format="json")) == made
+
+
+def test_a_control_character_of_a_text_file_is_not_left_out_of_xml():
+    text = b"PROGRAM Main\nVAR x : BOOL; END_VAR\n(* page \x0c two *)\nx := TRUE;\nEND_PROGRAM\n"
+    loaded = sfc.loads(text, format="iec-text")
+    assert sfc.dumps(loaded) == text
+    with pytest.raises(sfc.ModelError, match=r"POU Main: .* the character U\+000C, which XML cannot hold"):
+        sfc.convert(loaded, "codesys")
+
+
+LONG = "1" * 5000
+
+
+@pytest.mark.parametrize("place", ["localId", "refLocalId", "executionOrderId"])
+def test_a_number_of_thousands_of_digits_is_no_number_of_a_file(place):
+    data = (FIXTURES / "plcopen" / "filling_station_2.01.xml").read_bytes()
+    edited = re.sub(rf'\b{place}="\d+"'.encode(), f'{place}="{LONG}"'.encode(), data, count=1)
+    loaded = sfc.loads(edited)
+    assert sfc.dumps(loaded) == edited
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", [LONG, f"16#{LONG}", f"T#{LONG}s", f"TOD#{LONG}:00", f"%IW{LONG}", "1.0E400"])
+def test_a_number_that_no_type_can_have_is_named(text):
+    made = project()
+    made.pou("Main").chart.transitions[0].condition = sfc.Expression(text=f"x > {text}")
+    assert sfc.convert(made, "simaticml", partial=True).data
+    with pytest.raises(sfc.SimulationError):
+        sfc.simulate(made, scans=2)
+    with pytest.raises(sfc.SfcError):
+        sfc.lower(made)
+
+
+def test_json_that_python_cannot_read_is_no_model():
+    data = sfc.dumps(project(), format="json")
+    with pytest.raises(sfc.FormatError, match="digits"):
+        sfc.loads(data.replace(b'"version": 1', b'"version": ' + LONG.encode()), format="json")
+    with pytest.raises(sfc.FormatError, match=r"U\+D800 alone is no character"):
+        sfc.loads(data.replace(b'"Fill"', b'"Fill\\ud800"'), format="json")
+
+
+def test_a_source_whose_name_is_followed_by_anything_is_an_error_at_its_place():
+    loaded = sfc.loads(b"FUNCTION_BLOCK FB10 VERSION : TASK\nEND_FUNCTION_BLOCK\n", format="scl")
+    assert loaded.diagnostics
+    with pytest.raises(sfc.SfcError):
+        sfc.convert(loaded, "codesys")

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from pydantic import ValidationError
+
 from plcopen_sfc.formats.iectext.chart_text_reader import apply_change
 from plcopen_sfc.formats.iectext.text_declarations import listing_text, read_listing, read_section, write_section_text
 from plcopen_sfc.formats.iectext.text_outline import KEYWORDS, PartKind, TextPart, outline
@@ -178,7 +180,10 @@ def _task(src: TextSource, tokens: list[Token], annotations: Annotations, place:
     read_back = {name: fields.get(name) for name in ("interval", "single")}
     fields = _with_annotations(src, fields, annotations, place)
     if "settings" in fields:
-        form = iec_form(Task.model_validate(fields | {"instances": []}))
+        try:
+            form = iec_form(Task.model_validate(fields | {"instances": []}))
+        except ValidationError:
+            return fields  # what is wrong is told of the whole project
         if read_back != {"interval": duration_literal(form["interval"]), "single": form["single"]}:
             fields.update(read_back)  # edited since the settings of CODESYS were put beside it
             del fields["settings"]

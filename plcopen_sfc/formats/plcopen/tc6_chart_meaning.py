@@ -18,6 +18,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Tc6ReadContext,
     extension_data,
     neutral,
+    whole_number,
 )
 from plcopen_sfc.formats.xml.extension_data import markup
 from plcopen_sfc.model.actions import Qualifier
@@ -153,7 +154,7 @@ class DrawnChart:
 
     def _entry_id(self, entry: Fields, local_id: str | None) -> int:
         """Return the id of a line of a block: its ``localId``, or a new one where that is missing or taken."""
-        number = int(local_id) if local_id and local_id.isascii() and local_id.isdigit() else None
+        number = whole_number(local_id)
         if not number or number in self.ids.used:
             # 0 is what Beremiz writes at every action: an id without meaning
             entry["local_id"] = None if self.ctx.version.first_generation else number or 0

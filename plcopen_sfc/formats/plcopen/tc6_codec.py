@@ -19,7 +19,7 @@ from plcopen_sfc.formats.plcopen.chart_hosts import TC6_CHARTS, ChartHost
 from plcopen_sfc.formats.plcopen.project_rewriting import is_rewritten, rewrite_project
 from plcopen_sfc.formats.plcopen.tc6_networks import TAGS
 from plcopen_sfc.formats.plcopen.tc6_project import load_tc6, write_project
-from plcopen_sfc.formats.plcopen.tc6_reading import line_of
+from plcopen_sfc.formats.plcopen.tc6_reading import line_of, whole_number
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_01, Tc6Version, find_version, validate_tc6, version_named
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6Dialect
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
@@ -122,9 +122,9 @@ def _chart(lines: dict[str, int], path: str, owner: etree._Element, body: Body |
         return
     found: dict[int, etree._Element] = {}
     for symbol in element.iter():
-        local_id = symbol.get("localId") if isinstance(symbol.tag, str) else None
-        if local_id is not None and local_id.isdigit():
-            found.setdefault(int(local_id), symbol)
+        local_id = whole_number(symbol.get("localId")) if isinstance(symbol.tag, str) else None
+        if local_id is not None:
+            found.setdefault(local_id, symbol)
     _add_lines_of_blocks(found, body.chart, version)
     for number, names in _names(body.chart).items():
         for name in names if number in found else ():

@@ -14,6 +14,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     read_point,
     take_integer,
     take_number,
+    whole_number,
 )
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, decimal, finish_element, write_point
 from plcopen_sfc.model.network import Connection, InputPin, OutputPin
@@ -160,12 +161,11 @@ class IdKeeper:
 
     def claim(self, element: etree._Element, fields: Fields) -> None:
         """Set ``id`` from the ``localId`` of `element`; remember the object for `settle` where that cannot be."""
-        text = (element.get("localId") or "").strip()
-        if not (text.isascii() and text.isdigit()):
+        local_id = whole_number(element.get("localId"))
+        if local_id is None:
             self.ctx.error("SFC107", f"<{etree.QName(element).localname}> has no usable localId", element)
             self.late.append(fields)
             return
-        local_id = int(text)
         if local_id in self.used:
             self.ctx.error("SFC101", f"localId {local_id} is used twice in one body", element)
             fields["local_id"] = local_id

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -279,18 +280,26 @@ def take_number(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, st
     return value
 
 
+def whole_number(text: str | None) -> int | None:
+    """Return a whole, non-negative number of at most 18 digits; None for any other text."""
+    # str.isdigit() alone accepts digits of other scripts, and ².
+    return int(text) if text is not None and _WHOLE_NUMBER.fullmatch(text) else None
+
+
+_WHOLE_NUMBER = re.compile(r"[ \t\r\n]*[0-9]{1,18}[ \t\r\n]*")
+
+
 def take_integer(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> int | None:
     """Take a whole, non-negative number. A damaged one is left, and so carried, with a warning."""
     text = left.get(name)
     if text is None:
         return None
-    stripped = text.strip()
-    # str.isdigit() alone accepts digits of other scripts, and ².
-    if not (stripped.isascii() and stripped.isdigit()):
+    value = whole_number(text)
+    if value is None:
         ctx.warn("XML202", f"{name}={text!r} is not a whole number; it is kept as it is", element)
         return None
     del left[name]
-    return int(stripped)
+    return value
 
 
 def take_flag(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> bool:

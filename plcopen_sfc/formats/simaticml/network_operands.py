@@ -131,7 +131,7 @@ class PathPart:
 
 
 _TOKEN = re.compile(r'"([^"]*)"|([^\W\d]\w*)|\.%([XBWDxbwd]\d+)|(\.)|(\[)')
-_ADDRESS = re.compile(r"%([IQMEA])([XBWDL]?)(\d+)(?:\.([0-7]))?", re.IGNORECASE)
+_ADDRESS = re.compile(r"%([IQMEA])([XBWDL]?)(\d{1,9})(?:\.([0-7]))?", re.IGNORECASE)
 _LITERAL = re.compile(r"(?i:TRUE|FALSE)|[-+]?\d.*|'.*'|[^\W\d]\w*#.*", re.DOTALL)
 
 

@@ -83,6 +83,8 @@ _TIME_TYPES = {
 } | {name: name for name in ("TIME", "LTIME", "S5TIME", "DATE", "LDATE", "TOD", "LTOD", "DT", "LDT", "DTL")}
 _DURATIONS = frozenset({"TIME", "LTIME", "S5TIME"})
 _CHARACTERS = frozenset({"STRING", "WSTRING", "CHAR", "WCHAR"})
+_MANY_DIGITS = re.compile(r"[0-9A-Za-z_.]{400}")
+_SHOWN = 20
 _INTEGER = re.compile(r"([+-]?)(?:(\d+)#)?([0-9A-Za-z]+(?:_+[0-9A-Za-z]+)*)")
 _REAL = re.compile(r"[+-]?\d[\d_]*(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?")
 
@@ -95,6 +97,8 @@ def literal_value(literal: Literal | str, dialect: Dialect = Dialect.IEC) -> Lit
     text = (literal.text if isinstance(literal, Literal) else literal).strip()
     if text[:1] in ("'", '"'):
         return _string(text, "", dialect)
+    if _MANY_DIGITS.search(text):  # Python converts no more than 4300
+        raise LiteralError(f"{text[:_SHOWN]}.. has more digits than any type")
     prefix, mark, body = text.partition("#")
     name = prefix.upper()
     if mark and prefix[:1].isalpha():
@@ -151,7 +155,10 @@ def _integer(text: str, body: str, type: str) -> int:
 def _float(text: str, body: str) -> float:
     if not _REAL.fullmatch(body):
         raise LiteralError(f"{text} is no real number")
-    return float(body.replace("_", ""))
+    value = float(body.replace("_", ""))
+    if not math.isfinite(value):
+        raise LiteralError(f"{text} is greater than any LREAL")
+    return value
 
 
 # -- strings ----------------------------------------------------------------------------------------------------------

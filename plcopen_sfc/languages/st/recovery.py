@@ -202,7 +202,8 @@ class Reading:
             if not value:
                 return start
             value = value[0]
-        return min(start, value.span[0]) if value.span is not None else start
+        span = value.span if value is not None else None  # an optional part that is not there
+        return min(start, span[0]) if span is not None else start
 
     def _skip(self, position: int, opened: int) -> int:
         """The token behind a statement that cannot be read and that has opened so many blocks."""

@@ -140,7 +140,7 @@ def _overflows(body: str) -> bool:
 _FULL = {"h": 24, "m": 60, "s": 60}
 
 
-_ADDRESS = re.compile(r"%([IQMEA])([XBWD]?)(\d+(?:\.\d+)*)", re.IGNORECASE)
+_ADDRESS = re.compile(r"%([IQMEA])([XBWD]?)(\d{1,9}(?:\.\d{1,9})*)", re.IGNORECASE)
 _ENGLISH = {"E": "I", "A": "Q"}
 _BYTES = {"W": 2, "D": 4}
 _WORDS = {2: "word", 4: "double word"}

@@ -120,7 +120,7 @@ def identifier(name: str) -> str:
     text = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
     text = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_")
     if not text:  # nothing left, as of a name in another script
-        text = "_".join(f"u{ord(character):04X}" for character in name)
+        text = "_".join(f"u{ord(character):04X}" for character in name) or "unnamed"
     return f"_{text}" if text[0].isdigit() else text
 
 

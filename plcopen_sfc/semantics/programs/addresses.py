@@ -11,7 +11,9 @@ from plcopen_sfc.model import types as m
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.places import Place
 
-_ADDRESS = re.compile(r"%?(?P<area>[A-Z]|DB\d+\.DB)(?P<size>[XBWDL]?)(?P<numbers>\d+(?:\.\d+)*)(?::P)?", re.IGNORECASE)
+_ADDRESS = re.compile(
+    r"%?(?P<area>[A-Z]|DB\d+\.DB)(?P<size>[XBWDL]?)(?P<numbers>\d{1,9}(?:\.\d{1,9})*)(?::P)?", re.IGNORECASE
+)
 _WIDTHS = {"": 1, "X": 1, "B": 8, "W": 16, "D": 32, "L": 64}
 _TYPES = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD", 64: "LWORD"}
 _AREAS = {"E": "I", "A": "Q"}

@@ -20,8 +20,8 @@ from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, Fram
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
 
-_OPERAND = r"(?:[^\W\d][\w.]*|\((?:[^()]|\([^()]*\))*\))"
-_TIME = r"(?:L?T(?:IME)?#\w+|\d+(?:\.\d+)?\s*(?:ms|s|min|m|h|d))"
+_OPERAND = r"(?:(?<![\w.])[^\W\d][\w.]*|\((?:[^()]|\([^()]*\))*\))"
+_TIME = r"(?:L?T(?:IME)?#\w+|(?<![\w.])\d+(?:\.\d+)?\s*(?:ms|s|min|m|h|d))"
 _EDGE = re.compile(rf"(?P<sign>[↑↓])\s*(?P<operand>{_OPERAND})")
 _TIMED = re.compile(
     rf"(?:(?P<first>{_TIME})\s*/\s*(?P<operand>{_OPERAND})(?:\s*/\s*(?P<last>{_TIME}))?"
