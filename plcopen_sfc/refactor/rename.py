@@ -134,10 +134,13 @@ def rename_many(project: Project, table: Mapping[Declaration | str, str]) -> lis
     check_argument(project, Project, "rename_many needs a project")
     check_argument(table, Mapping, 'rename_many needs a table of new names: {"Main.S1": "Fill"}')
     names = Names(project)
+    declared = set(names.declarations())
     wanted: dict[Declaration, str] = {}
     for what, new in table.items():
         check_argument(what, (str, Declaration), 'what to rename is a path ("Main.S3") or a declaration')
         check_argument(new, str, "the new name is a text")
+        if isinstance(what, Declaration) and what not in declared:
+            raise ModelError(f"the project does not declare the {what}", hint="Make the table of the same project.")
         declaration = _original(names, what)
         if declaration in wanted:
             raise ModelError(f"the {declaration} is in the table twice", hint="Give each thing one new name.")

@@ -78,6 +78,14 @@ def test_wrong_pattern_is_an_error_of_ours(pattern: str, new: str) -> None:
         names_by_pattern(project(sfc("Main", "S1 S2")), Kind.STEP, pattern, new)
 
 
+def test_table_of_another_project_is_refused() -> None:
+    one, two = (project(sfc("Main", "S1 S2", "S1.x")) for _ in range(2))
+    before = two.model_dump()
+    with pytest.raises(ModelError, match="does not declare the step"):
+        one.rename_many(names_by_pattern(two, Kind.STEP, "Main.S1", "Fill"))
+    assert two.model_dump() == before
+
+
 def saved(made: plcopen_sfc.Project) -> bytes:
     target = io.BytesIO()
     plcopen_sfc.save(made, target, format="plcopen")

@@ -91,6 +91,7 @@ class Names:
         self.dialect = dialect_of(project)
         self.resolver = Resolver(project, self.dialect)
         self._text_sites: list[TextSite] | None = None
+        self._by_path: dict[str, list[Declaration]] = {}
 
     def after_edits(self) -> Names:
         """The names of the project anew, after texts and names in it have changed but nothing else."""
@@ -172,8 +173,10 @@ class Names:
 
     def find(self, path: str) -> list[Declaration]:
         """The declarations of this path (``Main.S3``); case does not matter."""
-        key = path.casefold()
-        return [d for d in self.declarations() if d.path.casefold() == key]
+        if not self._by_path:
+            for declaration in self.declarations():
+                self._by_path.setdefault(declaration.path.casefold(), []).append(declaration)
+        return self._by_path.get(path.casefold(), [])
 
 
 def find_uses(project: Project, what: Declaration | Model | str) -> list[Use]:
