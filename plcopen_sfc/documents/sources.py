@@ -25,7 +25,7 @@ class FileSource:
     """The file that a project was read from; what saving needs to write only the edits.
 
     `fingerprint` is that of the project as it was read. `path` is None for bytes without a name. `errors_accepted`:
-    see `Project.accept_errors`.
+    see `Project.accept_errors`. `saved`: what was written to the path since.
     """
 
     format: str
@@ -35,6 +35,7 @@ class FileSource:
     path: str | None
     diagnostics: list[Diagnostic]
     errors_accepted: bool = False
+    saved: bytes | None = None
 
     def __repr__(self) -> str:
         place = f"{self.path}, " if self.path else ""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Protocol, TypedDict, run
 
 from plcopen_sfc.documents.file_documents import encode, normalized, read_document, refuse_losses
 from plcopen_sfc.documents.sources import FileSource, FolderSource
-from plcopen_sfc.errors import Location, ModelError, UnknownFormatError, check_argument
+from plcopen_sfc.errors import FileAccessError, Location, ModelError, UnknownFormatError, check_argument
 from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.provenance import may_have_controls, texts_of
@@ -264,12 +264,28 @@ def save_project(
         report.unchanged = report.unchanged and data == before
     refuse_losses(report, strict=strict, partial=partial)
     if isinstance(target, str | os.PathLike):
-        write_atomic(target, data)
+        _write_where_it_was(project, os.fspath(target), data)
         report.written.append(os.fspath(target))
     else:
         check_argument(target, _Writable, "save needs a path or a binary file")
         target.write(data)
     return report
+
+
+def _write_where_it_was(project: Project, path: str, data: bytes) -> None:
+    """Write a file; refuse to overwrite the one that the project was read from if it was changed since."""
+    source = project.source if isinstance(project.source, FileSource) else None
+    if source is None or source.path is None or os.path.realpath(source.path) != os.path.realpath(path):
+        write_atomic(path, data)
+        return
+    if Path(path).is_file() and read_bytes(path) not in (source.content, source.saved):
+        raise FileAccessError(
+            "the file was changed since the project was read",
+            location=Location(path),
+            hint="Nothing was written. Load the file again and repeat the edit, or save to another path.",
+        )
+    write_atomic(path, data)
+    source.saved = data
 
 
 def format_to_write(project: Project, format: str | None, tia: str = "", path: str | None = None) -> str:

@@ -239,3 +239,22 @@ def test_a_source_whose_name_is_followed_by_anything_is_an_error_at_its_place():
     assert loaded.diagnostics
     with pytest.raises(sfc.SfcError):
         sfc.convert(loaded, "codesys")
+
+
+def test_a_file_that_was_changed_since_it_was_read_is_not_overwritten(tmp_path):
+    path = tmp_path / "conveyor.xml"
+    path.write_bytes(CONVEYOR.read_bytes())
+    loaded = sfc.load(path)
+    loaded.pou("PLC_PRG").chart.steps[0].comment = "first"
+    sfc.save(loaded, path)
+    loaded.pou("PLC_PRG").chart.steps[0].comment = "second"
+    sfc.save(loaded, path)  # what it has written itself is its own
+    by_another = path.read_bytes() + b"\n"
+    path.write_bytes(by_another)
+    with pytest.raises(sfc.FileAccessError, match="was changed since the project was read"):
+        sfc.save(loaded, path)
+    assert path.read_bytes() == by_another
+    sfc.save(loaded, tmp_path / "other.xml")
+    path.unlink()
+    sfc.save(loaded, path)
+    assert sfc.load(path).pou("PLC_PRG").chart.steps[0].comment == "second"
