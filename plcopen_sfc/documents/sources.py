@@ -41,6 +41,11 @@ class FileSource:
         place = f"{self.path}, " if self.path else ""
         return f"FileSource({place}{self.format} {self.version}, {len(self.content):,} bytes)"
 
+    @property
+    def is_folder(self) -> bool:
+        """False: all objects are in one file."""
+        return False
+
     def accept_errors(self) -> None:
         """See `Project.accept_errors`."""
         self.errors_accepted = True
@@ -85,6 +90,11 @@ class FolderSource:
 
     def __repr__(self) -> str:
         return f"FolderSource({self.path}, {self.format} {self.version}, {len(self.documents)} documents)"
+
+    @property
+    def is_folder(self) -> bool:
+        """True: each object has a file of its own."""
+        return True
 
     @property
     def diagnostics(self) -> list[Diagnostic]:

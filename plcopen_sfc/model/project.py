@@ -179,6 +179,10 @@ class Source(Protocol):
     errors_accepted: bool
 
     @property
+    def is_folder(self) -> bool:
+        """True if each object has a file of its own."""
+
+    @property
     def path(self) -> str | None:
         """The file or folder; None for bytes without a name."""
 

@@ -31,7 +31,9 @@ class ActionFunctions:
     def __init__(self, project: Project) -> None:
         self.made: list[Pou] = []
         self._found: dict[tuple[str, str, str], Pou | str] = {}
-        self._is_of_tia = project.source is not None and project.source.format == "simaticml"
+        self._is_of_folder = (
+            project.source is not None and project.source.format == "simaticml" and project.source.is_folder
+        )
         programs = s7_programs(project)
         self._taken = {*global_names(project), *(block.name.casefold() for block in programs.blocks)}
         self._taken |= {caller.block.name.casefold() for caller in programs.callers}
@@ -46,8 +48,8 @@ class ActionFunctions:
             body = StBody(text=print_node(drawn.tree, Dialect.SCL))
         if not isinstance(body, StBody):
             return f"it is a body in {body.language}"
-        if self._is_of_tia:
-            return "a project of TIA Portal gets no objects when it is edited"
+        if self._is_of_folder:
+            return "the function for it is a file of its own, which an edit of the folder does not write"
         key = (pou.name, label, body.text)
         found = self._found.get(key)
         if found is None:

@@ -132,6 +132,10 @@ class SimaticmlCodec(FolderCodec):
             exchange_markup(project, Markup.SIMATICML, markup_of(project))
         return ReadResult(project, diagnostics, version.name)
 
+    def is_rewritten(self, project: Project, content: bytes) -> bool:
+        """True if POUs have actions, which blocks of TIA Portal lack: an edit of one may change rows of a chart."""
+        return b'"actions"' in content and any(pou.actions for pou in project.pous)
+
     def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Adapt `project`, a copy, to this format."""
         exchange_markup(project, markup_of(project), Markup.SIMATICML)

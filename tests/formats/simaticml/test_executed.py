@@ -142,6 +142,19 @@ def test_networks_of_more_statements_are_functions(language: str) -> None:
     assert back.body.language == language
 
 
+def test_an_edit_of_the_written_file_goes_into_the_function() -> None:
+    data, _ = sfc.convert(project_with(entry_action="Choose"), "simaticml")
+    written = sfc.loads(data)
+    written.pou("Seq").title = "other"
+    titled = sfc.dumps(written)
+    assert len(titled.splitlines()) - len(data.splitlines()) < 15
+    assert "Seq_Choose" in [pou.name for pou in sfc.loads(titled, as_tool=True).pous]
+    written.pou("Seq").action("Choose").body = m.StBody(text="IF #b THEN #q := #b; END_IF;")
+    seen = sfc.loads(sfc.dumps(written), as_tool=True)
+    assert seen.pou("Seq_Choose").body == m.StBody(text="IF #b THEN #q := #b; END_IF;")
+    assert [row.event for row in seen.pou("Seq").chart.step("Run").actions if row.body] == ["S1"]
+
+
 def test_an_edited_function_is_what_the_step_calls() -> None:
     data, _ = sfc.convert(project_with(entry_action="Sum", actions=[]), "simaticml")
     edited = data.replace(b">1</ConstantValue>", b">2</ConstantValue>")
