@@ -10,7 +10,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.translation.renames import identifier
-from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
 from plcopen_sfc.model.network import Coil, InputPin
 from plcopen_sfc.model.project import Chart, Project
@@ -122,6 +122,13 @@ def is_empty_network(condition: Condition | None) -> bool:
         return False
     nodes = [node for network in condition.body.networks for node in network.nodes]
     return all(isinstance(node, Coil) and not _leads(node.input) for node in nodes)
+
+
+def does_something(body: Body | None) -> bool:
+    """True unless a body is empty, as those of permanent instructions without a program."""
+    if isinstance(body, FbdBody | LdBody):
+        return any(network.nodes for network in body.networks)
+    return body is not None and bool(getattr(body, "text", " ").strip())
 
 
 def is_supervised(step: Step) -> bool:

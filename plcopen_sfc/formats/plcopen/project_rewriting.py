@@ -15,6 +15,7 @@ from plcopen_sfc.formats.plcopen.chart_hosts import (
     ChartHost,
     ChartRewriting,
     as_term,
+    does_something,
     is_empty_network,
     is_network,
     is_supervised,
@@ -27,6 +28,7 @@ from plcopen_sfc.formats.plcopen.global_variables import (
     has_lists,
     report_types,
 )
+from plcopen_sfc.formats.plcopen.permanent_rewriting import PermanentRewriter
 from plcopen_sfc.formats.plcopen.source_marks import NO_RESULT_FIELD, REWRITTEN_FIELD, SourceMarks, rewritten_transition
 from plcopen_sfc.formats.plcopen.step_rewriting import (
     StepRewriter,
@@ -39,7 +41,7 @@ from plcopen_sfc.formats.provenance import is_untouched
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
 from plcopen_sfc.languages.s7_results import is_void
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
 from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
 from plcopen_sfc.model.project import Chart, Project
@@ -203,7 +205,7 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
     chart = place.chart
     if has_special_rows(chart) or chart.graph_settings is not None or any(is_supervised(step) for step in chart.steps):
         return True
-    if any(_does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
+    if any(does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
         return True
     if any(row.qualifier is Qualifier.R0 for _, row in chart.associations()):
         return True
@@ -269,6 +271,7 @@ class _ChartRewriter:
         rewriter = StepRewriter(self._rewriting)
         for step in self._chart.steps:
             rewriter.rewrite(step)
+        PermanentRewriter(self._rewriting, rewriter).rewrite()
         self._report_graph()
         if not self._host.is_codesys:
             self._report_codesys()
@@ -341,11 +344,6 @@ class _ChartRewriter:
     def _report_graph(self) -> None:
         """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
         chart, title = self._chart, self._host.title
-        for when, operations in (("before", chart.permanent_pre), ("after", chart.permanent_post)):
-            count = sum(_does_something(operation.body) for operation in operations)
-            if count:
-                why = f"{count} {when} the sequences, not executed in {title}"
-                self._note(Outcome.NOT_EXECUTED, f"permanent instruction {when} the sequence", "", why)
         if chart.graph_settings is None:
             return
         if chart.graph_settings.skip_steps:
@@ -365,13 +363,6 @@ class _ChartRewriter:
             for step in (step for step in chart.steps if step.max_time):
                 why = f"{step.max_time} is not watched in {self._host.title}: SFCError is never set"
                 self._note(Outcome.NOT_EXECUTED, "max time", f"step {step.name}", why)
-
-
-def _does_something(body: Body | None) -> bool:
-    """True unless a body is empty, as those of permanent instructions without a program."""
-    if isinstance(body, FbdBody | LdBody):
-        return any(network.nodes for network in body.networks)
-    return body is not None and bool(getattr(body, "text", " ").strip())
 
 
 def _and(text: str, more: str) -> str:

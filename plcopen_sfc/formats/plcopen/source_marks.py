@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Collection, Container, Iterable, Mapping
 from typing import Any
 
 from plcopen_sfc.formats.plcopen.tc6_reading import Fields
@@ -36,11 +36,17 @@ STEP_FIELDS = ("actions", "entry_action", "main_action", "exit_action")
 """The fields of a step that are written otherwise than in the source."""
 
 
-def rewritten_step(step: Step, source: Step, uses: Iterable[str] = ()) -> dict[str, Any]:
-    """Return the mark of `step`, which is written in place of `source` and executes the added actions `uses`."""
+def rewritten_step(
+    step: Step, source: Step, uses: Iterable[str] = (), permanent: Collection[str] = ()
+) -> dict[str, Any]:
+    """Return the mark of `step`, which is written in place of `source` and executes the added actions `uses`.
+
+    `permanent`: the fields of the chart with permanent instructions that it executes.
+    """
     fields = source.model_dump(mode="json", include=set(STEP_FIELDS), exclude_none=True)
     names = sorted({name.casefold() for name in uses})
-    return {REWRITTEN_FIELD: {"source": fields, "digest": _of_step(step), "uses": names}}
+    mark = {"source": fields, "digest": _of_step(step), "uses": names}
+    return {REWRITTEN_FIELD: mark | ({"permanent": [*permanent]} if permanent else {})}
 
 
 def rewritten_transition(
@@ -109,6 +115,7 @@ def restore_chart(
         mark = _fitting(marks.get(step.id), edited)
         if mark is None or mark.get("digest") != _of_step(step):
             executed |= _uses(marks.get(step.id))
+            _forget_permanent(chart, marks.get(step.id))
             if step.id in marks:
                 warn(f"the actions of the step {step.name}")
         else:
@@ -134,6 +141,14 @@ def _forget_held(chart: SfcNetwork, mark: dict[str, Any] | None) -> None:
         for step in chart.steps:
             if isinstance(each, list) and len(each) == 2 and each[0] == step.id and each[1] in _HELD_FIELDS:
                 setattr(step, each[1], None)
+
+
+def _forget_permanent(chart: SfcNetwork, mark: dict[str, Any] | None) -> None:
+    """Take out the permanent instructions that the actions of an edited step execute."""
+    permanent = mark.get("permanent") if mark is not None else None
+    for name in ("permanent_pre", "permanent_post"):
+        if isinstance(permanent, list) and name in permanent:
+            setattr(chart, name, [])
 
 
 _HELD_FIELDS = ("min_time", "supervision")

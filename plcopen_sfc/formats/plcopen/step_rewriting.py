@@ -113,6 +113,8 @@ class StepRewriter:
         self._mixed = mixed_operands(self._chart) if rewriting.options.of_graph else set()
         if rewriting.options.of_graph:
             self._stated |= self._mixed | timed_operands(self._chart)
+        self._uses: dict[int, list[str]] = {}
+        self._permanent: dict[int, list[str]] = {}
 
     def _is_entered(self, step: Step) -> bool:
         """True if an excluded step can become active in a tool that knows no exclusion."""
@@ -131,7 +133,7 @@ class StepRewriter:
     def rewrite(self, step: Step) -> None:
         """Change a step; what the tool cannot execute is in the report."""
         source = self._rewriting.source_steps[step.id]
-        uses: list[str] = []
+        uses = self._uses[step.id] = []
         if step.exclude and not self._host.is_codesys and self._is_entered(step):
             step.actions, step.entry_action, step.main_action, step.exit_action = [], None, None, None
             why = "nothing is executed in it and nothing leaves it: CODESYS leaves the step out"
@@ -174,8 +176,30 @@ class StepRewriter:
             self._main_action(step)
         for name in _KEPT_ONLY:
             setattr(step, name, getattr(source, name))
+        self._mark(step)
+
+    def _mark(self, step: Step) -> None:
+        source = self._rewriting.source_steps[step.id]
         if any(getattr(step, name) != getattr(source, name) for name in STEP_FIELDS):
-            self._rewriting.marks[id(step)] = rewritten_step(step, source, uses)
+            permanent = self._permanent.get(step.id, ())
+            self._rewriting.marks[id(step)] = rewritten_step(step, source, self._uses[step.id], permanent)
+
+    def store(self, step: Step, wish: str, body: StBody, *, first: bool, instead_of: str) -> str:
+        """Let a step, rewritten already, store an action that is executed in every scan from then on; its name.
+
+        `first`: before the other actions of the step. `instead_of`: the field of the chart that it executes.
+        """
+        if self._host.is_codesys:
+            self._add_row(step, Qualifier.S, target=self._action(wish, body, self._uses[step.id]))
+        else:
+            self._add_row(step, Qualifier.S, body=body)
+        row = step.actions[-1]
+        if first:
+            step.actions = [row, *step.actions[:-1]]
+        self._permanent.setdefault(step.id, []).append(instead_of)
+        self._mark(step)
+        self._note_action(Outcome.TRANSLATED, step, row.target, "permanent instructions of the chart")
+        return row.target or "in place"
 
     def _note(self, outcome: Outcome, what: str, step: Step, why: str) -> None:
         self._rewriting.note(outcome, what, f"step {step.name}", why)

@@ -1,0 +1,150 @@
+"""Permanent instructions of S7-GRAPH as actions that are executed in every scan.
+
+Charts of other tools have no statements around them. An action that the initial step stores (qualifier S) is executed
+in every scan, also when no step is active any more. What matters is its place among transitions and actions: S7-GRAPH
+executes the instructions before, then transitions and actions, then the instructions after the sequences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, does_something
+from plcopen_sfc.formats.plcopen.step_rewriting import StepRewriter
+from plcopen_sfc.languages.networks import body_statements
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
+from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path, effects, may_change
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.sfc import PermanentOperation, Step
+from plcopen_sfc.model.types import DerivedType
+from plcopen_sfc.report import Outcome
+
+_UNKNOWN = Effects(frozenset({ANYTHING}), frozenset({ANYTHING}))
+_NAMES = {
+    "before": ("before_sequence", "A_before_sequence", "AAA_before_sequence"),
+    "after": ("sequence_after", "Z_after_sequence", "ZZZ_after_sequence"),
+}
+"""Names of the actions: CODESYS executes actions in the order of their names."""
+
+
+class PermanentRewriter:
+    """Rewrites the permanent instructions of a chart whose steps and transitions are rewritten already."""
+
+    def __init__(self, rewriting: ChartRewriting, steps: StepRewriter) -> None:
+        self._rewriting, self._steps = rewriting, steps
+        self._chart, self._pou, self._host = rewriting.chart.chart, rewriting.chart.pou, rewriting.host
+        self._standard = frozenset(
+            (variable.name.casefold(),)
+            for variable in self._pou.variables()
+            if isinstance(variable.type, DerivedType) and standard_block(variable.type.name) is not None
+        )
+
+    def rewrite(self) -> None:
+        """Change the chart; what is not executed, or at another time, is in the report."""
+        chart = self._chart
+        for when, operations in (("after", chart.permanent_post), ("before", chart.permanent_pre)):
+            found = [operation for operation in operations if does_something(operation.body)]
+            if found:
+                self._operations(when, found)
+
+    def _operations(self, when: str, operations: list[PermanentOperation]) -> None:
+        what = f"permanent instruction {when} the sequence"
+        texts = [self._text(operation.body) for operation in operations]
+        initial = next((step for step in self._chart.steps if step.initial), None)
+        if initial is None or any(text is None for text in texts):
+            why = "there is no initial step" if initial is None else "it cannot be written as statements"
+            self._rewriting.note(Outcome.NOT_EXECUTED, what, "", f"not executed in {self._host.title}: {why}")
+            return
+        body = StBody(text="\n".join(text for text in texts if text))
+        own = self._effects(body)
+        difference = self._before(own, initial) if when == "before" else self._after(own, initial)
+        name = self._steps.store(initial, self._name(when), body, first=when == "before", instead_of=_FIELDS[when])
+        if difference:
+            self._rewriting.note(Outcome.APPROXIMATED, what, "", difference)
+        else:
+            why = f"the action {name} of the step {initial.name}, which is executed in every scan"
+            self._rewriting.note(Outcome.TRANSLATED, what, "", why)
+
+    def _text(self, body: Body | None) -> str | None:
+        """Return a body as statements; None where it needs variables that nothing declares."""
+        if isinstance(body, StBody):
+            return body.text.strip()
+        if not isinstance(body, FbdBody | LdBody):
+            return None
+        found = body_statements(body, self._host.dialect, taken=self._rewriting.taken)
+        return print_node(found.tree, self._host.dialect) if found.complete and not found.helpers else None
+
+    # -- the order of execution
+
+    def _before(self, own: Effects, initial: Step) -> str | None:
+        """Return what is different if instructions are executed before all actions, but after the transitions."""
+        title = self._host.title
+        data = {step.name.casefold() for step in self._chart.steps}
+        data |= {transition.name.casefold() for transition in self._chart.transitions if transition.name}
+        if any(not path or path[0] in data for path in own.reads):
+            return f"in {title} it reads the data of the steps that follow; in S7-GRAPH those of the cycle before"
+        if may_change(self._conditions(), own.writes, frozenset()):
+            if self._host.is_codesys:
+                return "the conditions read its results in the same scan, but the steps that follow act a scan later"
+            return f"the conditions read its results in the next scan: {title} executes it after the transitions"
+        actions = self._step_actions() if self._host.is_codesys else self._rows(initial, before=True)
+        if self._interfere(own, actions):
+            return f"{title} may execute other actions of the chart before it, which have variables in common with it"
+        return None
+
+    def _after(self, own: Effects, initial: Step) -> str | None:
+        """Return what is different if instructions are executed with the actions of the initial step."""
+        if not self._host.is_codesys and self._interfere(own, self._rows(initial, before=False)):
+            return "IEC 61131-3 does not say which actions are executed first: it may be executed before others"
+        return None
+
+    def _interfere(self, own: Effects, bodies: Iterable[Effects]) -> bool:
+        other = Effects.all(bodies)
+        return may_change(own.reads | own.writes, other.writes, frozenset()) or may_change(
+            other.reads, own.writes, frozenset()
+        )
+
+    def _conditions(self) -> frozenset[Path]:
+        """Return what the conditions of the chart read."""
+        found: set[Path] = set()
+        for transition in self._chart.transitions:
+            text = self._rewriting.text(transition.condition)
+            tree = parse_expression(text, self._host.dialect).tree if text is not None else None
+            found |= effects([tree]).reads if tree is not None else set()
+        return frozenset(found)
+
+    def _step_actions(self) -> Iterator[Effects]:
+        for step in self._chart.steps:
+            for action in (step.entry_action, step.main_action, step.exit_action):
+                yield self._effects_of(action)
+
+    def _rows(self, initial: Step, *, before: bool) -> Iterator[Effects]:
+        """Yield the effects of the actions of the steps before the initial one, or behind it."""
+        at = next(index for index, step in enumerate(self._chart.steps) if step is initial)
+        for step in self._chart.steps[:at] if before else self._chart.steps[at + 1 :]:
+            for row in step.actions:
+                yield self._effects_of(row.body or row.target)
+
+    def _effects_of(self, action: object) -> Effects:
+        found = self._pou.find_action(action) if isinstance(action, str) else None
+        body = found.body if found is not None else action
+        if isinstance(body, StBody):
+            return self._effects(body)
+        if isinstance(body, str):
+            target = parse_expression(body, self._host.dialect).tree
+            return Effects(writes=effects([target]).reads) if target is not None else _UNKNOWN
+        return _UNKNOWN if body is not None else Effects()
+
+    def _effects(self, body: StBody) -> Effects:
+        return effects(parse_statements(body.text, self._host.dialect).tree.statements, self._standard)
+
+    def _name(self, when: str) -> str:
+        """Return a name by which CODESYS executes an action before, or after, all others of the chart."""
+        others = [row.target.casefold() for _, row in self._chart.associations() if row.target is not None]
+        wishes = _NAMES[when]
+        fits = (w for w in wishes if all((w.casefold() < name) == (when == "before") for name in others))
+        return next(fits, wishes[-1])
+
+
+_FIELDS = {"before": "permanent_pre", "after": "permanent_post"}
