@@ -15,6 +15,13 @@ from plcopen_sfc.api import (
     save as save,
 )
 from plcopen_sfc.checking import check as check
+from plcopen_sfc.comparison import (
+    Change as Change,
+    ChangeKind as ChangeKind,
+    ProjectDiff as ProjectDiff,
+    Proof as Proof,
+    diff as diff,
+)
 from plcopen_sfc.diagnostics import (
     DamagedSourceError as DamagedSourceError,
     Diagnostic as Diagnostic,

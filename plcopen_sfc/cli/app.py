@@ -38,6 +38,7 @@ def _app() -> typer.Typer:
         _check,
         _rules,
         _convert,
+        _diff,
         _rename,
         _simulate,
         _lower,
@@ -183,6 +184,29 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
             accept_errors=accept_errors,
             accept_untested=accept_untested,
         )
+
+
+def _diff(  # noqa: PLR0917  # typer calls it by name
+    before: o.Before,
+    after: o.After,
+    layout: o.Layout = False,
+    prove: o.Prove = False,
+    limit: o.ProveLimit = "30s",
+    exit_code: o.ExitCode = False,
+    report: o.Report = None,
+    as_json: o.AsJson = False,
+    quiet: o.Quiet = False,
+    verbose: o.Verbose = 0,
+) -> None:
+    """Show what changed between two files, in the words of charts.
+
+    Compares what they mean: the files may have different formats. Layout and ids do not count.
+    """
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
+        from plcopen_sfc.cli.commands import diff  # noqa: PLC0415
+
+        how = diff.DiffOptions(layout=layout, prove=prove, limit=limit, exit_code=exit_code)
+        screen.exit_code = diff.run(screen, before, after, how)
 
 
 def _rename(  # noqa: PLR0917  # typer calls it by name

@@ -120,6 +120,17 @@ FailOn = Annotated[
 Form = Annotated[str, _option("--format", "Print the result as text, json, or sarif (2.1.0).", "FORMAT")]
 Markdown = Annotated[bool, _option("--markdown", "Print the page docs/checks.md.")]
 
+# -- comparing --------------------------------------------------------------------------------------------------------
+
+Before = Annotated[str, typer.Argument(metavar="A", help=_FILE)]
+After = Annotated[str, typer.Argument(metavar="B", help="The same, later: a file, a folder or -.")]
+Layout = Annotated[
+    bool, _option("--layout", "Also list what is not executed: positions, other text of the same meaning.")
+]
+Prove = Annotated[bool, _option("--prove", "Run changed charts against each other: whether they still do the same.")]
+ProveLimit = Annotated[str, _option("--limit", "With --prove, run a chart for no longer than this.", "TIME")]
+ExitCode = Annotated[bool, _option("--exit-code", "End with exit code 1 if there are differences.")]
+
 # -- renaming ---------------------------------------------------------------------------------------------------------
 
 OldName = Annotated[str, typer.Argument(metavar="OLD", help="What to rename: Main, Main.S3, GVL.x, Type.member.")]

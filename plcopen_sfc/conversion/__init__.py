@@ -1,6 +1,6 @@
 """Conversion between tools: what the target executes of the source, and the report on it.
 
-`executed_parts`          a project as a tree of what a controller executes
+`executed_parts`          a project as a tree of what a controller executes, or of all that people look at
 `executed_projects`       reads that tree: declarations, types, tasks, bodies
 `executed_charts`         reads the charts in it
 `kept_declarations`       declarations that the model keeps as text
@@ -12,8 +12,8 @@
 """
 
 from plcopen_sfc.conversion.comparison import Difference, compare
-from plcopen_sfc.conversion.executed_parts import Part
+from plcopen_sfc.conversion.executed_parts import Detail, Part
 from plcopen_sfc.conversion.executed_projects import executed
 from plcopen_sfc.conversion.reporting import report_errors, report_execution
 
-__all__ = ["Difference", "Part", "compare", "executed", "report_errors", "report_execution"]
+__all__ = ["Detail", "Difference", "Part", "compare", "executed", "report_errors", "report_execution"]

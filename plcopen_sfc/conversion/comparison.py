@@ -17,7 +17,7 @@ from plcopen_sfc.conversion.executed_parts import (
 from plcopen_sfc.conversion.meaning import Meaning, is_stronger, same
 from plcopen_sfc.object_path import ObjectPath
 
-__all__ = ["Difference", "compare"]
+__all__ = ["Difference", "alike", "compare", "ends", "matched_actions", "renamed_tasks"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +81,7 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
     if key.kind in ("chart", "partial chart"):
         _pass_added_steps(left, right)
         _settle_minimum_times(left, right)
-    renamed = _matched_actions(left, right) | _competing_transitions(left, right) | _renamed_tasks(left, right)
+    renamed = matched_actions(left, right) | _competing_transitions(left, right) | renamed_tasks(left, right)
     for inner, part in left.parts.items():
         other = right.parts.get(renamed.get(inner, inner))
         if other is None and inner.kind in (UNDECLARED, UNDECLARED_TYPE, "action of the POU"):
@@ -140,7 +140,7 @@ def _pass_added_steps(left: Part, right: Part) -> None:
         does = step.parts or step.aspects.keys() - {"initial", "order of transitions"}
         if key.kind != "step" or key in left.parts or does or same(step.aspects.get("initial"), _YES):
             continue
-        ways = {each: _ends(each) for each in right.parts if each.kind == "transition"}
+        ways = {each: ends(each) for each in right.parts if each.kind == "transition"}
         to = [each for each, (_, targets) in ways.items() if key.name in targets]
         away = [each for each, (sources, _) in ways.items() if sources == (key.name,)]
         if len(away) == 1 and _is_always(right.parts[away[0]]):
@@ -162,7 +162,7 @@ def _pass_added_steps(left: Part, right: Part) -> None:
 _YES = Meaning.of(True)
 
 
-def _ends(transition: Key) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def ends(transition: Key) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The steps that a transition leaves, and those to which it leads, as its key names them."""
     sources, _, targets = transition.name.partition(" -> ")
     return tuple(sources.split("+")), tuple(targets.split("+"))
@@ -196,7 +196,7 @@ def _rename_transitions(chart: Part, new: dict[Key, tuple[tuple[str, ...], tuple
             part.aspects["order of transitions"] = Meaning.of(renamed, ", ".join(renamed))
 
 
-def _matched_actions(left: Part, right: Part) -> dict[Key, Key]:
+def matched_actions(left: Part, right: Part) -> dict[Key, Key]:
     """The key that each action of a step has on the other side.
 
     Several of one name are found by everything that they do, then by when they act. Others may have the same program
@@ -213,7 +213,7 @@ def _matched_actions(left: Part, right: Part) -> dict[Key, Key]:
                 continue
             for other in (other for other in others if other not in found.values()):
                 is_named = key[:2] == other[:2]
-                if is_named is named and _alike(part, right.parts[other], aspects):
+                if is_named is named and alike(part, right.parts[other], aspects):
                     found[key] = other
                     break
 
@@ -227,7 +227,7 @@ def _matched_actions(left: Part, right: Part) -> dict[Key, Key]:
     return dict.fromkeys(mine, _NONE) | found
 
 
-def _renamed_tasks(left: Part, right: Part) -> dict[Key, Key]:
+def renamed_tasks(left: Part, right: Part) -> dict[Key, Key]:
     """The tasks that have another name on the other side: they run the same programs, if possible at the same times."""
     found: dict[Key, Key] = {}
     mine = [key for key in left.parts if key.kind == "task" and key not in right.parts]
@@ -237,7 +237,7 @@ def _renamed_tasks(left: Part, right: Part) -> dict[Key, Key]:
             part = left.parts[key]
             for other in (other for other in others if other not in found.values()):
                 task = right.parts[other]
-                if part.parts.keys() == task.parts.keys() and _alike(part, task, aspects):
+                if part.parts.keys() == task.parts.keys() and alike(part, task, aspects):
                     found[key] = other
                     break
     return found
@@ -255,7 +255,7 @@ def _competing_transitions(left: Part, right: Part) -> dict[Key, Key]:
         if key[:2] not in several:
             continue
         free = [other for other in right.parts if other[:2] == key[:2] and other not in found.values()]
-        match = next((other for other in free if _alike(part, right.parts[other], ("condition",))), None)
+        match = next((other for other in free if alike(part, right.parts[other], ("condition",))), None)
         if match is not None:
             found[key] = match
     # those that have no match take what is left
@@ -265,7 +265,7 @@ def _competing_transitions(left: Part, right: Part) -> dict[Key, Key]:
     return found
 
 
-def _alike(left: Part, right: Part, aspects: Iterable[str] | None) -> bool:
+def alike(left: Part, right: Part, aspects: Iterable[str] | None) -> bool:
     """True if these aspects are the same; None: all."""
     if aspects is None:
         aspects = (*left.aspects, *right.aspects)

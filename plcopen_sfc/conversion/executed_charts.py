@@ -11,6 +11,8 @@ from plcopen_sfc.conversion.executed_parts import (
     PLAIN_VARIABLES,
     SHOWN_STATE,
     STORED,
+    Detail,
+    Key,
     Part,
     duration_meaning,
     plain_name,
@@ -25,8 +27,9 @@ from plcopen_sfc.languages.networks import NetworkExpression, condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, transform
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
+from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody, StBody
-from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.conditions import Condition, Expression, NamedCondition
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step, Transition
@@ -45,6 +48,7 @@ class Around(Protocol):
     profile: Profile
     dialect: Dialect
     global_names: set[str]
+    detail: Detail
     added_functions: dict[str, Pou]
 
     def named(self, node: n.Node, result: str = "") -> n.Node:
@@ -56,6 +60,9 @@ class Around(Protocol):
     def target(self, name: str) -> str:
         """Target of an association, as all tools could name it."""
 
+    def tell_comment(self, part: Part, thing: Element) -> None:
+        """Note the comment and the title of something, where they are wanted."""
+
 
 class ChartReader:
     """Reads one chart: steps, transitions, actions, permanent instructions, partial charts."""
@@ -66,8 +73,9 @@ class ChartReader:
         self.chart = chart
         self.path = path
         self.called = called
-        self.names = {step.id: step.name for step in chart.steps if not step.exclude}
-        self.excluded = {step.id for step in chart.steps if step.exclude}
+        self.is_written = owner.detail is Detail.WRITTEN
+        self.names = {step.id: step.name for step in chart.steps if owner.detail or not step.exclude}
+        self.excluded = {step.id for step in chart.steps if step.exclude and not owner.detail}
         declared = {variable.name.casefold() for variable in pou.variables()} | owner.global_names
         self.flags = flags_in_use(chart, owner.profile, lambda name: name.casefold() in declared)
         self.used = Counter(name for step in chart.steps for name in _executed_by(step))
@@ -88,11 +96,12 @@ class ChartReader:
     def read(self, part: Part) -> None:
         """Note in `part` what is executed of the chart."""
         for step in self.chart.steps:
-            if not step.exclude:
+            if not step.exclude or self.owner.detail:
                 self._step(part, step)
-        keys: dict[int, str] = {}
+        keys: dict[int, Key] = {}
         for transition in self.chart.transitions:
-            if not self._is_never(transition) and self.excluded.isdisjoint((*transition.sources, *transition.targets)):
+            is_there = self.owner.detail or not self._is_never(transition)
+            if is_there and self.excluded.isdisjoint((*transition.sources, *transition.targets)):
                 keys[transition.id] = self._transition(part, transition)
         self._priorities(part, keys)
         self._settings(part)
@@ -109,13 +118,16 @@ class ChartReader:
 
     def _step(self, chart: Part, step: Step) -> None:
         path = f"{self.path} / step {step.name}"
-        part = chart.add("step", step.name, path)
+        part = chart.add("step", step.name, path, step)
         part.tell("initial", Meaning.of(step.initial, "initial step" if step.initial else "no initial step"))
         if step.negated:
             part.tell("negation", Meaning.of(True, "negated"))
         part.tell("min time", duration_meaning(step.min_time))
-        if self._uses_maximum_times():
+        if self._uses_maximum_times() or self.owner.detail:
             part.tell("max time", duration_meaning(step.max_time))
+        if self.owner.detail:
+            part.tell("warning time", duration_meaning(step.warning_time))
+            self._tell_all(part, step)
         for aspect, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
             if supervised is not None and supervised.condition is not None:
                 part.tell(aspect, self._condition(supervised.condition))
@@ -124,7 +136,7 @@ class ChartReader:
                 self._step_action(part, event, action)
         final = self._final_calls(step)
         for association in step.actions:
-            if not association.exclude and not any(association is last for last, _ in final):
+            if (not association.exclude or self.owner.detail) and not any(association is last for last, _ in final):
                 self._association(part, step, association, ends=any(association is first for _, first in final))
         self._stored(part, step)
         if step.macro is not None:
@@ -137,6 +149,13 @@ class ChartReader:
             inner = part.add("enclosed chart", enclosure.chart, path)
             inner.tell("activated steps", Meaning.of(tuple(map(str.casefold, enclosure.activated_steps))))
 
+    def _tell_all(self, part: Part, thing: Step | Transition | ActionAssociation) -> None:
+        """Note what no controller executes."""
+        self.owner.tell_comment(part, thing)
+        part.tell("excluded", Meaning.of(True, "excluded from the program") if thing.exclude else None)
+        number = None if isinstance(thing, ActionAssociation) or not self.is_written else thing.number
+        part.tell("number", Meaning.of(number) if number is not None else None)
+
     def _uses_maximum_times(self) -> bool:
         """True if exceeding a maximum time does something: S7-GRAPH reports it, CODESYS sets SFCError."""
         if self.owner.profile.graph_parameters:
@@ -148,8 +167,9 @@ class ChartReader:
         name, code = self._code_of(action)
         part = step.add("action", name, f"{step.path} / action {name}")
         when = {"S1": "on activation", "S0": "on deactivation", "": "while active"}[event]
-        control = "each" if isinstance(action, str) and self.used[plain_name(action)] > 1 else ""
-        part.tell("trigger", Meaning.of((when, control), _STEP_ACTIONS[event]))
+        shared = isinstance(action, str) and not self.is_written
+        control = "each" if shared and isinstance(action, str) and self.used[plain_name(action)] > 1 else ""
+        part.tell("trigger", Meaning.of(event if self.is_written else (when, control), _STEP_ACTIONS[event]))
         part.tell("code", code)
 
     def _function(self, body: Body | None) -> Pou | None:
@@ -186,6 +206,9 @@ class ChartReader:
             name = f"force {association.forcing.chart}"
         part = step.add("action", name, f"{step.path} / action {name}")
         part.tell("trigger", self._trigger(association, is_code=code is not None))
+        if self.owner.detail:
+            self._tell_all(part, association)
+            part.tell("indicator", Meaning.of(association.indicator) if association.indicator else None)
         pulse = association.qualifier in (Qualifier.P, Qualifier.P1, Qualifier.P0)
         if ends or (code is not None and self.owner.profile.final_scan and not pulse):
             part.tell("final scan", Meaning.of(True))
@@ -198,7 +221,9 @@ class ChartReader:
             part.tell("value", condition_meaning(lambda: self.condition_of(Expression(text=value)), value.strip()))
         if association.condition is not None:
             part.tell("condition", self._condition(association.condition))
-        if association.interlock and of.interlock is not None and of.interlock.condition is not None:
+        if association.interlock and self.is_written:
+            part.tell("interlock", Meaning.of(True, "needed"))
+        elif association.interlock and of.interlock is not None and of.interlock.condition is not None:
             part.tell("interlock", self._condition(of.interlock.condition))
         if association.negated:
             part.tell("negation", Meaning.of(True, "negated"))
@@ -228,6 +253,8 @@ class ChartReader:
             if found is None:
                 return self.owner.target(action), self.owner.code(body)
             self.called.add(found.name.casefold())
+            if self.is_written:
+                return found.name, None
             if isinstance(found.body, SfcBody):
                 order = self.owner.profile.order.value.replace("_", " ")
                 return found.name, Meaning.of(("chart", found.name.casefold(), order), f"a chart, {order}")
@@ -240,6 +267,8 @@ class ChartReader:
         if event in (ActionEvent.C, None):
             event = None
         shown = " ".join(filter(None, (qualifier.value, event and f"event {event.value}", association.kind)))
+        if self.is_written:
+            return Meaning.of((qualifier.value, event and event.value, association.kind), shown)
         control = self._control(association, is_code=is_code)
         if association.kind is not None:
             return Meaning.of((association.kind.value, qualifier.value), shown)
@@ -274,18 +303,21 @@ class ChartReader:
 
     # -- transitions
 
-    def _transition(self, chart: Part, transition: Transition) -> str:
+    def _transition(self, chart: Part, transition: Transition) -> Key:
         sources = "+".join(sorted(plain_name(self.names.get(i, "?")) for i in transition.sources))
         targets = "+".join(sorted(plain_name(self.names.get(i, "?")) for i in transition.targets))
         name = f"{sources} -> {targets}"
-        part = chart.add("transition", name, f"{self.path} / transition {self.chart.label(transition)}")
+        label = self.chart.label(transition)
+        part = chart.add("transition", name, f"{self.path} / transition {label}", transition)
         part.leaves = tuple(plain_name(self.names.get(i, "?")) for i in transition.sources)
         if transition.condition is not None:
             part.tell("condition", self._condition(transition.condition))
             part.waiting = self._waiting(transition)
         elif self.owner.profile.graph_parameters:
             part.tell("condition", Meaning.of(("TRUE",), "TRUE"))
-        return name
+        if self.owner.detail:
+            self._tell_all(part, transition)
+        return next(reversed(chart.parts))
 
     def _is_never(self, transition: Transition) -> bool:
         """True for a transition that never fires: it is excluded, or its condition is FALSE."""
@@ -312,18 +344,22 @@ class ChartReader:
 
         return condition_meaning(_once(read), (plain(condition), *times))
 
-    def _priorities(self, chart: Part, keys: dict[int, str]) -> None:
+    def _priorities(self, chart: Part, keys: dict[int, Key]) -> None:
         """The order in which competing transitions of each step are tried."""
-        leaving: dict[int, list[str]] = {}
+        leaving: dict[int, list[Key]] = {}
         for transition in sorted(self.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
             for source in transition.sources if transition.id in keys else ():
                 leaving.setdefault(source, []).append(keys[transition.id])
         for source, order in leaving.items():
             if source in self.names and len(order) > 1:
                 step = next(p for k, p in chart.parts.items() if k[:2] == ("step", plain_name(self.names[source])))
-                step.tell("order of transitions", Meaning.of(tuple(order), ", ".join(order)))
+                names = tuple(key.name for key in order)
+                step.tell("order of transitions", Meaning.of(names, ", ".join(names)))
+                step.order = tuple(order)
 
     def _condition(self, condition: Condition) -> Meaning:
+        if self.is_written and condition.kind == "named":
+            return Meaning.of(("named", condition.name.casefold(), condition.negated), _shown_name(condition))
         # names and wires say the same in both, whatever they lead to
         raw = plain(condition) if condition.kind in ("expression", "body") else object()
         return condition_meaning(_once(lambda: self.condition_of(condition)), raw)
@@ -364,6 +400,10 @@ class ChartReader:
         if code is not None:
             part = chart.add(f"permanent instruction {when} the sequence", "", self.path)
             part.tell("code", code)
+
+
+def _shown_name(condition: NamedCondition) -> str:
+    return f"NOT {condition.name}" if condition.negated else condition.name
 
 
 def _executed_by(step: Step) -> Iterator[str]:

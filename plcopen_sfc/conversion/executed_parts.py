@@ -9,15 +9,18 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import NamedTuple
 
 from plcopen_sfc.conversion.meaning import Meaning, literal_meaning
+from plcopen_sfc.languages.binding.symbols import NamedObject
 
 __all__ = [
     "PROGRAM_CALL",
     "SHOWN_STATE",
     "UNDECLARED",
     "UNDECLARED_TYPE",
+    "Detail",
     "Key",
     "Part",
     "duration_meaning",
@@ -38,6 +41,17 @@ PROGRAM_CALL = "call of a program"
 """The kind of parts that are calls of programs, or uses of their variables from outside, as CODESYS has them."""
 
 
+class Detail(IntEnum):
+    """How much a tree tells of a project."""
+
+    EXECUTED = 0
+    """What a controller executes, by what it does: conversions are compared by that."""
+    MEANT = 1
+    """Also what people and tools look at: comments, excluded elements, times of alarms, all types."""
+    WRITTEN = 2
+    """The same as the file states it: qualifiers by name, and what is called by its name and not by what it does."""
+
+
 class Key(NamedTuple):
     """Key of a part among its neighbours: its kind and its name, and which of several that are alike."""
 
@@ -54,7 +68,8 @@ class Part:
     condition together with their minimum times. Of a project, `lists` are the names of its lists of global variables,
     `programs` those of its programs, and `boxes` those of what its networks draw. Of a name that nothing declares,
     `is_called`: it is that of a function. Of a chart of S7-GRAPH, `parameters` are the casefolded names of the
-    variables that operate it or show its state.
+    variables that operate it or show its state. Of a step, `order` are the keys of the transitions that leave it, in
+    the order in which they are tried. `subject` is the object of the model, where one has the name of the part.
     """
 
     path: str
@@ -67,6 +82,8 @@ class Part:
     parameters: frozenset[str] = frozenset()
     boxes: frozenset[str] = frozenset()
     is_called: bool = False
+    order: tuple[Key, ...] = ()
+    subject: NamedObject | None = field(default=None, repr=False, compare=False)
     _counts: Counter[tuple[str, str]] = field(default_factory=Counter, repr=False, compare=False)
 
     def tell(self, aspect: str, meaning: Meaning | None) -> None:
@@ -74,12 +91,12 @@ class Part:
         if meaning is not None:
             self.aspects[aspect] = meaning
 
-    def add(self, kind: str, name: str, path: str) -> Part:
+    def add(self, kind: str, name: str, path: str, subject: NamedObject | None = None) -> Part:
         """A new part inside this one; the name of a transition is made of plain names of steps."""
         plain = name if kind == "transition" else plain_name(name)
         number = self._counts[kind, plain]
         self._counts[kind, plain] += 1
-        part = self.parts[Key(kind, plain, number)] = Part(path)
+        part = self.parts[Key(kind, plain, number)] = Part(path, subject=subject)
         return part
 
 

@@ -11,7 +11,14 @@ from collections.abc import Iterable, Iterator
 
 from plcopen_sfc.conversion.compared_start_values import StartValues
 from plcopen_sfc.conversion.executed_charts import ChartReader
-from plcopen_sfc.conversion.executed_parts import PROGRAM_CALL, UNDECLARED, Part, duration_meaning, plain_name
+from plcopen_sfc.conversion.executed_parts import (
+    PROGRAM_CALL,
+    UNDECLARED,
+    Detail,
+    Part,
+    duration_meaning,
+    plain_name,
+)
 from plcopen_sfc.conversion.kept_declarations import add_kept, tell_inheritance, tell_type
 from plcopen_sfc.conversion.meaning import (
     Meaning,
@@ -33,12 +40,13 @@ from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.task_schedules import schedule_of
 from plcopen_sfc.model.actions import ActionAssociation
-from plcopen_sfc.model.base import ForeignData
+from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.network import Block, Node
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task
 from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.types import (
     ArrayType,
     DataType,
@@ -65,6 +73,7 @@ def executed(
     *,
     source: Project | None = None,
     compared_with: Part | None = None,
+    detail: Detail = Detail.EXECUTED,
 ) -> Part:
     """Everything that a controller executes of a project, under the rules of `profile`.
 
@@ -72,14 +81,19 @@ def executed(
     other terms since: the rules of its tool apply to direct addresses, to tasks and to its own data. `compared_with` is
     the source of a conversion: the project may have structures in place of its lists of global variables, and instance
     data blocks and organization blocks in place of its programs and tasks, and functions in place of its actions.
+    `detail`: whether more is listed than what is executed. Names that nothing declares are left out then.
     """
-    return _Reader(project, profile or default_profile(project), source or project, compared_with or Part("")).read()
+    rules = profile or default_profile(project)
+    return _Reader(project, rules, source or project, compared_with or Part(""), detail).read()
 
 
 class _Reader:
-    def __init__(self, project: Project, profile: Profile, source: Project, compared_with: Part) -> None:
+    def __init__(
+        self, project: Project, profile: Profile, source: Project, compared_with: Part, detail: Detail
+    ) -> None:
         self.project = project
         self.profile = profile
+        self.detail = detail
         self.dialect = project.dialect
         self.source = source
         self.addresses = source.dialect
@@ -114,13 +128,20 @@ class _Reader:
 
     def read(self) -> Part:
         for declaration in self.project.data_types:
-            if not isinstance(declaration.type, StructType):
+            if not isinstance(declaration.type, StructType) and not self.detail:
                 continue  # other types are compared where they are used, by what they stand for
-            part = self.whole.add("type", declaration.name, declaration.report_path)
-            part.tell("type", type_meaning(self._plain_type(declaration.type), self.dialect))
-            whole = Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
-            part.tell("initial value", self.starts.meaning(whole))
+            part = self.whole.add("type", declaration.name, declaration.report_path, declaration)
             tell_type(part, declaration.type, declaration)
+            self.tell_comment(part, declaration)
+            whole = Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
+            if self.detail and isinstance(declaration.type, StructType):
+                for member in declaration.type.members:
+                    self._variable(part, "member", member, VariableSection(), "")
+            else:
+                kind = declaration.type if self.detail else self._plain_type(declaration.type)
+                part.tell("type", type_meaning(kind, self.dialect))
+            if not self.detail or declaration.initial is not None:
+                part.tell("initial value", self.starts.meaning(whole))
         self._globals()
         self._tasks()
         for pou in self.project.pous:
@@ -129,6 +150,8 @@ class _Reader:
         add_kept(self.whole, self.project, names.text_sites(), self.addresses)
         drawn = [text_site.text for text_site in names.text_sites() if isinstance(text_site.holder, Block)]
         self.whole.boxes = frozenset(map(plain_name, drawn))
+        if self.detail:
+            return self.whole
         self._calls_of_programs(names)
         for occurrence in names.undeclared():
             name = occurrence.reference.name
@@ -168,6 +191,8 @@ class _Reader:
 
     def named(self, node: n.Node, result: str = "") -> n.Node:
         """A name as all tools could have it: without the list of a global variable; a result is ``Ret_Val``."""
+        if self.detail is Detail.WRITTEN:
+            return node
         if (
             isinstance(node, n.Member)
             and isinstance(node.base, n.Name)
@@ -217,11 +242,20 @@ class _Reader:
             body = body.model_copy(update={"networks": networks})
         return code_meaning(body, self.dialect, lambda node: self.named(node, result))
 
+    def tell_comment(self, part: Part, thing: Element) -> None:
+        """Note the comment and the title of something, where they are wanted."""
+        for aspect in ("title", "comment") if self.detail else ():
+            words = " ".join(words_of(getattr(thing, aspect, None)).split())
+            part.tell(aspect, Meaning.of(words) if words else None)
+
+    def _type(self, kind: DataType) -> Meaning | None:
+        return type_meaning(kind if self.detail is Detail.WRITTEN else self._plain_type(kind), self.dialect)
+
     def target(self, name: str) -> str:
         """The name of a variable without that of its list, and without the signs of S7."""
         name = name.replace('"', "").removeprefix("#")
         around, dot, rest = name.partition(".")
-        return rest if dot and around.casefold() in self.lists else name
+        return rest if dot and self.detail is not Detail.WRITTEN and around.casefold() in self.lists else name
 
     # -- variables
 
@@ -268,8 +302,8 @@ class _Reader:
     def _variable(self, owner: Part, kind: str, variable: Variable, section: VariableSection, around: str) -> None:
         place = f"{around}.{variable.name}" if around and owner is self.whole else variable.name
         path = f"{kind} {place}" if owner is self.whole else f"{owner.path} / {variable.name}"
-        part = owner.add(kind.removesuffix(" of a function"), variable.name, path)
-        part.tell("type", type_meaning(self._plain_type(variable.type), self.dialect))
+        part = owner.add(kind.removesuffix(" of a function"), variable.name, path, variable)
+        part.tell("type", self._type(variable.type))
         part.tell("initial value", self.starts.meaning(variable))
         unread = [each for each in _carried_elements(variable) if "<StartValue" in each]
         if unread and variable.initial is None:
@@ -280,6 +314,10 @@ class _Reader:
             part.tell("retain", Meaning.of(True, "RETAIN"))
         if section.constant or section.kind is SectionKind.CONSTANT:
             part.tell("constant", Meaning.of(True, "CONSTANT"))
+        if self.detail is Detail.WRITTEN:
+            part.tell("list", Meaning.of(plain_name(around), around) if around else None)
+            part.tell("persistent", Meaning.of(True, "PERSISTENT") if section.persistent else None)
+        self.tell_comment(part, variable)
         edge = kept(variable.carried).get("edge")
         part.tell("edge", Meaning.of(edge) if edge else None)
         if owner is not self.whole:
@@ -401,7 +439,8 @@ class _Reader:
     # -- POUs
 
     def _pou(self, pou: Pou) -> None:
-        part = self.whole.add("POU", pou.name, pou.report_path)
+        part = self.whole.add("POU", pou.name, pou.report_path, pou)
+        self.tell_comment(part, pou)
         is_program = pou.kind is PouKind.FUNCTION_BLOCK and pou.name.casefold() in self.programs.values()
         part.tell("kind", Meaning.of(PouKind.PROGRAM.value if is_program else pou.kind.value))
         tell_inheritance(part, pou)
@@ -409,7 +448,8 @@ class _Reader:
             self._result(part, pou.interface.return_type)
             for section in pou.interface.sections:
                 # VAR_EXTERNAL declares nothing: a global variable that is missing is told as such
-                for variable in section.variables if section.kind is not SectionKind.EXTERNAL else ():
+                is_told = section.kind is not SectionKind.EXTERNAL or self.detail is Detail.WRITTEN
+                for variable in section.variables if is_told else ():
                     if section.kind is SectionKind.RETURN:
                         self._result(part, variable.type)
                     else:
@@ -423,11 +463,19 @@ class _Reader:
         for method in pou.methods:
             inner = part.add("method", method.name, f"{pou.report_path} / method {method.name}")
             inner.tell("code", self.code(method.body))
+            for section in method.interface.sections if method.interface is not None and self.detail else ():
+                for variable in section.variables:
+                    self._variable(inner, "variable", variable, section, "")
+        is_written = self.detail is Detail.WRITTEN
         for action in pou.actions:
-            if action.name.casefold() not in called or isinstance(action.body, SfcBody):
-                inner = part.add("action of the POU", action.name, f"{pou.report_path} / action {action.name}")
+            if is_written or action.name.casefold() not in called or isinstance(action.body, SfcBody):
+                inner = part.add("action of the POU", action.name, f"{pou.report_path} / action {action.name}", action)
+                self.tell_comment(inner, action)
                 if action.body is not None:
                     self._body(inner, pou, action.body, inner.path, called)
+        for named in pou.transitions if is_written else ():
+            path = f"{pou.report_path} / named transition {named.name}"
+            part.add("named transition", named.name, path, named).tell("code", self.code(named.body))
 
     def _result(self, part: Part, kind: DataType | None) -> None:
         if not (isinstance(kind, DerivedType) and kind.name.casefold() == "void"):  # S7 says so of functions without
@@ -442,6 +490,8 @@ class _Reader:
             result = pou.name if pou.kind is PouKind.FUNCTION else ""
             meaning = self.code(body, result)
             part.tell(f"code {number + 1}" if number else "code", meaning)
+            if self.detail is Detail.WRITTEN and meaning is not None:
+                part.tell(f"language {number + 1}" if number else "language", Meaning.of(body.language))
 
 
 def _called_alone(node: Node) -> str:

@@ -45,13 +45,15 @@ _NOT_EXECUTED = frozenset(
 class Meaning:
     """Something that is executed: as people read it (`show`), as it is written (`raw`), and in normal form.
 
-    `condition` is the expression of a condition, which z3 can compare with another.
+    `condition` is the expression of a condition, which z3 can compare with another; `text` gives a program as text with
+    its lines.
     """
 
     show: Callable[[], str]
     raw: Hashable
     form: Callable[[], Hashable]
     condition: Callable[[], NetworkExpression] | None = None
+    text: Callable[[], str] | None = None
 
     @classmethod
     def of(cls, value: Hashable, shown: str | None = None) -> Meaning:
@@ -113,11 +115,21 @@ def code_meaning(body: Body | None, dialect: Dialect, named: Renaming) -> Meanin
     if isinstance(body, FbdBody | LdBody):
         if not any(network.nodes for network in body.networks):
             return None
-        return Meaning(lambda: f"a body in {body.language}", plain(body), lambda: _network_form(body, dialect, named))
+        return Meaning(
+            lambda: f"a body in {body.language}",
+            plain(body),
+            lambda: _network_form(body, dialect, named),
+            text=lambda: print_node(body_statements(body, dialect).tree),
+        )
     text = body.content if body.language == "opaque" else body.text
     if not text.strip():
         return None
-    return Meaning(lambda: f"a body in {body.language}", (body.language, text), lambda: " ".join(text.split()))
+    return Meaning(
+        lambda: f"a body in {body.language}",
+        (body.language, text),
+        lambda: " ".join(text.split()),
+        text=lambda: text,
+    )
 
 
 def _text_meaning(text: str, dialect: Dialect, named: Renaming) -> Meaning:
@@ -127,7 +139,7 @@ def _text_meaning(text: str, dialect: Dialect, named: Renaming) -> Meaning:
             return " ".join(text.split())
         return print_node(transform(normal_form(parsed.tree), named))
 
-    return Meaning(lambda: " ".join(text.split()), text, form)
+    return Meaning(lambda: " ".join(text.split()), text, form, text=lambda: text)
 
 
 def _network_form(body: FbdBody | LdBody, dialect: Dialect, named: Renaming) -> Hashable:

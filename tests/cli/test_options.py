@@ -17,7 +17,7 @@ import plcopen_sfc as sfc
 
 ROOT = Path(__file__).resolve().parents[2]
 CHAIN = ROOT / "fixtures" / "training-chain" / "plcopen_2.01.xml"
-COMMANDS = ["formats", "info", "validate", "check", "rules", "convert", "rename", "simulate", "lower", "draw", "schema"]
+COMMANDS = "formats info validate check rules convert diff rename simulate lower draw schema".split()
 
 
 @pytest.fixture
@@ -89,6 +89,7 @@ REPORTING = [
     ["validate", "CHAIN"],
     ["check", "CHAIN"],
     ["convert", "CHAIN", "OUT.json", "--to", "json"],
+    ["diff", "CHAIN", "CHAIN"],
     ["rename", "CHAIN", "Ablauf.S1", "Grundstellung", "--dry-run"],
     ["simulate", "CHAIN", "--scans", "3"],
     ["lower", "CHAIN", "OUT.scl", "--to", "scl", "--as", "case"],

@@ -1,0 +1,165 @@
+"""The result of comparing two projects."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+from plcopen_sfc.object_path import ObjectPath
+
+if TYPE_CHECKING:
+    from plcopen_sfc.analysis.verdict import Verdict
+
+__all__ = ["Change", "ChangeKind", "ProjectDiff", "Proof"]
+
+
+class ChangeKind(StrEnum):
+    """Kinds of changes."""
+
+    ADDED = "added"
+    REMOVED = "removed"
+    RENAMED = "renamed"
+    """It has another name; its references elsewhere, which follow, are no changes."""
+    MOVED = "moved"
+    """It is the same at another place."""
+    CHANGED = "changed"
+    LAYOUT = "layout"
+    """Nothing that is executed: positions, and program text that means the same."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A change of one thing.
+
+    `path` is its place in the words of reports (``POU Main / step Fill``) with the names of the second project; of what
+    was removed, of the first. `what` is the kind of thing (``step``), `aspect` what has changed of it (``maximum
+    time``), empty for the whole thing. `before` and `after` are as people read them; None: nothing is there. Of what
+    was added or removed, they tell it in short. `lines` is the difference of program text, as `difflib` writes it.
+    """
+
+    kind: ChangeKind
+    path: str
+    what: str
+    aspect: str = ""
+    before: str | None = None
+    after: str | None = None
+    lines: tuple[str, ...] = ()
+
+    @property
+    def place(self) -> str:
+        """The thing and where it is: ``POU Main / step Fill``; never without its kind."""
+        path = ObjectPath.of(self.path)
+        is_told = not self.what or path.last.startswith(f"{self.what} ") or path.last == self.what
+        return path if is_told else path.around / f"{self.what} {path.last}"
+
+    @property
+    def news(self) -> str:
+        """What has changed, without the place."""
+        match self.kind:
+            case ChangeKind.ADDED | ChangeKind.REMOVED:
+                told = self.after if self.kind is ChangeKind.ADDED else self.before
+                return f"{self.kind} ({told})" if told else self.kind.value
+            case ChangeKind.RENAMED:
+                return f"renamed, was {self.before}"
+            case ChangeKind.MOVED:
+                return f"moved {self.before} -> {self.after}"
+        if self.lines:
+            end = " added" if self.before is None else " removed" if self.after is None else ""
+            return self.aspect + end
+        if self.before == self.after:
+            return f"{self.aspect} differs in what has no text"
+        tells_itself = self.aspect in _TELL_THEMSELVES
+        aspect = "" if tells_itself else f"{self.aspect} "
+        if self.before is None:
+            return f"{self.after}" if tells_itself else f"{aspect}{self.after} added"
+        if self.after is None:
+            return f"no longer {self.before}" if tells_itself else f"{aspect}{self.before} removed"
+        return f"{aspect}{self.before} -> {self.after}"
+
+    def __str__(self) -> str:
+        """One line; the lines of program text follow."""
+        return "\n".join([f"{self.place}: {self.news}", *(f"    {line}" for line in self.lines)])
+
+    def as_dict(self) -> dict[str, Any]:
+        """The change as plain data, for JSON."""
+        data: dict[str, Any] = {"kind": self.kind.value, "path": self.path, "what": self.what}
+        for name in ("aspect", "before", "after"):
+            if getattr(self, name):
+                data[name] = getattr(self, name)
+        return data | ({"lines": list(self.lines)} if self.lines else {})
+
+
+_TELL_THEMSELVES = frozenset({"initial", "excluded", "negation", "retain", "constant", "persistent", "static", "union"})
+"""Aspects whose values tell what they are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """Whether a changed chart still does the same: the `verdict`, or why there is none."""
+
+    path: str
+    verdict: Verdict | None = None
+    reason: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.verdict if self.verdict is not None else f'not compared: {self.reason}'}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """The proof as plain data, for JSON."""
+        told = {"reason": self.reason} if self.verdict is None else {"verdict": self.verdict.as_dict()}
+        return {"path": self.path, **told}
+
+
+@dataclass(frozen=True, repr=False)
+class ProjectDiff:
+    """The changes from one project to another, in the order of the first. `proofs` are those that were asked for."""
+
+    changes: tuple[Change, ...]
+    proofs: tuple[Proof, ...] = ()
+
+    @property
+    def equal(self) -> bool:
+        """True if there is no change but of the layout."""
+        return all(change.kind is ChangeKind.LAYOUT for change in self.changes)
+
+    def grouped(self) -> Iterator[tuple[str, list[Change]]]:
+        """Yield each outermost thing (``POU Main``) that has changes in it, with these."""
+        for owner, changes in groupby(self.changes, key=lambda change: ObjectPath.of(change.path).owner):
+            yield owner, list(changes)
+
+    def __repr__(self) -> str:
+        counts = Counter(change.kind.value for change in self.changes)
+        return f"ProjectDiff({', '.join(f'{count} {kind}' for kind, count in counts.items()) or 'no changes'})"
+
+    def text(self) -> Iterator[tuple[str, ChangeKind | None]]:
+        """Yield the result as lines, a block for each POU, each with the kind of its change if it tells one."""
+        for owner, changes in self.grouped():
+            inside = [change for change in changes if change.path != owner]
+            for change in (change for change in changes if change.path == owner):
+                yield f"{change.place}: {change.news}", change.kind
+                yield from ((f"    {line}", None) for line in change.lines)
+            if inside:
+                yield owner, None
+            for change in inside:
+                yield f"  {ObjectPath.of(change.place).inside(owner)}: {change.news}", change.kind
+                yield from ((f"    {line}", None) for line in change.lines)
+        for proof in self.proofs:
+            yield from ((line, None) for line in str(proof).splitlines())
+        if not self.changes:
+            yield "no differences", None
+
+    def __str__(self) -> str:
+        """A block for each POU: a line for each change."""
+        return "\n".join(line for line, _ in self.text())
+
+    def as_dict(self) -> dict[str, Any]:
+        """The result as plain data, for JSON."""
+        return {
+            "equal": self.equal,
+            "changes": [change.as_dict() for change in self.changes],
+            "proofs": [proof.as_dict() for proof in self.proofs],
+        }

@@ -1,0 +1,76 @@
+"""diff: what it prints, its JSON and its exit codes."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+import plcopen_sfc as sfc
+
+CHAIN = "training-chain/codesys.xml"
+
+
+@pytest.fixture
+def edited(fixtures, tmp_path):
+    """The training chain with a renamed step, and another condition of its first transition."""
+    project = sfc.load(CHAIN)
+    project.rename("Ablauf.S2", "Fill")
+    project.pou("Ablauf").chart.transition("S1 -> Fill").condition = "B2"
+    sfc.save(project, tmp_path / "edited.xml")
+    return tmp_path / "edited.xml"
+
+
+def test_changes_are_lines_below_their_pou(cli, edited):
+    outcome = cli("diff", CHAIN, edited)
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.splitlines() == [
+        "POU Ablauf",
+        "  step Fill: renamed, was S2",
+        "  transition S1 -> Fill: condition B1 -> B2",
+    ]
+    assert cli("diff", CHAIN, edited, "--exit-code").code == 1
+
+
+def test_the_same_file_has_no_differences(cli, fixtures):
+    outcome = cli("diff", CHAIN, CHAIN, "--exit-code")
+    assert (outcome.code, outcome.out) == (0, "no differences\n")
+    assert cli("diff", CHAIN, CHAIN, "--quiet").out == ""
+
+
+def test_json_has_every_change_and_the_proof(cli, edited):
+    outcome = cli("diff", CHAIN, edited, "--json", "--prove", "--limit", "20")
+    found = json.loads(outcome.out)
+    assert (found["a"], found["b"], found["equal"]) == (CHAIN, str(edited), False)
+    assert found["changes"] == [
+        {"kind": "renamed", "path": "POU Ablauf / step Fill", "what": "step", "before": "S2", "after": "Fill"},
+        {
+            "kind": "changed",
+            "path": "POU Ablauf / transition S1 -> Fill",
+            "what": "transition",
+            "aspect": "condition",
+            "before": "B1",
+            "after": "B2",
+        },
+    ]
+    (proof,) = found["proofs"]
+    assert (proof["path"], proof["verdict"]["equal"]) == ("POU Ablauf", False)
+    assert len(proof["verdict"]["counterexample"]["inputs"]) > 0
+
+
+def test_one_of_both_may_be_standard_input(cli, edited, monkeypatch):
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(edited.read_bytes())))
+    assert "step Fill: renamed, was S2" in cli("diff", CHAIN, "-").out
+    outcome = cli("diff", "-", "-")
+    assert outcome.code == 2
+    assert "standard input cannot be both files" in outcome.err
+
+
+def test_a_file_that_cannot_be_read_is_an_error(cli, fixtures):
+    assert cli("diff", CHAIN, "broken/truncated.xml").code == 2
+    outcome = cli("diff", "broken/jump_to_nowhere.xml", "broken/jump_to_nowhere.xml")
+    assert (outcome.code, outcome.out) == (0, "no differences\n")
+    assert "jump" in outcome.err  # what is wrong with it is in no comparison

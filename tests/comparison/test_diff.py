@@ -1,0 +1,337 @@
+"""diff: known edits are found again, and nothing else is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import ChangeKind
+from plcopen_sfc.errors import ArgumentError
+from tests.corpus import corpus_files
+from tests.samples import FIXTURES
+from tests.sweeps import some_of
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where a fixture is edited. `row` is an action of a step, `condition` a transition and its expression."""
+
+    file: str
+    pou: str
+    renamed: str
+    timed: str
+    row: tuple[str, str]
+    selection: str
+    variable: str
+    code: str
+    condition: tuple[str, str]
+
+
+PLACES = [
+    Places("plcopen/filling_station_1.01.xml", "FillingStation", "Clamp", "Drip", ("Fill", "K2_DosingPump"),
+           "CheckBatch", "S1_Start", "FillingStation.ACT_CountBottle",
+           ("Fill -> Drip", "LevelOk AND NOT B4_Overflow")),
+    Places("plcopen/filling_station_2.0.xml", "FillingStation", "Unclamp", "Cap", ("Drip", "Y3_DripTray"),
+           "Infeed", "B5_Torque", "FillingStation.ACT_PrintLabel", ("Init -> Idle", "TankReady")),
+    Places("plcopen/filling_station_2.01.xml", "FillingStation", "FillDone", "Idle", ("Clamp", "H2_Horn"),
+           "CheckBatch", "B2_Clamped", "LimitRate", ("BatchDone -> Idle", "S4_Reset")),
+    Places("codesys/sorting_conveyor.xml", "PLC_PRG", "WaitPart", "Homing", ("Measure", "bMeasure"),
+           "Measure", "bFault", "PLC_PRG.ACT_Classify", ("CycleEnd -> Idle", "GVL_IO.S2_Stop")),
+    Places("twincat/press_station.xml", "FB_Press", "Close", "Jog", ("HoldForce", "bDone"),
+           "Init_Press", "bSetup", "FB_Press.ACT_Open", ("Finish -> Init_Press", "NOT bExecute")),
+    Places("iectext/mixing_plant.st", "Mixer", "Done", "Drain", ("Stir", "M1_Rührer"),
+           "Fill", "LevelLow", "Mixer.CountBatch", ("Stir+Signal -> Drain", "Stir.T >= tStir")),
+    Places("simaticml-plc", "FB_Drilling", "Lift", "Clamp", ("Cool", "#coolant"),
+           "Dwell", "guard", "FB_Chips", ("T_Deep", "#atBottom")),
+]  # fmt: skip
+
+
+def loaded(file: str) -> sfc.Project:
+    return sfc.load(FIXTURES / file)
+
+
+def told(diff: sfc.ProjectDiff) -> list[str]:
+    """Every change in one line, without the lines of program text."""
+    return sorted(f"{change.place}: {change.news}" for change in diff.changes)
+
+
+def edits(project: sfc.Project, at: Places) -> Iterator[str]:
+    """Edit a project in every way; yield the line that tells each edit."""
+    pou = project.pou(at.pou)
+    chart, main = pou.chart, pou.report_path
+    label, condition = at.condition
+    chart.transition(label).condition = "1 = 61"
+    yield f"{main} / transition {label}: condition {condition} -> 1 = 61"
+    chart.rename_step(at.renamed, "Zz9_Step")
+    yield f"{main} / step Zz9_Step: renamed, was {at.renamed}"
+    timed = chart.step(at.timed)
+    before, timed.max_time = timed.max_time, "T#17s"
+    yield f"{main} / step {at.timed}: maximum time " + (f"{before} -> T#17s" if before else "T#17s added")
+    step, target = at.row
+    row = next(row for row in chart.step(step).actions if row.target == target)
+    action = f"{main} / step {step} / action {target.strip('#')}"
+    yield f"{action}: time {row.duration} -> T#61s"
+    yield f"{action}: qualifier {row.qualifier} -> SD"
+    row.duration, row.qualifier = "T#61s", "SD"
+    competing = chart.outgoing(chart.step(at.selection))
+    targets = [each.name or "+".join(chart.step(i).name for i in each.targets) for each in competing]
+    for priority, transition in enumerate(reversed(competing), start=1):
+        transition.priority = priority
+    order = f"{', '.join(targets)} -> {', '.join(reversed(targets))}"
+    yield f"{main} / step {at.selection}: order of transitions to {order}"
+    chart.add_step("Zz9_Extra")
+    yield f"{main} / step Zz9_Extra: added"
+    chart.add_transition(at.timed, "Zz9_Extra", "2 = 61")
+    yield f"{main} / transition {at.timed} -> Zz9_Extra: added (2 = 61)"
+    project.rename(f"{at.pou}.{at.variable}", "Zz9_Variable")
+    yield f"{main} / variable Zz9_Variable: renamed, was {at.variable}"
+    next(variable for variable in pou.variables() if variable.name == "Zz9_Variable").initial = "TRUE"
+    yield f"{main} / variable Zz9_Variable: start value TRUE added"
+    owner, body = next((owner, body) for name, owner, body in project.bodies() if name == at.code)
+    body.text = f"{body.text.rstrip()}\nZz9_Added := 61;\n"
+    yield f"{owner.report_path_of(at.code)}: code"
+    project.pous.append(sfc.Pou(name="Zz9_Pou", kind="program"))
+    yield "POU Zz9_Pou: added (program)"
+
+
+@pytest.mark.parametrize("at", PLACES, ids=lambda at: at.file)
+def test_every_edit_is_found_and_nothing_else(at):
+    before, after = loaded(at.file), loaded(at.file)
+    expected = sorted(edits(after, at))
+    diff = sfc.diff(before, after)
+    assert told(diff) == expected
+    code = next(change for change in diff.changes if change.aspect == "code")
+    assert [line for line in code.lines if line[0] in "+-"] == ["+Zz9_Added := 61;"]
+    # the other way round the same things are told with what was before and after exchanged
+    back = sfc.diff(after, before)
+    assert len(back.changes) == len(expected)
+    assert {change.kind for change in back.changes} == {ChangeKind.RENAMED, ChangeKind.CHANGED, ChangeKind.REMOVED}
+    assert sfc.diff(before, loaded(at.file)).changes == ()  # diff changes neither project
+
+
+class TestChart:
+    @pytest.fixture
+    def sides(self):
+        return loaded("training-chain/model.json"), loaded("training-chain/model.json")
+
+    def test_all_steps_can_be_renamed(self, sides):
+        before, after = sides
+        after.rename_many({f"Ablauf.S{number}": f"N{number}0" for number in range(1, 5)})
+        assert told(sfc.diff(before, after)) == [
+            f"POU Ablauf / step N{number}0: renamed, was S{number}" for number in range(1, 5)
+        ]
+
+    def test_names_that_were_exchanged_are_changes_of_the_steps(self, sides):
+        before, after = sides
+        after.rename_many({"Ablauf.S2": "S4", "Ablauf.S4": "S2"})
+        diff = sfc.diff(before, after)
+        assert not diff.equal
+        assert "POU Ablauf / step S2 / action Q2: qualifier S -> R" in told(diff)
+
+    def test_another_step_at_the_same_place_is_no_rename(self, sides):
+        before, after = sides
+        chart = after.pou("Ablauf").chart
+        step = chart.step("S2")
+        step.name = "Other"
+        step.actions[:] = [sfc.ActionAssociation(id=77, target="Q1", qualifier="N")]
+        step.max_time = "T#9s"
+        lines = told(sfc.diff(before, after))
+        assert "POU Ablauf / step Other: added" in lines
+        assert "POU Ablauf / step S2: removed" in lines
+
+    def test_a_transition_that_leads_elsewhere(self, sides):
+        before, after = sides
+        chart = after.pou("Ablauf").chart
+        chart.transition("S4 -> S1").targets = [chart.step("S2").id]
+        assert told(sfc.diff(before, after)) == ["POU Ablauf / transition S4 -> S1: target S1 -> S2"]
+
+    def test_a_step_that_is_elsewhere_in_the_flow_is_moved(self, sides):
+        before, after = sides
+        chart = after.pou("Ablauf").chart
+        first, second, third, fourth = (chart.step(f"S{number}").id for number in range(1, 5))
+        ways = [(first, third), (third, second), (second, fourth), (fourth, first)]
+        for transition, (source, target) in zip(chart.transitions, ways, strict=True):
+            transition.sources, transition.targets = [source], [target]
+        diff = sfc.diff(before, after)
+        moved = [str(change) for change in diff.changes if change.kind is ChangeKind.MOVED]
+        assert moved == ["POU Ablauf / step S3: moved after S2 -> after S1"]
+        assert all(change.what == "transition" for change in diff.changes if change.kind is not ChangeKind.MOVED)
+
+    def test_an_action_of_another_step_now_is_moved(self, sides):
+        before, after = sides
+        chart = after.pou("Ablauf").chart
+        chart.step("S1").actions.append(chart.step("S3").actions.pop())
+        assert told(sfc.diff(before, after)) == ["POU Ablauf / step S1 / action Q3: moved step S3 -> step S1"]
+
+    def test_a_deleted_step(self, sides):
+        before, after = sides
+        chart = after.pou("Ablauf").chart
+        gone = chart.step("S3")
+        chart.steps.remove(gone)
+        chart.transitions.remove(chart.outgoing(gone)[0])
+        chart.incoming(gone)[0].targets = [chart.step("S4").id]
+        assert told(sfc.diff(before, after)) == [
+            "POU Ablauf / step S3: removed",
+            "POU Ablauf / transition S2 -> S3: target S3 -> S4",
+            "POU Ablauf / transition S3 -> S4: removed (B3)",
+        ]
+
+    def test_order_of_actions_excluded_and_comments(self, sides):
+        before, after = sides
+        for project in sides:
+            step = project.pou("Ablauf").chart.step("S1")
+            step.actions.append(sfc.ActionAssociation(id=78, target="Q2", qualifier="R"))
+        step.actions.reverse()
+        step.exclude = True
+        step.comment = "Wait for the\n operator"
+        assert told(sfc.diff(before, after)) == [
+            "POU Ablauf / step S1: comment Wait for the operator added",
+            "POU Ablauf / step S1: excluded from the program",
+            "POU Ablauf / step S1: order of actions Q1, Q2 -> Q2, Q1",
+        ]
+
+    def test_what_means_the_same_is_layout(self, sides):
+        before, after = sides
+        for project, text in zip(sides, ("B1 AND NOT B5", "(NOT (B5)) and B1"), strict=True):
+            project.pou("Ablauf").chart.transitions[0].condition = text
+        assert sfc.diff(before, after).changes == ()
+        (change,) = sfc.diff(before, after, layout=True).changes
+        assert change.kind is ChangeKind.LAYOUT
+        assert sfc.diff(before, after, layout=True).equal
+
+
+class TestProject:
+    @pytest.fixture
+    def sides(self):
+        return loaded("codesys/sorting_conveyor.xml"), loaded("codesys/sorting_conveyor.xml")
+
+    def test_renamed_pous_actions_types_and_variables(self, sides):
+        before, after = sides
+        after.rename("FB_Pusher.qValve", "Valve")
+        after.rename("PLC_PRG.ACT_Home", "Home")
+        after.rename("FB_Pusher", "Pusher")
+        after.rename("GVL_IO.S2_Stop", "S2_Halt")
+        after.rename("E_Material", "Material")
+        assert told(sfc.diff(before, after)) == [
+            "POU PLC_PRG / action Home: renamed, was ACT_Home",
+            "POU Pusher / variable Valve: renamed, was qValve",
+            "POU Pusher: renamed, was FB_Pusher",
+            "global variable GVL_IO.S2_Halt: renamed, was S2_Stop",
+            "type Material: renamed, was E_Material",
+        ]
+
+    def test_declarations(self, sides):
+        before, after = sides
+        pou = after.pou("FB_Pusher")
+        variables = {variable.name: variable for variable in pou.variables()}
+        variables["uiJams"].type = "UDINT"
+        variables["qJam"].comment = "jammed"
+        variables["xQuit"].address = "%IX4.1"
+        pou.interface.sections[-1].retain = True
+        pou.interface.sections[-1].variables.append(sfc.Variable(name="Zz9", type="TIME", initial="T#5s"))
+        next(each for each in after.data_types if each.name == "ST_Part").type.members.pop()
+        assert told(sfc.diff(before, after)) == [
+            "POU FB_Pusher / variable Zz9: added (TIME)",
+            "POU FB_Pusher / variable qJam: comment jammed added",
+            "POU FB_Pusher / variable uiJams: RETAIN",
+            "POU FB_Pusher / variable uiJams: type UINT -> UDINT",
+            "POU FB_Pusher / variable xQuit: address %IX4.1 added",
+            "type ST_Part / member iColour: removed (INT)",
+        ]
+
+    def test_tasks(self):
+        before, after = (loaded("plcopen/filling_station_2.01.xml") for _ in range(2))
+        task = next(task for resource in after.resources() for task in resource.tasks)
+        task.priority += 3
+        task.interval = "T#50ms"
+        assert told(sfc.diff(before, after)) == [
+            "task Cyclic20ms: interval T#20ms -> T#50ms",
+            "task Cyclic20ms: priority 1 -> 4",
+        ]
+
+    def test_two_projects_are_needed(self, sides):
+        with pytest.raises(ArgumentError, match="two projects"):
+            sfc.diff(sides[0], "codesys/sorting_conveyor.xml")
+
+
+class TestFormats:
+    @pytest.mark.parametrize(
+        ("one", "other"),
+        [
+            ("plcopen_1.01.xml", "plcopen_2.01.xml"),
+            ("plcopen_2.01.xml", "codesys.xml"),
+            ("codesys.xml", "iec-text.st"),
+            ("iec-text.st", "model.json"),
+        ],
+    )
+    def test_the_same_chart_in_two_formats(self, one, other):
+        assert sfc.diff(loaded(f"training-chain/{one}"), loaded(f"training-chain/{other}")).changes == ()
+
+    def test_an_edit_is_found_in_another_format_too(self):
+        before, after = loaded("training-chain/plcopen_2.01.xml"), loaded("training-chain/codesys.xml")
+        after.rename("Ablauf.S2", "Zz9")
+        chart = after.pou("Ablauf").chart
+        chart.transition("S1 -> Zz9").condition = "B1 AND B4"
+        assert told(sfc.diff(before, after)) == [
+            "POU Ablauf / step Zz9: renamed, was S2",
+            "POU Ablauf / transition S1 -> Zz9: condition B1 -> B1 AND B4",
+        ]
+
+    def test_tools_differ_in_interlocks_only(self):
+        """S7-GRAPH has an interlock of the step where CODESYS has a condition of the action."""
+        before, after = loaded("training-chain/codesys.xml"), loaded("simaticml-training-chain/Ablauf.xml")
+        assert told(sfc.diff(before, after)) == [
+            "POU Ablauf / step S3 / action Q3: condition B5 removed",
+            "POU Ablauf / step S3 / action Q3: interlock B5 added",
+            "POU Ablauf / step S3: interlock B5 added",
+        ]
+
+
+def test_positions_are_layout():
+    before, after = (loaded("plcopen/filling_station_2.01.xml") for _ in range(2))
+    symbol = next(s for s in after.pou("FillingStation").chart.drawing.symbols if s.kind == "step")
+    x, y = symbol.position
+    symbol.position = (x + 40, y)
+    assert sfc.diff(before, after).changes == ()
+    (change,) = sfc.diff(before, after, layout=True).changes
+    assert change.news == f"position {x:g}, {y:g} -> {x + 40:g}, {y:g}"
+
+
+class TestProofs:
+    def test_a_changed_chart_does_the_same_or_not(self):
+        before, after = loaded("training-chain/model.json"), loaded("training-chain/model.json")
+        after.rename("Ablauf.S2", "Zz9")
+        chart = after.pou("Ablauf").chart
+        chart.add_step("Never")
+        chart.add_transition("Zz9", "Never", "FALSE", priority=9)
+        (proof,) = sfc.diff(before, after, prove=True).proofs
+        assert proof.verdict.proven
+        chart.transitions[0].condition = "B2"
+        (proof,) = sfc.diff(before, after, prove=True).proofs
+        assert proof.verdict.different
+        assert len(proof.verdict.counterexample.inputs) == 1
+        assert str(proof).startswith("POU Ablauf: different after 1 scan (shortest input trace")
+
+    def test_nothing_is_run_for_comments(self):
+        before, after = loaded("training-chain/model.json"), loaded("training-chain/model.json")
+        after.pou("Ablauf").comment = "a comment"
+        assert sfc.diff(before, after, prove=True).proofs == ()
+
+
+@pytest.mark.corpus
+@pytest.mark.slow
+def test_files_of_the_corpus_do_not_differ_from_themselves():
+    """A sample of the smaller files; the plain fixtures are all in the tests above."""
+    kinds = ("plcopen", "codesys", "simaticml", "scl", "iectext")
+    files = [path for kind in kinds for path in corpus_files(kind) if path.stat().st_size < 200_000]
+    if not files:
+        pytest.skip("no corpus beside the repository (see tests/corpus.py)")
+    for path in some_of(files, 20):
+        try:
+            before, after = sfc.load(path), sfc.load(path)
+        except sfc.SfcError:
+            continue
+        assert sfc.diff(before, after, layout=True).changes == (), path
