@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import codecs
 import re
-from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 from typing import NamedTuple, TypeAlias
 
@@ -107,6 +107,13 @@ def numbered(keys: Sequence[Key]) -> list[Key]:
         count = seen[kind, name] = seen.get((kind, name), 0) + 1
         unique.append((kind, f"{name}#{count}" if count > 1 else name))
     return unique
+
+
+def numbered_blocks(blocks: Iterable[WrittenBlock]) -> tuple[WrittenBlock, ...]:
+    """Return `blocks` with keys that are unique among them."""
+    made = list(blocks)
+    keys = numbered([block.key for block in made])
+    return tuple(replace(block, key=key) for block, key in zip(made, keys, strict=True))
 
 
 # -- patching

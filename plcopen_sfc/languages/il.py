@@ -59,6 +59,16 @@ class Instruction:
         return bool(word) and (word[0].isalpha() or word[0] == "_") and word not in OPERATORS
 
 
+def is_il(tokens: list[Token]) -> bool:
+    """True if these are instructions: no semicolon, and an operator at the start, perhaps behind a label."""
+    first = 2 if len(tokens) > 2 and tokens[0].type == "NAME" and tokens[1].type == "COLON" else 0
+    if first >= len(tokens) or tokens[first].value.upper() not in OPERATORS:
+        return False
+    if first + 1 < len(tokens) and tokens[first + 1].type in ("ASSIGN", "DOT", "LSQB"):
+        return False
+    return all(token.type != "SEMICOLON" for token in tokens)
+
+
 def instructions(text: str, dialect: Dialect = Dialect.IEC) -> Iterator[Instruction]:
     """The instructions of a body. Never raises: what is no instruction becomes operands with problems."""
     for line in _lines(text, tokenize(text, dialect).tokens):

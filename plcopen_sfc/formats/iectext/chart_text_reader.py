@@ -11,7 +11,7 @@ from typing import Any
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.iectext.text_outline import TextPart
 from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, taken, wrapped
-from plcopen_sfc.languages.il import OPERATORS
+from plcopen_sfc.languages.il import is_il
 from plcopen_sfc.languages.pragmas import Fields, PathError, RemainderEntry, StaleError, apply
 from plcopen_sfc.languages.pragmas.remainder import format_path
 from plcopen_sfc.languages.st.lexer import Token
@@ -253,16 +253,6 @@ def condition_fields(text: str, mark: str, tokens: list[Token], begin: int, end:
 def body_fields(text: str, tokens: list[Token]) -> Fields:
     """Return the body of this text: instructions or statements."""
     return {"language": "IL" if is_il(tokens) else "ST"} | ({"text": text} if text else {})
-
-
-def is_il(tokens: list[Token]) -> bool:
-    """True if these are instructions: no semicolon, and an operator at the start, perhaps behind a label."""
-    first = 2 if len(tokens) > 2 and tokens[0].type == "NAME" and tokens[1].type == "COLON" else 0
-    if first >= len(tokens) or tokens[first].value.upper() not in OPERATORS:
-        return False
-    if first + 1 < len(tokens) and tokens[first + 1].type in ("ASSIGN", "DOT", "LSQB"):
-        return False
-    return all(token.type != "SEMICOLON" for token in tokens)
 
 
 def unnegated(fields: Fields) -> None:

@@ -17,12 +17,11 @@ from plcopen_sfc.formats.iectext.text_printing import (
     missing,
     note_changes,
     nothing_right,
-    numbered_blocks,
     pragmas,
     split,
 )
 from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, indented, unwrapped
-from plcopen_sfc.formats.text_patch import WrittenBlock
+from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody

@@ -21,10 +21,10 @@ from plcopen_sfc.formats.iectext.text_configurations import (
 )
 from plcopen_sfc.formats.iectext.text_declarations import read_listing, read_types, write_type_text
 from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
-from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, numbered_blocks, pragmas, split
+from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, pragmas, split
 from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, unwrapped, wrapped
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
-from plcopen_sfc.formats.text_patch import WrittenBlock
+from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import write_config_section
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields

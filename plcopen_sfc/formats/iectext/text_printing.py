@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from pydantic import BaseModel
 
@@ -19,7 +19,6 @@ from plcopen_sfc.formats.iectext.text_source import (
     taken,
     unwrapped,
 )
-from plcopen_sfc.formats.text_patch import WrittenBlock, numbered
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
@@ -32,12 +31,6 @@ _RESERVED = MODIFIERS | {"FROM", "PRIORITY", "WITH", "ON", "EXTENDS", "IMPLEMENT
 _FOREIGN_PRAGMA = re.compile(r"\{(?!\s*plcopen_sfc\b)[^{}\x00\r]*\}|\{\{(?:(?!\}\})[^\x00\r])*\}\}")
 _WIDE = 160
 _APART = frozenset({"carried", "drawing", "logic", "settings", "networks", "drawn"})
-
-
-def numbered_blocks(pieces: list[WrittenBlock]) -> tuple[WrittenBlock, ...]:
-    """`pieces` with keys that are unique among them."""
-    keys = numbered([piece.key for piece in pieces])
-    return tuple(replace(piece, key=key) for piece, key in zip(pieces, keys, strict=True))
 
 
 @dataclass(slots=True)

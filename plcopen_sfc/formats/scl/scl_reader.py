@@ -8,40 +8,25 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
-
-from pydantic import ValidationError
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
+from plcopen_sfc.formats.declared_blocks import Place, block_span, head_places, plain_lines, section_places
+from plcopen_sfc.formats.remainder_comments import put_back, read_entries
 from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values
-from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, numbered
-from plcopen_sfc.languages.declarations import Declared, DeclaredUnit, Found, Head, read_declarations, split_units
+from plcopen_sfc.formats.text_patch import BlockSpan, SourceText
+from plcopen_sfc.languages.declarations import Declared, DeclaredUnit, Head, read_declarations, split_units
 from plcopen_sfc.languages.declarations.declaration_comments import said
-from plcopen_sfc.languages.declarations.declaration_writing import section_head, write_value
+from plcopen_sfc.languages.declarations.declaration_writing import write_value
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.declarations.type_names import is_unit_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.pragmas import (
-    Fields,
-    NotationError,
-    PathError,
-    RemainderEntry,
-    Segment,
-    StaleError,
-    apply,
-    format_value,
-    parse_change,
-    plain_fields,
-    value_at,
-)
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.languages.st import declaration_nodes as d
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.lexer import Comment
 from plcopen_sfc.languages.st.parsing import parse_statements
 from plcopen_sfc.languages.start_values import Types
 from plcopen_sfc.model.base import Carried
@@ -63,10 +48,6 @@ OWN_COMMENT = re.compile(r"//\s*(\{plcopen_sfc\b.*)")
 
 BODY_START = re.compile(r"[ \t]*(?:\r\n|\r|\n)?")
 BODY_END = re.compile(r"(?:\r\n|\r|\n)?[ \t]*\Z")
-
-
-_Place: TypeAlias = tuple[Key, tuple[int, int], tuple[BlockSpan, ...]]
-"""Places in the text, each with the object in it."""
 
 
 @dataclass
@@ -91,7 +72,7 @@ class _Reader:
         self._lines = Lines(source.text)
         self._diagnostics: list[Diagnostic] = []
         self._kept: list[str] = []
-        self._found: list[_Place] = []
+        self._found: list[Place] = []
         self._begins: list[tuple[DataBlock, str, bool]] = []
 
     def run(self) -> SclFile:
@@ -104,7 +85,7 @@ class _Reader:
         for problem in units.problems:
             self._problem("SCL101", problem, 0)
         self._kept += [self._text[problem.span[0] : problem.span[1]] for problem in strays]
-        changes = self._own_changes(units.comments)
+        changes = read_entries(units.comments, OWN_COMMENT, self._remainder_note)
         comments = [c for c in units.comments if not OWN_COMMENT.match(c.text)]
         starts = [c.span[0] for c in comments]
         position = 0
@@ -118,71 +99,19 @@ class _Reader:
         project.comment = said(rest)
         if rest:
             self._found.append((("comment", ""), (rest[0].span[0], rest[-1].span[1]), ()))
-        project.carried = keep(_texts(unreadable=_plain_lines("\n".join(self._kept))))
+        project.carried = keep(_texts(unreadable=plain_lines("\n".join(self._kept))))
         if self._kept:
             self._found.append((("stray", ""), (len(self._text), len(self._text)), ()))
         # after all units: a data block may be above the types and blocks that it is made of
         for block, text, retain in self._begins:
             self._start_values(project, block, text, retain)
         if changes:
-            project = self._changed(project, changes)
+            project = put_back(project, changes, self._remainder_note)
             self._found.append((("rest", ""), (changes[0][1].span[0], changes[-1][1].span[1]), ()))
         return SclFile(project, self._slices(), self._diagnostics)
 
     def _slices(self) -> BlockSpan:
-        keys = numbered([key for key, _, _ in self._found])
-        slices = [BlockSpan((key,), span, inner) for key, (_, span, inner) in zip(keys, self._found, strict=True)]
-        slices.sort(key=lambda each: each.span)
-        return BlockSpan((("file", ""),), (0, len(self._text)), tuple(slices))
-
-    # -- content that SCL cannot express
-
-    def _own_changes(self, comments: Sequence[Comment]) -> list[tuple[RemainderEntry, Comment]]:
-        changes = []
-        for comment in comments:
-            found = OWN_COMMENT.match(comment.text)
-            if found is None:
-                continue
-            try:
-                changes.append((parse_change(found[1].strip()[1:-1].strip().removeprefix("plcopen_sfc")), comment))
-            except NotationError as error:
-                self._note(
-                    "SCL202", Severity.WARNING, f"this comment of plcopen_sfc is damaged: {error}", comment.span[0]
-                )
-        return changes
-
-    def _changed(self, project: Project, changes: Sequence[tuple[RemainderEntry, Comment]]) -> Project:
-        fields, text = plain_fields(project), plain_fields(project)
-        # without a start value, a variable of the kept type would start with that of the type
-        outdated = [(*c.path[:-1], "type") for c, _ in changes if _is_taken_out(text, c)]
-        made: list[tuple[Segment, ...]] = []
-        for change, comment in changes:
-            if _is_in(change.path, outdated):
-                continue
-            try:
-                if not _is_in(change.path, made):
-                    _check_text(text, change)
-                apply(fields, change)
-                made.append(change.path)
-            except StaleError as error:
-                *around, last = change.path
-                if last in ("kind", "language"):
-                    outdated.append(tuple(around))
-                elif last == "type":  # a start value is one of the type
-                    outdated.append((*around, "initial"))
-                message = f"this comment of plcopen_sfc is for another text and left out: {error}"
-                self._note("SCL203", Severity.WARNING, message, comment.span[0])
-            except PathError as error:
-                self._note(
-                    "SCL202", Severity.WARNING, f"this comment of plcopen_sfc does not fit: {error}", comment.span[0]
-                )
-        try:
-            return Project.model_validate(fields)
-        except ValidationError as error:
-            first = error.errors()[0]
-            message = f"the comments of plcopen_sfc are left out: {'.'.join(map(str, first['loc']))}: {first['msg']}"
-            self._note("SCL202", Severity.WARNING, message, changes[0][1].span[0])
-            return project
+        return block_span(("file", ""), (0, len(self._text)), self._found)
 
     # -- units
 
@@ -190,7 +119,7 @@ class _Reader:
         declared = read_declarations(self._text[start : unit.head[1]], Dialect.SCL)
         for problem in declared.problems:
             self._problem("SCL102", problem, start)
-        pieces: list[_Place] = []
+        pieces: list[Place] = []
         thing: Pou | DataBlock
         if unit.keyword == "TYPE":
             self._types(project, declared, unit, start)
@@ -199,7 +128,7 @@ class _Reader:
             self._lost(unit)
             return
         head = declared.heads[0]
-        pieces += self._heads(declared, start)
+        pieces += head_places(declared, start)
         if unit.keyword == "DATA_BLOCK":
             thing = self._data_block(declared, head, unit)
             project.data_blocks.append(thing)
@@ -209,15 +138,11 @@ class _Reader:
         else:
             self._lost(unit)
             return
-        pieces += self._sections(declared, start)
+        pieces += section_places(self._text, declared, start, Dialect.SCL)
         pieces += self._body(unit)
-        keys = numbered([key for key, _, _ in pieces])
-        inner = sorted(
-            (BlockSpan((key,), span, slices) for key, (_, span, slices) in zip(keys, pieces, strict=True)),
-            key=lambda each: each.span,
-        )
         kind = "POU" if isinstance(thing, Pou) else "data block"
-        self._found.append(((kind, thing.name), (start, unit.span[1]), tuple(inner)))
+        span = (start, unit.span[1])
+        self._found.append(((kind, thing.name), span, block_span((kind, thing.name), span, pieces).spans))
 
     def _lost(self, unit: DeclaredUnit) -> None:
         self._note("SCL103", Severity.ERROR, f"this {unit.keyword} cannot be read; its text is kept", unit.span[0])
@@ -237,7 +162,7 @@ class _Reader:
             name=head.name,
             kind=KINDS[unit.keyword],
             interface=Interface(return_type=head.return_type, sections=declared.sections),
-            bodies=[StBody(text=_plain_lines(self._text[body[0] : body[1]]))],
+            bodies=[StBody(text=plain_lines(self._text[body[0] : body[1]]))],
             comment=head.comment,
             title=_title(head),
             carried=self._carried(declared, head),
@@ -261,7 +186,7 @@ class _Reader:
             title=_title(head),
             carried=self._carried(declared, head, texts),
         )
-        self._begins.append((block, _plain_lines(text), retain))
+        self._begins.append((block, plain_lines(text), retain))
         return block
 
     @staticmethod
@@ -320,42 +245,7 @@ class _Reader:
 
     # -- places
 
-    def _heads(self, declared: Declared, start: int) -> Iterator[_Place]:
-        found = next(item for item in declared.items if isinstance(item.thing, Head))
-        head: Head = found.thing
-        if head.comment_span is not None:
-            low, high = head.comment_span
-            yield ("comment", ""), (start + low, start + high), ()
-        yield ("head", ""), (start + found.span[0], start + found.span[1]), ()
-
-    def _sections(self, declared: Declared, start: int) -> Iterator[_Place]:
-        for found in declared.items:
-            if isinstance(found.thing, VariableSection):
-                low, high = found.span
-                node_low, _ = _span(found.node)
-                word = section_head(found.thing, Dialect.SCL)[-1]
-                end_of_head = self._words_end(start + node_low, len(word.split()))
-                closing = start + high - self._closing_length(start + high)
-                slices = [
-                    BlockSpan((("head", ""),), (start + low, end_of_head)),
-                    *_variables(found, start),
-                    BlockSpan((("end", ""),), (closing, start + high)),
-                ]
-                yield ("section", word), (start + low, start + high), tuple(slices)
-
-    def _words_end(self, start: int, count: int) -> int:
-        end = start
-        for _ in range(count):
-            while self._text[end : end + 1].isspace():
-                end += 1
-            while self._text[end : end + 1].isalnum() or self._text[end : end + 1] == "_":
-                end += 1
-        return end
-
-    def _closing_length(self, end: int) -> int:
-        return next((len(w) for w in ("END_VAR", "END_STRUCT") if self._text[end - len(w) : end].upper() == w), 0)
-
-    def _body(self, unit: DeclaredUnit) -> Iterator[_Place]:
+    def _body(self, unit: DeclaredUnit) -> Iterator[Place]:
         body = self._body_span(unit)
         begin = (unit.head[1], unit.body[0]) if unit.body is not None else (unit.span[1], unit.span[1])
         yield ("begin", ""), begin, ()
@@ -378,30 +268,12 @@ class _Reader:
     def _problem(self, code: str, problem: Problem, offset: int) -> None:
         self._note(code, Severity.ERROR, problem.message, offset + problem.span[0])
 
+    def _remainder_note(self, code: str, message: str, offset: int) -> None:
+        self._note(f"SCL{code}", Severity.WARNING, message, offset)
+
     def _note(self, code: str, severity: Severity, message: str, offset: int) -> None:
         line, column = self._lines.place(offset)
         self._diagnostics.append(Diagnostic(code, severity, message, Location(self._file, line, column)))
-
-
-def _is_in(path: tuple[Segment, ...], places: Iterable[tuple[Segment, ...]]) -> bool:
-    return any(path[: len(place)] == place for place in places)
-
-
-def _is_taken_out(text: Fields, change: RemainderEntry) -> bool:
-    return change.path[-1] == "initial" and change.instead is not None and value_at(text, change.path) is None
-
-
-def _check_text(text: Fields, change: RemainderEntry) -> None:
-    """Raise `StaleError` if `text` itself has by now what it left to a comment when that was written."""
-    *around, last = change.path
-    holder = value_at(text, tuple(around))
-    if not isinstance(holder, dict):
-        return
-    if last == "language" and str(holder.get("text", "")).strip():
-        raise StaleError("the block has statements now")
-    present = holder.get(last) if isinstance(last, str) else None
-    if change.instead is None and present is not None and present != change.value:
-        raise StaleError(f"the text has {format_value(present)} now")
 
 
 def _holds_all(text: str, variables: Sequence[Variable], types: Types) -> bool:
@@ -448,27 +320,6 @@ def _is_static(section: VariableSection) -> bool:
         section.kind in (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.LOCAL)
         and not section.constant
     )
-
-
-def _span(node: Any) -> tuple[int, int]:
-    span: tuple[int, int] = node.span
-    return span
-
-
-def _variables(section: Found, start: int) -> Iterator[BlockSpan]:
-    """Yield the places of the variables; those of one declaration together."""
-    parts = [part for part in section.parts if part.thing is not None]
-    keys = numbered([("variable", part.thing.name) for part in parts])
-    together: dict[int, list[Key]] = {}
-    for key, part in zip(keys, parts, strict=True):
-        together.setdefault(id(part.node), []).append(key)
-    spans = {id(part.node): part.span for part in parts}
-    for node, named in together.items():
-        yield BlockSpan(tuple(named), (start + spans[node][0], start + spans[node][1]))
-
-
-def _plain_lines(text: str) -> str:
-    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _title(head: Head) -> str | None:

@@ -7,11 +7,12 @@ nothing is lost: the text is read as it is, and the rest of the model is put beh
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping
-from typing import Any
 
+from plcopen_sfc.formats.declared_blocks import section_block
+from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.scl.scl_reader import KEYWORDS, read_source
 from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values, write_start_values
-from plcopen_sfc.formats.text_patch import SourceText, WrittenBlock, numbered
+from plcopen_sfc.formats.text_patch import SourceText, WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import (
     read_declarations,
     split_units,
@@ -20,13 +21,13 @@ from plcopen_sfc.languages.declarations import (
     write_variable,
 )
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END, comment_lines
-from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, section_rest, write_value
+from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, write_value
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.declarations.type_names import SECTION_KEYWORDS, is_unit_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
-from plcopen_sfc.languages.pragmas.remainder import Append, Named
+from plcopen_sfc.languages.pragmas.remainder import Named
 from plcopen_sfc.languages.s7_globals import (
     UNCALLED,
     by_retention,
@@ -69,7 +70,7 @@ _INDENT = indent_of(_SCL)
 
 def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
     """Return the text of a project, in the pieces that an edit replaces."""
-    pieces = [*_named(_units(project, report))]
+    pieces = [*numbered_blocks(_units(project, report))]
     unreadable = kept(project.carried).get("unreadable")
     if unreadable:
         pieces.append(WrittenBlock(("stray", ""), unreadable, apart=True))
@@ -105,7 +106,7 @@ _REPORTED = frozenset(
 
 
 def _report(project: Project, change: RemainderEntry, report: ConversionReport, *, says_the_same: bool) -> None:
-    path = path_of(project, _keys(project, change))
+    path = path_of(project, keys_of(project, change))
     fields = [segment for segment in change.path if isinstance(segment, str)]
     why = next((_EXECUTED[field] for field in reversed(fields) if field in _EXECUTED), None)
     if says_the_same:
@@ -161,32 +162,6 @@ def _as_written(project: Project, types: S7Types) -> Project:
     return copy
 
 
-def _keys(project: Project, change: RemainderEntry) -> Iterator[str | int]:
-    """Yield the fields and indices that lead to what `change` is about."""
-    thing: Any = project
-    for segment in change.path:
-        if isinstance(segment, str):
-            thing = thing.get(segment) if isinstance(thing, dict) else getattr(thing, segment)
-            yield segment
-            continue
-        name = segment.name if isinstance(segment, Named) else None
-        if isinstance(segment, Append) and isinstance(change.value, dict):
-            name = change.value.get("name")
-        named = (index for index, item in enumerate(thing) if name is not None and getattr(item, "name", None) == name)
-        index = segment if isinstance(segment, int) else next(named, None)
-        if index is None:
-            return
-        thing = thing[index]
-        yield index
-
-
-def _named(pieces: Iterator[WrittenBlock]) -> Iterator[WrittenBlock]:
-    """`pieces` with keys that differ."""
-    made = list(pieces)
-    for key, piece in zip(numbered([piece.key for piece in made]), made, strict=True):
-        yield piece if key == piece.key else WrittenBlock(key, piece.text, piece.blocks, piece.apart, piece.verbatim)
-
-
 def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
     types, called, tags = s7_types(project), called_actions(project), local_tags(project)
     literals = _literals(project, types)
@@ -201,12 +176,12 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
             report.add(outcome, what, ObjectPath(f"POU {pou.name}", name), why)
         yield WrittenBlock(
             ("POU", pou.name),
-            blocks=tuple(_named(_pou(pou, types, tags.get(pou.name.casefold(), ()), literals))),
+            blocks=numbered_blocks(_pou(pou, types, tags.get(pou.name.casefold(), ()), literals)),
             apart=True,
         )
     for block in project.data_blocks:
         report.add(Outcome.KEPT, "data block", f"data block {block.name}")
-        yield WrittenBlock(("data block", block.name), blocks=tuple(_named(_data_block(block, types))), apart=True)
+        yield WrittenBlock(("data block", block.name), blocks=numbered_blocks(_data_block(block, types)), apart=True)
     for what, name, why in left_out(project):
         report.add(Outcome.NOT_EXECUTED, what, name, why)
     declared = _named_in_declarations(project)
@@ -226,11 +201,11 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
     for block in data_blocks_of(project):
         report.add(Outcome.TRANSLATED, "global variables", block.name, "a data block")
     for block in (*data_blocks_of(project), *programs.blocks):
-        yield WrittenBlock(("data block", block.name), blocks=tuple(_named(_data_block(block, types))), apart=True)
+        yield WrittenBlock(("data block", block.name), blocks=numbered_blocks(_data_block(block, types)), apart=True)
     for caller in programs.callers:
         caller.block.bodies = [StBody(text="\n".join(f'"{name}"();' for name, _ in caller.called))]
         yield WrittenBlock(
-            ("POU", caller.block.name), blocks=tuple(_named(_pou(caller.block, types, (), literals))), apart=True
+            ("POU", caller.block.name), blocks=numbered_blocks(_pou(caller.block, types, (), literals)), apart=True
         )
 
 
@@ -430,19 +405,8 @@ def _comment(comment: Text | None) -> Iterator[WrittenBlock]:
 
 
 def _section(section: VariableSection, types: S7Types) -> WrittenBlock:
-    head = section_head(section, _SCL)
-    struct = kept(section.carried).get("keyword") == "STRUCT"
-    words = "STRUCT" if struct else head[-1]
-    lines = [*head[:-1], words]
-    pieces = [WrittenBlock(("head", ""), "\n".join(_INDENT + line for line in lines))]
-    pieces += _named(_variable(_in_s7(variable, types)) for variable in section.variables)
-    ending = [*section_rest(section, 2 * _INDENT), f"{_INDENT}{'END_STRUCT;' if struct else 'END_VAR'}"]
-    pieces.append(WrittenBlock(("end", ""), "\n".join(ending)))
-    return WrittenBlock(("section", head[-1]), blocks=tuple(pieces))
-
-
-def _variable(variable: Variable) -> WrittenBlock:
-    return WrittenBlock(("variable", variable.name), write_variable(variable, _SCL, 2 * _INDENT))
+    variables = [_in_s7(variable, types) for variable in section.variables]
+    return section_block(section.model_copy(update={"variables": variables}), _SCL)
 
 
 # -- data blocks

@@ -1,0 +1,121 @@
+"""Comments of this package in text formats: what the text cannot express, and its way back into the model.
+
+The reader takes all of the text first; then each comment puts a value where it belongs, as long as the text has there
+what it had when the comment was written.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, TypeAlias
+
+from pydantic import ValidationError
+
+from plcopen_sfc.languages.pragmas import (
+    Fields,
+    NotationError,
+    PathError,
+    RemainderEntry,
+    Segment,
+    StaleError,
+    apply,
+    format_value,
+    parse_change,
+    plain_fields,
+    value_at,
+)
+from plcopen_sfc.languages.pragmas.remainder import Append, Named
+from plcopen_sfc.languages.st.lexer import Comment
+from plcopen_sfc.model.project import Project
+
+Note: TypeAlias = Callable[[str, str, int], None]
+"""Takes a finding: its number ("202" damaged, "203" of another text), what is wrong, and the offset of the comment."""
+Entry: TypeAlias = tuple[RemainderEntry, Comment]
+
+
+def read_entries(comments: Iterable[Comment], pattern: re.Pattern[str], note: Note) -> list[Entry]:
+    """Return what the `comments` of this package state, which are those that match `pattern`."""
+    entries = []
+    for comment in comments:
+        found = pattern.match(comment.text)
+        if found is None:
+            continue
+        try:
+            entries.append((parse_change(found[1].strip()[1:-1].strip().removeprefix("plcopen_sfc")), comment))
+        except NotationError as error:
+            note("202", f"this comment of plcopen_sfc is damaged: {error}", comment.span[0])
+    return entries
+
+
+def put_back(project: Project, entries: Sequence[Entry], note: Note) -> Project:
+    """Return `project`, which was read from the text, with what the comments state."""
+    fields, text = plain_fields(project), plain_fields(project)
+    # without a start value, a variable of the kept type would start with that of the type
+    outdated = [(*c.path[:-1], "type") for c, _ in entries if _is_taken_out(text, c)]
+    made: list[tuple[Segment, ...]] = []
+    for change, comment in entries:
+        if _is_in(change.path, outdated):
+            continue
+        try:
+            if not _is_in(change.path, made):
+                _check_text(text, change)
+            apply(fields, change)
+            made.append(change.path)
+        except StaleError as error:
+            *around, last = change.path
+            if last in ("kind", "language"):
+                outdated.append(tuple(around))
+            elif last == "type":  # a start value is one of the type
+                outdated.append((*around, "initial"))
+            message = f"this comment of plcopen_sfc is for another text and left out: {error}"
+            note("203", message, comment.span[0])
+        except PathError as error:
+            note("202", f"this comment of plcopen_sfc does not fit: {error}", comment.span[0])
+    try:
+        return Project.model_validate(fields)
+    except ValidationError as error:
+        first = error.errors()[0]
+        message = f"the comments of plcopen_sfc are left out: {'.'.join(map(str, first['loc']))}: {first['msg']}"
+        note("202", message, entries[0][1].span[0])
+        return project
+
+
+def keys_of(project: Project, change: RemainderEntry) -> Iterator[str | int]:
+    """Yield the fields and indices that lead to what `change` is about, for `model.compare.path_of`."""
+    thing: Any = project
+    for segment in change.path:
+        if isinstance(segment, str):
+            thing = thing.get(segment) if isinstance(thing, dict) else getattr(thing, segment)
+            yield segment
+            continue
+        name = segment.name if isinstance(segment, Named) else None
+        if isinstance(segment, Append) and isinstance(change.value, dict):
+            name = change.value.get("name")
+        named = (index for index, item in enumerate(thing) if name is not None and getattr(item, "name", None) == name)
+        index = segment if isinstance(segment, int) else next(named, None)
+        if index is None:
+            return
+        thing = thing[index]
+        yield index
+
+
+def _is_in(path: tuple[Segment, ...], places: Iterable[tuple[Segment, ...]]) -> bool:
+    return any(path[: len(place)] == place for place in places)
+
+
+def _is_taken_out(text: Fields, change: RemainderEntry) -> bool:
+    return change.path[-1] == "initial" and change.instead is not None and value_at(text, change.path) is None
+
+
+def _check_text(text: Fields, change: RemainderEntry) -> None:
+    """Raise `StaleError` if `text` itself has by now what it left to a comment when that was written."""
+    *around, last = change.path
+    holder = value_at(text, tuple(around))
+    if not isinstance(holder, dict):
+        return
+    if last == "language" and str(holder.get("text", "")).strip():
+        raise StaleError("the block has statements now")
+    present = holder.get(last) if isinstance(last, str) else None
+    if change.instead is None and present is not None and present != change.value:
+        raise StaleError(f"the text has {format_value(present)} now")
