@@ -15,7 +15,7 @@ from plcopen_sfc.formats.iectext.chart_text_reader import (
     ids_within,
     unnegated,
 )
-from plcopen_sfc.formats.iectext.drawings_in_pragmas import drawn_changes, shown_condition
+from plcopen_sfc.formats.iectext.drawings_in_pragmas import drawn_changes
 from plcopen_sfc.formats.iectext.text_outline import KEYWORDS
 from plcopen_sfc.formats.iectext.text_printing import (
     TextPrinter,
@@ -31,6 +31,7 @@ from plcopen_sfc.formats.iectext.text_printing import (
 )
 from plcopen_sfc.formats.iectext.text_source import INDENT, format_comment, indented, unwrapped, wrapped
 from plcopen_sfc.formats.text_patch import Key
+from plcopen_sfc.languages.networks import shown_condition
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Numbered, Segment
 from plcopen_sfc.languages.st.lexer import tokenize

@@ -6,7 +6,7 @@ from pydantic import BaseModel
 
 from plcopen_sfc.formats.iectext.chart_text_reader import body_fields
 from plcopen_sfc.formats.iectext.chart_text_writer import ChartTextWriter
-from plcopen_sfc.formats.iectext.drawings_in_pragmas import drawn_changes, shown_body, shown_named_condition
+from plcopen_sfc.formats.iectext.drawings_in_pragmas import drawn_changes
 from plcopen_sfc.formats.iectext.text_declarations import write_interface
 from plcopen_sfc.formats.iectext.text_outline import KEYWORDS, PartKind, outline
 from plcopen_sfc.formats.iectext.text_printing import (
@@ -22,6 +22,7 @@ from plcopen_sfc.formats.iectext.text_printing import (
 )
 from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, indented, unwrapped
 from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks
+from plcopen_sfc.languages.networks import shown_body, shown_named_condition
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody

@@ -29,6 +29,7 @@ from plcopen_sfc.languages.networks.results import (
     NetworkStatements,
     NetworkText,
 )
+from plcopen_sfc.languages.networks.shown_text import shown_body, shown_condition, shown_named_condition
 from plcopen_sfc.languages.networks.values import normal_form
 
 __all__ = [
@@ -54,4 +55,7 @@ __all__ = [
     "network_expression",
     "network_statements",
     "normal_form",
+    "shown_body",
+    "shown_condition",
+    "shown_named_condition",
 ]
