@@ -346,7 +346,11 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
     if recoded:
         why = f"{text.encoding} does not have all of its characters; the file is in UTF-8 now"
         report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)
-    if next(differences(project, codec.read(data).project), None) is not None:
+    back = codec.read(data).project
+    meant = project if kind.ids else numbered_in_order(project)
+    if not kind.ids:
+        number_in_order(back)
+    if next(differences(meant, back), None) is not None:
         # rather a large diff than a lost edit
         report.add(
             Outcome.APPROXIMATED,

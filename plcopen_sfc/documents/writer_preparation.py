@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
+from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT
 from plcopen_sfc.languages.s7_boxes import translate_boxes
@@ -44,7 +44,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if of_matiec and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
-    if kind.drawing is DrawingNeed.NONE and same_dialect and not options.flavour and not results:
+    lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
+    if kind.drawing is DrawingNeed.NONE and same_dialect and lacks_nothing and not options.flavour and not results:
         behaviour = executed(project) if kind.tool else None
         return Prepared(project, project, options, behaviour)
     from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look

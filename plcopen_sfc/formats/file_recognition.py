@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 from plcopen_sfc.errors import Location, UnknownFormatError, UnreadFormatError
 from plcopen_sfc.formats.format_interface import FileHead, Format, head_of
-from plcopen_sfc.formats.registry import FORMATS
+from plcopen_sfc.formats.registry import FORMATS, format_named
 from plcopen_sfc.model.dialect import Dialect
 
 
@@ -22,7 +22,9 @@ def recognise(data: bytes, *, file: str | None = None) -> Format:
     refuse_by_content(head, file)
     found = next((f for f in FORMATS if f.recognises(head)), None)
     if found is not None:
-        return found
+        # an object without its pragmas: the declarations and the body look like IEC 61131-3
+        is_export = found.name == "iec-text" and _suffix(file) in _CODESYS23.extensions
+        return _CODESYS23 if is_export else found
     refuse_by_name(head, file)
     if head.text.lstrip().startswith("{"):
         raise UnknownFormatError(
@@ -41,6 +43,7 @@ def recognised_as(kind: Format, start: bytes) -> bool:
     return kind.recognises(head_of(start))
 
 
+_CODESYS23, _ = format_named("codesys23")
 _HINT = "`plcopen-sfc formats` lists what can be read; give the format by name to insist on one."
 
 
@@ -90,18 +93,9 @@ UNREAD: tuple[UnreadFormat, ...] = (
         extensions=(".tsproj", ".plcproj", ".tpzip", ".tnzip", ".tsp", ".sln"),
     ),
     UnreadFormat(
-        "an export of CoDeSys V2.3 or TwinCAT 2 (.EXP)",
-        "Open the project (.pro) in CODESYS V3 (32 bit, with the package CODESYS V2.3 Converter) by File > Open "
-        "Project, then Project > Export PLCopenXML. One of TwinCAT 2 in TwinCAT 3: context menu of PLC > Add Existing "
-        "Item, then Export PLCopenXML.",
-        text=r"\A\s*\(\* @(?:NESTEDCOMMENTS|PATH|OBJECTFLAGS|SYMFILEFLAGS)\b",
-        extensions=(".exp",),
-        insists=True,
-    ),
-    UnreadFormat(
         "a project of CoDeSys V2.3 or TwinCAT 2",
-        "Open it in CODESYS V3 (32 bit, with the package CODESYS V2.3 Converter) by File > Open Project, then "
-        "Project > Export PLCopenXML.",
+        "Export it as .EXP: Project > Export. Or open it in CODESYS V3 (32 bit, with the package CODESYS V2.3 "
+        "Converter) by File > Open Project, then Project > Export PLCopenXML.",
         extensions=(".pro",),
     ),
     UnreadFormat(

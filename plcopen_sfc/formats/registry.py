@@ -50,6 +50,16 @@ def _is_scl(head: FileHead) -> bool:
     return _SCL_UNIT.match(head.text, position) is not None or head.text.startswith(_OWN_SCL)
 
 
+_EXPORT = re.compile(
+    r"\s*\(\* @(?:NESTEDCOMMENTS|GLOBAL_VARIABLE_LIST|PATH|OBJECTFLAGS|SYMFILEFLAGS|END_DECLARATION)\b"
+    r"|\s*(?:_ALARMCONFIG|PLC_CONFIGURATION|LIBRARY)[ \t]*\r?\n"
+)
+
+
+def _is_export_of_codesys23(head: FileHead) -> bool:
+    return _EXPORT.match(head.text) is not None
+
+
 def _is_simaticml(head: FileHead) -> bool:
     if head.root == "Document":
         return "<Engineering" in head.text or re.search(r"<(?:SW|Hmi)\.", head.text) is not None
@@ -145,6 +155,27 @@ FORMATS: tuple[Format, ...] = (
         capabilities=("everything",),
     ),
     Format(
+        name="codesys23",
+        title="exports of CoDeSys 2.3 and TwinCAT 2 (.EXP)",
+        tool="CoDeSys 2.3",
+        module="plcopen_sfc.formats.codesys23.exp_codec",
+        extensions=(".exp",),
+        recognises=_is_export_of_codesys23,
+        capabilities=(
+            "steps",
+            "step actions",
+            "associations",
+            "times",
+            "flags",
+            "comments",
+            "the rest in comments",
+        ),
+        text=True,
+        dialect=Dialect.CODESYS,
+        ids=False,
+        networks=NetworkForm.STATEMENTS,
+    ),
+    Format(
         name="scl",
         title="external sources of TIA Portal and STEP 7 in SCL",
         tool="TIA Portal",
@@ -205,6 +236,7 @@ def _unknown(name: object) -> UnknownFormatError:
 _TOOLS = (
     ("tia tiaportal openness step7 s7graph graph siemens", "TIA Portal", "simaticml; program text alone is scl"),
     ("twincat twincat3 tc3 beckhoff tcpou", "TwinCAT 3", "codesys (its PLCopen XML)"),
+    ("codesys2 codesysv2 twincat2 tc2 exp", "CoDeSys 2.3", "codesys23"),
     ("codesys3 codesysv3 3s", "CODESYS V3", "codesys (its PLCopen XML)"),
     ("beremiz openplc", "Beremiz", 'plcopen, written with --for beremiz (flavour="beremiz")'),
     ("matiec iec2c", "matiec", 'iec-text, written with --for matiec (flavour="matiec")'),

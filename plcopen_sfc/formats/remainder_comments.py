@@ -29,8 +29,10 @@ from plcopen_sfc.languages.pragmas.remainder import Append, Named
 from plcopen_sfc.languages.st.lexer import Comment
 from plcopen_sfc.model.project import Project
 
+DAMAGED = "damaged"
+OUTDATED = "outdated"
 Note: TypeAlias = Callable[[str, str, int], None]
-"""Takes a finding: its number ("202" damaged, "203" of another text), what is wrong, and the offset of the comment."""
+"""Takes a finding: `DAMAGED` or `OUTDATED`, what is wrong, and the offset of the comment."""
 Entry: TypeAlias = tuple[RemainderEntry, Comment]
 
 
@@ -44,7 +46,7 @@ def read_entries(comments: Iterable[Comment], pattern: re.Pattern[str], note: No
         try:
             entries.append((parse_change(found[1].strip()[1:-1].strip().removeprefix("plcopen_sfc")), comment))
         except NotationError as error:
-            note("202", f"this comment of plcopen_sfc is damaged: {error}", comment.span[0])
+            note(DAMAGED, f"this comment of plcopen_sfc is damaged: {error}", comment.span[0])
     return entries
 
 
@@ -59,7 +61,7 @@ def put_back(project: Project, entries: Sequence[Entry], note: Note) -> Project:
             continue
         try:
             if not _is_in(change.path, made):
-                _check_text(text, change)
+                _check_text(text, change, entries)
             apply(fields, change)
             made.append(change.path)
         except StaleError as error:
@@ -69,15 +71,15 @@ def put_back(project: Project, entries: Sequence[Entry], note: Note) -> Project:
             elif last == "type":  # a start value is one of the type
                 outdated.append((*around, "initial"))
             message = f"this comment of plcopen_sfc is for another text and left out: {error}"
-            note("203", message, comment.span[0])
+            note(OUTDATED, message, comment.span[0])
         except PathError as error:
-            note("202", f"this comment of plcopen_sfc does not fit: {error}", comment.span[0])
+            note(DAMAGED, f"this comment of plcopen_sfc does not fit: {error}", comment.span[0])
     try:
         return Project.model_validate(fields)
     except ValidationError as error:
         first = error.errors()[0]
         message = f"the comments of plcopen_sfc are left out: {'.'.join(map(str, first['loc']))}: {first['msg']}"
-        note("202", message, entries[0][1].span[0])
+        note(DAMAGED, message, entries[0][1].span[0])
         return project
 
 
@@ -86,7 +88,7 @@ def keys_of(project: Project, change: RemainderEntry) -> Iterator[str | int]:
     thing: Any = project
     for segment in change.path:
         if isinstance(segment, str):
-            thing = thing.get(segment) if isinstance(thing, dict) else getattr(thing, segment)
+            thing = thing.get(segment) if isinstance(thing, dict) else getattr(thing, segment, None)
             yield segment
             continue
         name = segment.name if isinstance(segment, Named) else None
@@ -108,13 +110,14 @@ def _is_taken_out(text: Fields, change: RemainderEntry) -> bool:
     return change.path[-1] == "initial" and change.instead is not None and value_at(text, change.path) is None
 
 
-def _check_text(text: Fields, change: RemainderEntry) -> None:
+def _check_text(text: Fields, change: RemainderEntry, entries: Sequence[Entry]) -> None:
     """Raise `StaleError` if `text` itself has by now what it left to a comment when that was written."""
     *around, last = change.path
     holder = value_at(text, tuple(around))
     if not isinstance(holder, dict):
         return
-    if last == "language" and str(holder.get("text", "")).strip():
+    written = next((entry.instead for entry, _ in entries if entry.path == (*around, "text")), "")
+    if last == "language" and str(holder.get("text", "")).strip() not in ("", str(written).strip()):
         raise StaleError("the block has statements now")
     present = holder.get(last) if isinstance(last, str) else None
     if change.instead is None and present is not None and present != change.value:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import count, zip_longest
 from typing import Any
 
 from plcopen_sfc.model.base import Model
@@ -53,7 +54,47 @@ def _numbers(ids: Iterable[int]) -> dict[int, int]:
 def _number_chart(chart: SfcNetwork) -> None:
     associations = [association for _, association in chart.associations()]
     things = [*chart.steps, *chart.transitions, *associations, *chart.logic]
-    numbers = _numbers(thing.id for thing in things)
+    _renumber(chart, _numbers(thing.id for thing in things))
+
+
+def take_ids(project: Project, other: Project) -> None:
+    """Give the elements of charts in `project` the ids of those in `other`, and new ones to what `other` lacks.
+
+    Steps belong together by their names, transitions by where they lead from and to, associations by their place.
+    """
+    charts = {chart.name: chart.chart for chart in other.charts()}
+    for named in project.charts():
+        chart, like = named.chart, charts.get(named.name)
+        chart.drawing = None
+        if like is not None:
+            _renumber(chart, _ids_of(chart, like))
+
+
+def _ids_of(chart: SfcNetwork, like: SfcNetwork) -> dict[int, int]:
+    ids = [thing.id for thing in like.steps] + [thing.id for thing in like.transitions]
+    free = count(max([0, *ids, *(association.id for _, association in like.associations())]) + 1)
+    steps = {step.name.casefold(): step for step in reversed(like.steps)}
+    numbers: dict[int, int] = {}
+    for step in chart.steps:
+        found = steps.pop(step.name.casefold(), None)
+        numbers[step.id] = found.id if found is not None else next(free)
+        places = found.actions if found is not None else []
+        for association, place in zip_longest(step.actions, places):
+            if association is not None:
+                numbers[association.id] = place.id if place is not None else next(free)
+    waiting = list(like.transitions)
+    for transition in chart.transitions:
+        ends = [[numbers.get(each) for each in side] for side in (transition.sources, transition.targets)]
+        same = next((each for each in waiting if [each.sources, each.targets] == ends), None)
+        if same is not None:
+            waiting.remove(same)
+        numbers[transition.id] = same.id if same is not None else next(free)
+    return numbers | {node.id: next(free) for node in chart.logic}
+
+
+def _renumber(chart: SfcNetwork, numbers: dict[int, int]) -> None:
+    associations = [association for _, association in chart.associations()]
+    things = [*chart.steps, *chart.transitions, *associations, *chart.logic]
     for thing in things:
         thing.id = numbers[thing.id]
     for transition in chart.transitions:

@@ -20,9 +20,6 @@ STL = 'FUNCTION_BLOCK "Pump"\nTITLE =\nVERSION : 0.1\n\nBEGIN\nNETWORK\nTITLE =S
 FILES = {
     "Main.TcPOU": ('<TcPlcObject Version="1.1.0.1"><POU Name="Main"/></TcPlcObject>', "Export PLCopenXML"),
     "Plant.tsproj": ("<TcSmProject/>", "Export PLCopenXML"),
-    "Main.EXP": (f"\n{HEADER}{UNIT}", "V2.3 Converter.*Export PLCopenXML"),
-    "main.exp": (UNIT, "V2.3 Converter"),
-    "Renamed.txt": (f"{HEADER}{UNIT}", "V2.3 Converter"),
     "Old.pro": ("\0\1\2", "V2.3 Converter"),
     "Plant.export": ("<ExportFile><StructuredView/></ExportFile>", "Project > Export PLCopenXML instead"),
     "Plant.project": ("PK\3\4\0\0", "Project > Export PLCopenXML"),
@@ -73,7 +70,23 @@ def test_every_row_of_the_table_is_tried() -> None:
 
 
 def test_a_format_that_is_named_is_tried_all_the_same() -> None:
-    assert sfc.loads(UNIT.encode(), path="main.exp", format="iec-text").pous[0].name == "Main"
+    assert sfc.loads(b"FUNCTION_BLOCK x\nEND_FUNCTION_BLOCK", path="x.gr7", format="iec-text").pous[0].name == "x"
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("Main.EXP", f"\n{HEADER}{UNIT}"),
+        ("renamed.txt", f"{HEADER}{UNIT}"),
+        ("step7_names.EXP", f"{HEADER}FUNCTION_BLOCK FB12\nVAR\nEND_VAR\nEND_FUNCTION_BLOCK\n"),
+        ("without_pragmas.exp", UNIT),
+        ("libraries.EXP", "\nLIBRARY\nStandard.lib 5.12.05 12:20:58\nEND_LIBRARY\n"),
+    ],
+)
+def test_exports_of_codesys_2_3_are_no_iec_text(name: str, text: str) -> None:
+    source = sfc.loads(text.encode(), path=name).source
+    assert source is not None
+    assert source.format == "codesys23"
 
 
 def test_a_folder_of_another_tool_is_refused_as_its_files_are(tmp_path: Path) -> None:
@@ -114,14 +127,18 @@ def test_what_is_no_program_is_not_taken_for_one() -> None:
 def test_our_own_fixtures_are_read() -> None:
     """No row of the table takes a file of a format that is read."""
     for path in (ROOT / "fixtures").rglob("*"):
-        if path.is_file() and "broken" not in path.parts and path.suffix in (".xml", ".st", ".scl", ".sfc", ".json"):
+        if (
+            path.is_file()
+            and "broken" not in path.parts
+            and path.suffix in (".xml", ".st", ".scl", ".sfc", ".json", ".EXP")
+        ):
             sfc.load(path)
 
 
 @pytest.mark.corpus
 def test_real_files_of_tools_that_are_not_read() -> None:
     require_corpus()
-    kinds = {"twincat": ".tcpou", "codesys23": ".exp", "l5x": ".l5x", "deltav": ".fhx", "schneider": ".xml"}
+    kinds = {"twincat": ".tcpou", "l5x": ".l5x", "deltav": ".fhx", "schneider": ".xml"}
     kinds |= {"grafcet": ".grafcet", "simaticml": ".s7dcl"}
     for kind, extension in kinds.items():
         files = [path for path in corpus_files(kind) if path.suffix.lower() == extension]

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.declared_blocks import Place, block_span, head_places, plain_lines, section_places
-from plcopen_sfc.formats.remainder_comments import put_back, read_entries
+from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
 from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values
 from plcopen_sfc.formats.text_patch import BlockSpan, SourceText
 from plcopen_sfc.languages.declarations import Declared, DeclaredUnit, Head, read_declarations, split_units
@@ -48,6 +48,8 @@ OWN_COMMENT = re.compile(r"//\s*(\{plcopen_sfc\b.*)")
 
 BODY_START = re.compile(r"[ \t]*(?:\r\n|\r|\n)?")
 BODY_END = re.compile(r"(?:\r\n|\r|\n)?[ \t]*\Z")
+
+_REMAINDER_CODES = {DAMAGED: "SCL202", OUTDATED: "SCL203"}
 
 
 @dataclass
@@ -268,8 +270,8 @@ class _Reader:
     def _problem(self, code: str, problem: Problem, offset: int) -> None:
         self._note(code, Severity.ERROR, problem.message, offset + problem.span[0])
 
-    def _remainder_note(self, code: str, message: str, offset: int) -> None:
-        self._note(f"SCL{code}", Severity.WARNING, message, offset)
+    def _remainder_note(self, kind: str, message: str, offset: int) -> None:
+        self._note(_REMAINDER_CODES[kind], Severity.WARNING, message, offset)
 
     def _note(self, code: str, severity: Severity, message: str, offset: int) -> None:
         line, column = self._lines.place(offset)

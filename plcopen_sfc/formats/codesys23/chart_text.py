@@ -1,0 +1,410 @@
+"""Charts in ``.EXP`` files: steps with their action in place, and transitions that name their steps.
+
+::
+
+    STEP Fill:
+    Valve := TRUE;
+    END_STEP
+    (* @SFCMAXTIME := 't#20s' *)
+    (* @SFCMINTIME := '' *)
+    (* @SFCCOMMENT := '' *)
+    TRANSITION FROM Fill TO (Mix,Heat):=
+    Level > 80
+    END_TRANSITION
+
+Seen in exports: this, with ST. By analogy, as no export is at hand that has it: bodies in other languages with the
+markers that POUs have, associations as in IEC 61131-3 (``Fill(N);``, ``Drain(D,t#2s);``), and the entry and exit action
+of a step as actions of the POU, ``Fill_entry`` and ``Fill_exit``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from itertools import takewhile
+
+from plcopen_sfc.formats.codesys23.exp_outline import PRAGMA, Span, after_comments, core, find_end, is_in_comment
+from plcopen_sfc.formats.declared_blocks import Place, block_span, plain_lines
+from plcopen_sfc.formats.text_patch import Key, WrittenBlock
+from plcopen_sfc.languages.declarations.kept_texts import keep, kept
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.il import is_il
+from plcopen_sfc.languages.networks import shown_body, shown_condition
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.st.parsing import parse_expression
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
+from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.text import plain
+from plcopen_sfc.report import ConversionReport, Outcome
+
+SOURCE = "codesys23"
+"""Source of the bodies that are kept as they are."""
+ENTRY, EXIT = "_entry", "_exit"
+"""Endings of the names of actions that a step executes when it is entered and left."""
+Note = Callable[[str, str, int], None]
+"""Takes a finding: the code of an error, its message, and the offset."""
+
+_ELEMENT = re.compile(r"^[ \t]*(?:(INITIAL_STEP|STEP)[ \t]+(\w+)[ \t]*:|TRANSITION\b)", re.MULTILINE | re.IGNORECASE)
+_NAMES = r"(\w+|\(\s*\w+(?:\s*,\s*\w+)*\s*\))"
+_TRANSITION = re.compile(
+    r"[ \t]*TRANSITION\s+(?:(?!FROM\b)(\w+)\s*)?(?:\(\s*PRIORITY\s*:=\s*(\d+)\s*\)\s*)?"
+    rf"FROM\s*{_NAMES}\s*TO\s*{_NAMES}\s*:=",
+    re.IGNORECASE,
+)
+_QUALIFIERS = {word: Qualifier(word) for word in ("N", "R", "S", "L", "D", "P", "SD", "DS", "SL")}
+"""Qualifiers of the library Iecsfc.lib."""
+_ASSOCIATION = re.compile(
+    rf"\s*([\w.]+)\s*\(\s*({'|'.join(_QUALIFIERS)})\s*(?:,\s*([^,();]+?)\s*)?\)\s*;", re.IGNORECASE
+)
+_CALL = re.compile(r"([\w.]+)\(\);")
+"""Call of an action: of the POU, or of an instance, which has no methods in CoDeSys 2.3."""
+_STEP_PRAGMAS = {"SFCMAXTIME": "max_time", "SFCMINTIME": "min_time", "SFCCOMMENT": "comment"}
+_STEP_PRAGMA = re.compile(r"\s*(\(\*[ \t]*@(SFC\w+)[ \t]*:=[ \t]*'(.*?)'[ \t]*\*\))", re.DOTALL)
+_MARKED = re.compile(r"\s*_[A-Z]+_BODY\b")
+
+
+def is_chart(text: str, span: Span) -> bool:
+    """True if the body in `span` is a chart."""
+    return _ELEMENT.match(text, after_comments(text, *span), span[1]) is not None
+
+
+def read_text_body(text: str, span: Span) -> Body | None:
+    """Return the body in `span`, which is no chart: in a language by its marker, or instructions, or statements."""
+    content = plain_lines(text[span[0] : span[1]])
+    if not content:
+        return None
+    if _MARKED.match(content):
+        return OpaqueBody(source=SOURCE, content=content)
+    if is_il(tokenize(content, Dialect.CODESYS).tokens):
+        return IlBody(text=content)
+    return StBody(text=content)
+
+
+def body_text(body: Body | None) -> str:
+    """Return the text of a body: drawn ones as structured text, none where there is no text for it."""
+    match body:
+        case StBody(text=text) | IlBody(text=text):
+            return text
+        case FbdBody() | LdBody():
+            return shown_body(body, Dialect.CODESYS) or ""
+        case OpaqueBody(source=source, content=content) if source == SOURCE:
+            return content
+        case _:
+            return ""
+
+
+# -- reading
+
+
+@dataclass(slots=True)
+class ChartText:
+    """Chart that was read: its body, and the places of its parts."""
+
+    body: SfcBody
+    places: list[Place] = field(default_factory=list)
+
+
+def read_chart(text: str, span: Span, actions: frozenset[str], variables: frozenset[str], note: Note) -> ChartText:
+    """Read the chart in `span`.
+
+    `actions` and `variables` of the POU, in lower case, tell step actions, and associations from calls.
+    """
+    return _ChartReader(text, span, actions, variables, note).run()
+
+
+class _ChartReader:
+    def __init__(self, text: str, span: Span, actions: frozenset[str], variables: frozenset[str], note: Note) -> None:
+        self.text = text
+        self.span = span
+        self.actions = actions
+        self.variables = variables
+        self.note = note
+        self.chart = SfcNetwork()
+        self.found = ChartText(SfcBody(chart=self.chart))
+        self.ends: list[tuple[Transition, tuple[list[str], list[str]], int]] = []
+        self.next_id = 1
+
+    def run(self) -> ChartText:
+        position, limit = self.span
+        comments: list[Span] = []
+        while True:
+            solid = after_comments(self.text, position, limit)
+            if self.text[position:solid].strip():
+                start = position + len(self.text[position:solid]) - len(self.text[position:solid].lstrip())
+                comments.append((start, start + len(self.text[start:solid].rstrip())))
+            if solid >= limit:
+                break
+            element = _ELEMENT.match(self.text, solid, limit)
+            following = self._next_element(element.end() if element is not None else solid + 1)
+            if element is None:
+                self.note("EXP104", "this belongs to no step and to no transition", solid)
+                position = following
+            elif element[1]:
+                position = self._step(element, following)
+            else:
+                position = self._transition(solid, element.end(), following)
+        self._connect()
+        if comments:
+            self.found.body.comment = "\n".join(plain_lines(self.text[start:end]) for start, end in comments)
+            self.found.places.append((("comments", ""), comments[0], ()))
+        return self.found
+
+    def _next_element(self, position: int) -> int:
+        for found in _ELEMENT.finditer(self.text, position, self.span[1]):
+            if not is_in_comment(self.text, position, found.start()):
+                return found.start()
+        return self.span[1]
+
+    def _number(self) -> int:
+        self.next_id += 1
+        return self.next_id - 1
+
+    def _end(self, start: int, limit: int, word: str, what: str, opener: int) -> Span:
+        end = find_end(self.text, start, limit, word)
+        if end is None:
+            self.note("EXP102", f"{word} of {what} is missing", opener)
+            stop = core(self.text, (start, limit))[1]
+            return (stop, stop)
+        return end
+
+    def _step(self, element: re.Match[str], following: int) -> int:
+        name = element[2]
+        step = Step(id=self._number(), name=name, initial=element[1].upper() == "INITIAL_STEP")
+        start = element.start(1)
+        end = self._end(element.end(), following, "END_STEP", f"the step {name}", start)
+        places: list[Place] = [(("head", ""), (start, element.end()), ())]
+        inside = core(self.text, (element.end(), end[0]))
+        associations = self._associations(inside)
+        if associations:
+            step.actions = associations
+            places.append((("associations", ""), inside, ()))
+        elif inside[0] < inside[1]:
+            called = _CALL.fullmatch(self.text, *inside)
+            if called is not None and ("." in called[1] or called[1].casefold() in self.actions):
+                step.main_action = called[1]
+            else:
+                step.main_action = read_text_body(self.text, inside)
+            places.append((("body", ""), inside, ()))
+        places.append((("end", ""), end, ()))
+        position = end[1]
+        others: list[str] = []
+        while (pragma := _STEP_PRAGMA.match(self.text, position, following)) is not None:
+            place, value = _STEP_PRAGMAS.get(pragma[2].upper()), plain_lines(pragma[3])
+            if place is None:
+                others.append(pragma[1])
+            elif value:
+                setattr(step, place, value)
+            places.append((("pragma", pragma[2].upper()), pragma.span(1), ()))
+            position = pragma.end(1)
+        step.carried = keep({"pragmas": "\n".join(others)} if others else {})
+        for ending, attribute in ((ENTRY, "entry_action"), (EXIT, "exit_action")):
+            if f"{name}{ending}".casefold() in self.actions:
+                setattr(step, attribute, f"{name}{ending}")
+        self.chart.steps.append(step)
+        key: Key = ("step", name)
+        self.found.places.append((key, (start, position), block_span(key, (start, position), places).spans))
+        return position
+
+    def _associations(self, inside: Span) -> list[ActionAssociation]:
+        """Return the associations that a step consists of; empty where it has an action in place."""
+        found: list[ActionAssociation] = []
+        position, names = inside[0], self.next_id
+        while position < inside[1]:
+            one = _ASSOCIATION.match(self.text, position, inside[1])
+            if one is None or one[2].casefold() in self.variables:  # a call that gets a variable
+                self.next_id = names
+                return []
+            qualifier = _QUALIFIERS[one[2].upper()]
+            found.append(ActionAssociation(id=self._number(), qualifier=qualifier, target=one[1], duration=one[3]))
+            position = one.end()
+        return found
+
+    def _transition(self, start: int, behind: int, following: int) -> int:
+        header = _TRANSITION.match(self.text, start, following)
+        end = self._end(header.end() if header else behind, following, "END_TRANSITION", "this transition", start)
+        if header is None:
+            message = "a transition is TRANSITION FROM steps TO steps := condition END_TRANSITION"
+            self.note("EXP103", message, start)
+            return end[1]
+        transition = Transition(id=self._number(), name=header[1] or "")
+        transition.priority = int(header[2]) if header[2] else None
+        inside = _condition_core(self.text, (header.end(), end[0]))
+        transition.condition = _read_condition(self.text, inside)
+        sides = (re.findall(r"\w+", header[3]), re.findall(r"\w+", header[4]))
+        self.ends.append((transition, sides, start))
+        self.chart.transitions.append(transition)
+        key = _transition_key(*sides)
+        places: list[Place] = [(("head", ""), (start, header.end()), ()), (("end", ""), end, ())]
+        if transition.condition is not None:
+            places.insert(1, (("body", ""), inside, ()))
+        self.found.places.append((key, (start, end[1]), block_span(key, (start, end[1]), places).spans))
+        return end[1]
+
+    def _connect(self) -> None:
+        known = {step.name.casefold(): step.id for step in reversed(self.chart.steps)}
+        for transition, (sources, targets), start in self.ends:
+            for name in dict.fromkeys((*sources, *targets)):
+                if name.casefold() not in known:
+                    self.note("EXP105", f"no step of this chart is called {name}", start)
+            transition.sources = [known[name.casefold()] for name in sources if name.casefold() in known]
+            transition.targets = [known[name.casefold()] for name in targets if name.casefold() in known]
+
+
+def _condition_core(text: str, span: Span) -> Span:
+    start, end = core(text, span)
+    while start < end and text[start] in " \t":
+        start += 1
+    if text[start:end].endswith(";") and not parse_expression(text[start : end - 1], Dialect.CODESYS).problems:
+        end -= 1
+    return start, end
+
+
+def _read_condition(text: str, span: Span) -> Condition | None:
+    content = plain_lines(text[span[0] : span[1]])
+    # before instructions, of which some are expressions too: NOT Full
+    if content and not _MARKED.match(content) and not parse_expression(content, Dialect.CODESYS).problems:
+        return Expression(text=content)
+    body = read_text_body(text, span)
+    return BodyCondition(body=body) if body is not None else None
+
+
+# -- writing
+
+
+class ChartNames:
+    """Names in a POU that its charts are written with, and the actions that are `added` for what has no other place."""
+
+    def __init__(self, pou: Pou, report: ConversionReport) -> None:
+        self.objects = pou.transitions
+        self.added: list[Action] = []
+        self._report = report
+        self._used = {action.name.casefold() for action in pou.actions}
+
+    def action(self, wish: str, content: str | Body | None, path: str) -> str:
+        """Return the action with this content: the one that it names, or one that is added and called like `wish`."""
+        if isinstance(content, str) and content.casefold() == wish.casefold():
+            return content
+        name, number = wish, 1
+        while name.casefold() in self._used:
+            number += 1
+            name = f"{wish}_{number}"
+        self._used.add(name.casefold())
+        body = StBody(text=f"{content}();") if isinstance(content, str) else content
+        self.added.append(Action(name=name, body=body))
+        if name != wish:
+            self._report.add(Outcome.NOT_EXECUTED, "step action", path, f"{wish} is another action of the POU")
+        return name
+
+    def note(self, what: str, path: str) -> None:
+        """Report something in a form that no export was seen to have."""
+        self._report.add(
+            Outcome.TRANSLATED, what, path, "in a form that no known export shows; see it after the import"
+        )
+
+    def missing(self, what: str, path: str) -> str:
+        """Return a condition that does not compile: an empty one might be always true."""
+        name = re.sub(r"\W+", "_", f"NOT_EXECUTED_{what}").strip("_")
+        why = f"no text expresses it; the undeclared name {name} is in its place, so that the text does not compile"
+        self._report.add(Outcome.NOT_EXECUTED, "condition", path, why)
+        return name
+
+
+def chart_blocks(body: SfcBody, names: ChartNames, path: str) -> Iterator[WrittenBlock]:
+    """Yield the blocks of a chart: each step, and before it the transitions up to the one that leads to it."""
+    chart = body.chart
+    if plain(body.comment):
+        yield WrittenBlock(("comments", ""), plain(body.comment), verbatim=True)
+    waiting = [each for each in chart.transitions if each.sources and each.targets]
+    labels = chart.labels()
+    written: set[int] = set()
+
+    def transition_blocks(count: int) -> Iterator[WrittenBlock]:
+        for transition in waiting[:count]:
+            yield _transition_block(chart, transition, names, f"{path} / transition {labels[transition.id]}")
+        del waiting[:count]
+
+    for step in chart.steps:
+        ready = takewhile(lambda each: written.issuperset(each[1].sources), enumerate(waiting, 1))
+        yield from transition_blocks(next((count for count, each in ready if step.id in each.targets), 0))
+        yield _step_block(step, names, f"{path} / step {step.name}")
+        written.add(step.id)
+    yield from transition_blocks(len(waiting))
+
+
+def _step_block(step: Step, names: ChartNames, path: str) -> WrittenBlock:
+    word = "INITIAL_STEP" if step.initial else "STEP"
+    blocks = [WrittenBlock(("head", ""), f"{word} {step.name}:")]
+    if associations := [*_associations(step, names, path)]:
+        names.note("action associations", path)
+        blocks.append(WrittenBlock(("associations", ""), "\n".join(associations)))
+    elif text := f"{step.main_action}();" if isinstance(step.main_action, str) else body_text(step.main_action):
+        blocks.append(WrittenBlock(("body", ""), text, verbatim=True))
+    for ending, content in ((ENTRY, step.entry_action), (EXIT, step.exit_action)):
+        if content is not None:
+            names.note("step action", path)
+            names.action(f"{step.name}{ending}", content, path)
+    blocks.append(WrittenBlock(("end", ""), "END_STEP"))
+    for pragma, field_name in _STEP_PRAGMAS.items():
+        value = plain(getattr(step, field_name)) or ""
+        blocks.append(WrittenBlock(("pragma", pragma), f"(* @{pragma} := '{_in_pragma(value)}' *)"))
+    for other in kept(step.carried).get("pragmas", "").split("\n"):
+        if (found := PRAGMA.match(other)) is not None:
+            blocks.append(WrittenBlock(("pragma", found["name"].upper()), other))
+    return WrittenBlock(("step", step.name), blocks=tuple(blocks))
+
+
+def _associations(step: Step, names: ChartNames, path: str) -> Iterator[str]:
+    """Yield the associations of a step, the last its main action if it has both."""
+    for number, each in enumerate(step.actions, 1):
+        if each.qualifier not in _QUALIFIERS.values() and each.qualifier is not Qualifier.NONE:
+            continue
+        target = each.target or names.action(f"{step.name}_action{number}", each.body, path)
+        qualifier = Qualifier.N if each.qualifier is Qualifier.NONE else each.qualifier
+        yield f"{target}({qualifier}{f',{each.duration}' if each.duration else ''});"
+    if step.actions and step.main_action is not None:
+        main = step.main_action
+        yield f"{main if isinstance(main, str) else names.action(f'{step.name}_active', main, path)}(N);"
+
+
+def _in_pragma(value: str) -> str:
+    return re.sub(r"\(\*|\*\)|'", " ", value)
+
+
+def _transition_block(chart: SfcNetwork, transition: Transition, names: ChartNames, path: str) -> WrittenBlock:
+    called = {step.id: step.name for step in chart.steps}
+    sources = [called[each] for each in transition.sources if each in called]
+    targets = [called[each] for each in transition.targets if each in called]
+    name = f"{transition.name} " if re.fullmatch(r"[^\W\d]\w*", transition.name) else ""
+    head = f"TRANSITION {name}FROM {_listed(sources)} TO {_listed(targets)}:= "
+    blocks = [WrittenBlock(("head", ""), head)]
+    if text := _condition_text(chart, transition, names, path):
+        blocks.append(WrittenBlock(("body", ""), text, verbatim=isinstance(transition.condition, BodyCondition)))
+    blocks.append(WrittenBlock(("end", ""), "END_TRANSITION"))
+    return WrittenBlock(_transition_key(sources, targets), blocks=tuple(blocks))
+
+
+def _transition_key(sources: list[str], targets: list[str]) -> Key:
+    return ("transition", f"{','.join(sources)} -> {','.join(targets)}")
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"({','.join(names)})"
+
+
+def _condition_text(chart: SfcNetwork, transition: Transition, names: ChartNames, path: str) -> str:
+    match transition.condition:
+        case None:
+            return ""
+        case Expression(text=text, negated=negated):
+            return f"NOT ({text})" if negated else text
+        case BodyCondition(body=StBody() | IlBody() | OpaqueBody(source="codesys23") as body):
+            return body_text(body)
+        case _:
+            found = shown_condition(chart, transition, Dialect.CODESYS, names.objects)
+            if found is None or found[1]:
+                return names.missing(chart.label(transition), path)
+            return found[0]

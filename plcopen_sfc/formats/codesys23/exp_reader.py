@@ -1,0 +1,303 @@
+"""Reads ``.EXP`` files: the project, and the place of each object in the text. `exp_writer` is the way back."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import Location
+from plcopen_sfc.formats.codesys23.chart_text import is_chart, read_chart, read_text_body
+from plcopen_sfc.formats.codesys23.exp_outline import (
+    GLOBALS,
+    OTHER,
+    OWN_LINE,
+    PRAGMA,
+    ExpAction,
+    ExpBody,
+    ExpObject,
+    ExpOutline,
+    Span,
+    core,
+    outline_of,
+)
+from plcopen_sfc.formats.declared_blocks import Place, block_span, head_places, plain_lines, section_places
+from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, Entry, put_back, read_entries
+from plcopen_sfc.formats.text_patch import BlockSpan, SourceText
+from plcopen_sfc.languages.declarations import Declared, read_declarations, read_interface
+from plcopen_sfc.languages.declarations.declaration_comments import said
+from plcopen_sfc.languages.declarations.kept_texts import keep, kept
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
+from plcopen_sfc.languages.st.parsing import parse_statements
+from plcopen_sfc.model.body import Body, StBody
+from plcopen_sfc.model.pou import Action, Pou, PouKind
+from plcopen_sfc.model.project import Project
+
+KINDS = {
+    "PROGRAM": PouKind.PROGRAM,
+    "FUNCTION_BLOCK": PouKind.FUNCTION_BLOCK,
+    "FUNCTION": PouKind.FUNCTION,
+}
+HEADER = "\n".join(
+    (
+        "(* @NESTEDCOMMENTS := 'Yes' *)",
+        "(* @PATH := '' *)",
+        "(* @OBJECTFLAGS := '0, 8' *)",
+        "(* @SYMFILEFLAGS := '2048' *)",
+    )
+)
+"""Pragmas of an object without properties of its own."""
+DIVIDER = "(* @END_DECLARATION := '0' *)"
+CODE_PAGE = "code_page"
+"""Name of the code page in a comment of this package."""
+
+
+def footer_of(name: str) -> str:
+    """Return the pragmas behind a list of global variables that is connected to no file."""
+    lines = ("FILENAME : ''", "FILETIME : 0", "EXPORT : 0", "NUMOFCONNECTIONS : 0", "*)")
+    return "\n".join((f"(* @OBJECT_END := '{name}' *)", f"(* @CONNECTIONS := {name}", *lines))
+
+
+_SECTIONS = frozenset("LIBRARY RESOURCE PLC_CONFIGURATION TASK_CONFIGURATION VISUALISATION VAR_CONFIG".split())
+"""Words that begin sections of other kinds; those that begin with an underscore are such, too."""
+_MANY = 20
+"""Problems of one body that are reported; the rest mostly follows from these."""
+
+_REMAINDER_CODES = {DAMAGED: "EXP202", OUTDATED: "EXP203"}
+
+
+@dataclass
+class ExpFile:
+    """A file that was read: the project, the places of its objects, and the findings."""
+
+    project: Project
+    spans: BlockSpan
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+
+
+def read_export(source: SourceText, file: str | None = None) -> ExpFile:
+    """Read a file. Never raises: what cannot be read is kept and reported."""
+    return _Reader(source, file).run()
+
+
+class _Reader:
+    def __init__(self, source: SourceText, file: str | None) -> None:
+        self.source = source
+        self.file = file
+        self.lines = Lines(source.text)
+        self.text = source.text
+        self.diagnostics: list[Diagnostic] = []
+        self.project = Project(dialect=Dialect.CODESYS)
+        self.places: list[Place] = []
+        self.others: dict[str, str] = {}
+
+    def run(self) -> ExpFile:
+        if self.source.guessed:
+            message = f"the file names no code page; taken as {self.source.encoding}, which is a guess"
+            self._note("EXP200", Severity.WARNING, message, 0)
+        outline = outline_of(self.source.text)
+        self.text = outline.text
+        for problem in outline.problems:
+            self._note("EXP101", Severity.ERROR, problem.message, problem.span[0])
+        for one in outline.objects:
+            if one.kind in KINDS:
+                self._pou(one)
+            elif one.kind == "TYPE":
+                self._types(one)
+            elif one.kind == GLOBALS:
+                self._globals(one)
+            else:
+                self._other(one)
+        self._tail(outline)
+        project = self._with_remainder()
+        spans = block_span(("file", ""), (0, len(self.text)), self.places)
+        return ExpFile(project, spans, self.diagnostics)
+
+    # -- objects
+
+    def _pou(self, one: ExpObject) -> None:
+        start = one.declared[0]
+        declared = self._declarations(one)
+        head = declared.heads[0] if declared.heads else None
+        interface = read_interface(declared)
+        variables = frozenset(v.name.casefold() for v in interface.variables())
+        names = frozenset(action.name.casefold() for action in one.actions)
+        pou = Pou(
+            name=one.name,
+            kind=KINDS[one.kind],
+            interface=interface,
+            comment=head.comment if head is not None else None,
+            carried=keep(self._header(one)),
+        )
+        places: list[Place] = self._header_places(one)
+        if head is not None:
+            places += head_places(declared, start)
+        places += section_places(self.text, declared, start, Dialect.CODESYS)
+        if one.divider is not None:
+            places.append((("divider", ""), one.divider, ()))
+        path = f"POU {one.name}"
+        if one.body is not None:
+            body, inside = self._body(one.body, path, names, variables)
+            pou.bodies = [body if body is not None else StBody()]
+            places += [*inside, (("end", ""), one.body.end, ())]
+        for action in one.actions:
+            pou.actions.append(self._action(action, path, names, variables, places))
+        self.project.pous.append(pou)
+        self.places.append((("POU", one.name), one.span, block_span(("POU", one.name), one.span, places).spans))
+
+    def _action(
+        self, one: ExpAction, path: str, names: frozenset[str], variables: frozenset[str], places: list[Place]
+    ) -> Action:
+        body, inside = self._body(one.body, f"{path} / action {one.name}", names, variables)
+        pragmas = "\n".join(found.group() for found in self._pragmas(one.body.span))
+        span = (one.head[0], one.body.end[1])
+        inside = [(("head", ""), one.head, ()), *inside, (("end", ""), one.body.end, ())]
+        places.append((("action", one.name), span, block_span(("action", one.name), span, inside).spans))
+        return Action(name=one.name, body=body or StBody(), carried=keep({"pragmas": pragmas} if pragmas else {}))
+
+    def _body(
+        self, one: ExpBody, path: str, actions: frozenset[str], variables: frozenset[str]
+    ) -> tuple[Body | None, list[Place]]:
+        pragmas = self._pragmas(one.span)
+        places: list[Place] = [(("pragma", found["name"]), found.span(), ()) for found in pragmas]
+        span = core(self.text, (pragmas[-1].end() if pragmas else one.span[0], one.span[1]))
+        if is_chart(self.text, span):
+
+            def note(code: str, message: str, offset: int) -> None:
+                self._note(code, Severity.ERROR, message, offset, path)
+
+            chart = read_chart(self.text, span, actions, variables, note)
+            return chart.body, places + chart.places
+        body = read_text_body(self.text, span)
+        if isinstance(body, StBody):
+            for problem in parse_statements(body.text, Dialect.CODESYS).problems[:_MANY]:
+                offset = span[0] + _offset(self.text[span[0] : span[1]], problem.span[0])
+                self._note("EXP110", Severity.ERROR, problem.message, offset, path)
+        return body, places + ([(("body", ""), span, ())] if body is not None else [])
+
+    def _pragmas(self, span: Span) -> list[re.Match[str]]:
+        """Return the pragmas at the start of a body."""
+        found: list[re.Match[str]] = []
+        position = span[0]
+        while True:
+            start = core(self.text, (position, span[1]))[0]
+            pragma = PRAGMA.match(self.text, start, span[1])
+            if pragma is None:
+                return found
+            found.append(pragma)
+            position = pragma.end()
+
+    def _types(self, one: ExpObject) -> None:
+        declared = self._declarations(one)
+        if not declared.types:
+            self._other(one)
+            return
+        first, *others = declared.types  # CoDeSys has one type in an object
+        first.carried = keep(kept(first.carried) | self._header(one))
+        self.project.data_types += [first, *others]
+        places = [*self._header_places(one), (("type", ""), one.declared, ())]
+        if one.divider is not None:
+            places.append((("divider", ""), one.divider, ()))
+        key = ("type", first.name)
+        self.places.append((key, one.span, block_span(key, one.span, places).spans))
+
+    def _globals(self, one: ExpObject) -> None:
+        declared = self._declarations(one)
+        places: list[Place] = self._header_places(one)
+        places += section_places(self.text, declared, one.declared[0], Dialect.CODESYS)
+        if one.footer is not None:
+            places.append((("footer", ""), one.footer, ()))
+        for number, section in enumerate(declared.sections):
+            section.name = one.name or None
+            if not number:
+                section.carried = keep(kept(section.carried) | self._header(one))
+            self.project.global_variables.append(section)
+        key = ("global variables", one.name)
+        self.places.append((key, one.span, block_span(key, one.span, places).spans))
+
+    def _other(self, one: ExpObject) -> None:
+        word = one.name.upper()
+        if one.kind == OTHER and word and not (word.startswith("_") or word in _SECTIONS):
+            message = f"a section that begins with {one.name[:30]} is not known; it is kept as it is"
+            self._note("EXP107", Severity.WARNING, message, one.span[0])
+        text = plain_lines(self.text[one.span[0] : one.span[1]])
+        name = f"section{len(self.others) + 1}"
+        self.others[name] = text
+        self.places.append((("other", name), one.span, ()))
+
+    # -- parts of objects
+
+    def _declarations(self, one: ExpObject) -> Declared:
+        start, end = one.declared
+        declared = read_declarations(self.text[start:end], Dialect.CODESYS)
+        for problem in declared.problems[:_MANY]:
+            self._note("EXP111", Severity.ERROR, problem.message, start + problem.span[0])
+        return declared
+
+    def _header(self, one: ExpObject) -> dict[str, str]:
+        """Return the pragmas of an object where they are not the usual ones; the name of a list is not among them."""
+        found = [m for m in PRAGMA.finditer(self.text, *one.header) if m["name"] != "GLOBAL_VARIABLE_LIST"]
+        text = "\n".join(plain_lines(m.group()) for m in found)
+        texts = {} if text == HEADER else {"header": text}
+        if one.kind in (*KINDS, "TYPE") and one.divider is None:
+            texts["undivided"] = ""
+        footer = plain_lines(self.text[slice(*one.footer)]) if one.footer is not None else ""
+        if one.kind == GLOBALS and footer != footer_of(one.name):
+            texts["footer"] = footer
+        return texts
+
+    def _header_places(self, one: ExpObject) -> list[Place]:
+        start, end = one.header
+        return [(("header", ""), one.header, ())] if start < end else []
+
+    # -- behind the objects
+
+    def _tail(self, outline: ExpOutline) -> None:
+        if self.others:
+            self.project.carried = keep(self.others)
+        start, end = core(self.text, outline.tail)
+        if start < end:
+            self.project.comment = said(tokenize(self.text[start:end], Dialect.CODESYS).comments)
+            self.places.append((("comment", ""), (start, end), ()))
+
+    def _with_remainder(self) -> Project:
+        entries = self._entries()
+        if not entries:
+            return self.project
+        spans = [comment.span for _, comment in entries]
+        self.places.append((("rest", ""), (spans[0][0], spans[-1][1]), ()))
+        content = [entry for entry in entries if entry[0].path != (CODE_PAGE,)]
+        return put_back(self.project, content, self._remainder_note) if content else self.project
+
+    def _entries(self) -> Sequence[Entry]:
+        text = self.source.text
+        comments = [
+            Comment(CommentKind.BLOCK, _PAIR.sub(_character, m.group()), m.span()) for m in OWN_LINE.finditer(text)
+        ]
+        return read_entries(comments, OWN_LINE, self._remainder_note)
+
+    # -- findings
+
+    def _remainder_note(self, kind: str, message: str, offset: int) -> None:
+        self._note(_REMAINDER_CODES[kind], Severity.WARNING, message, offset)
+
+    def _note(self, code: str, severity: Severity, message: str, offset: int, path: str = "") -> None:
+        line, column = self.lines.place(offset)
+        self.diagnostics.append(Diagnostic(code, severity, message, Location(self.file, line, column, path or None)))
+
+
+_PAIR = re.compile(r"\$u(D[89AB][0-9A-F]{2})\$u(D[C-F][0-9A-F]{2})")
+"""A character beyond the first 65536 in a comment of this package."""
+
+
+def _character(pair: re.Match[str]) -> str:
+    return bytes.fromhex(pair[1] + pair[2]).decode("utf-16-be")
+
+
+def _offset(text: str, position: int) -> int:
+    """Return the offset in `text` of the character at `position` of it with LF as line ends."""
+    lines = plain_lines(text)[:position].count("\n")
+    return position + lines if "\r\n" in text else position

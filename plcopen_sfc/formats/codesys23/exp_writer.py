@@ -1,0 +1,266 @@
+"""Writes ``.EXP`` files. `exp_reader` is the way back.
+
+What the text cannot express is in comments that the reader takes back: the text is read as it was written, and the rest
+of the model is put behind it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+from plcopen_sfc.formats.codesys23.chart_text import ChartNames, body_text, chart_blocks
+from plcopen_sfc.formats.codesys23.code_pages import USUAL, code_page_for
+from plcopen_sfc.formats.codesys23.exp_reader import CODE_PAGE, DIVIDER, HEADER, KINDS, footer_of, read_export
+from plcopen_sfc.formats.declared_blocks import section_block
+from plcopen_sfc.formats.remainder_comments import keys_of
+from plcopen_sfc.formats.text_patch import SourceText, WrittenBlock, numbered_blocks
+from plcopen_sfc.languages.declarations import write_type, write_value
+from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
+from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
+from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
+from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
+from plcopen_sfc.model.compare import path_of
+from plcopen_sfc.model.conditions import BodyCondition, Expression
+from plcopen_sfc.model.numbering import take_ids
+from plcopen_sfc.model.pou import Action, Pou, PouKind
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.text import Text, plain
+from plcopen_sfc.model.types import DataTypeDeclaration, StructType
+from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_DIALECT = Dialect.CODESYS
+_KEYWORDS = {kind: word for word, kind in KINDS.items()} | {PouKind.ORGANIZATION_BLOCK: "PROGRAM"}
+
+
+def write_export(project: Project, report: ConversionReport) -> tuple[str, str]:
+    """Return the text of a project, and the code page that has its characters."""
+    page = code_page_for("\n".join(block.whole() for block in _objects(project, ConversionReport())))
+    return write_blocks(project, report, page).whole(), page
+
+
+def write_blocks(project: Project, report: ConversionReport, page: str = "") -> WrittenBlock:
+    """Return the text of a project, in the blocks that an edit replaces.
+
+    `page`: characters that this code page does not have are replaced, and are in comments.
+    """
+    blocks = [_in_page(block, page) if page else block for block in numbered_blocks(_objects(project, report))]
+    written = WrittenBlock(("file", ""), blocks=tuple(blocks))
+    # the text is read back, and whatever differs goes into comments: no list of what it lacks can be incomplete
+    back = read_export(SourceText(written.whole() + "\n", USUAL)).project
+    meant = project.model_copy(deep=True)
+    take_ids(meant, back)
+    left = list(changes(plain_fields(back), plain_fields(meant), guarded=True))
+    for change in left:
+        path = path_of(meant, keys_of(meant, change))
+        report.add(Outcome.EXTENSION_DATA, _field(change), path, "CoDeSys 2.3 cannot express it; it is in a comment")
+    if page not in ("", USUAL):
+        left.insert(0, RemainderEntry((CODE_PAGE,), page))
+    if left:
+        rest = "\n".join(f"(* {_ascii(f'{{plcopen_sfc {change}}}')} *)" for change in left)
+        blocks.append(WrittenBlock(("rest", ""), rest, apart=True))
+    return WrittenBlock(("file", ""), blocks=tuple(blocks))
+
+
+def _field(change: RemainderEntry) -> str:
+    return next(segment for segment in reversed(change.path) if isinstance(segment, str)).replace("_", " ")
+
+
+def _ascii(text: str) -> str:
+    """Return a comment of this package in characters that every code page has."""
+    return "".join(c if c.isascii() else "".join(f"$u{unit:04X}" for unit in _utf16(c)) for c in text)
+
+
+def _utf16(character: str) -> Iterator[int]:
+    data = character.encode("utf-16-be", "surrogatepass")
+    return (int.from_bytes(data[at : at + 2]) for at in range(0, len(data), 2))
+
+
+def _in_page(block: WrittenBlock, page: str) -> WrittenBlock:
+    text = block.text.encode(page, errors="replace").decode(page)
+    return replace(block, text=text, blocks=tuple(_in_page(each, page) for each in block.blocks))
+
+
+# -- objects
+
+
+def _objects(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
+    for declaration in project.data_types:
+        report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
+        yield _data_type(declaration)
+    yield from _global_lists(project, report)
+    for pou in project.pous:
+        report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
+        yield WrittenBlock(("POU", pou.name), blocks=numbered_blocks(_pou(pou, report)), apart=True)
+    for name, text in kept(project.carried).items():
+        if re.fullmatch(r"section\d+", name):
+            yield WrittenBlock(("other", name), text, apart=True, verbatim=True)
+    if plain(project.comment):
+        yield WrittenBlock(("comment", ""), _comments(project.comment), apart=True)
+
+
+def _data_type(declaration: DataTypeDeclaration) -> WrittenBlock:
+    texts = kept(declaration.carried)
+    initial = write_value(declaration.initial, _DIALECT) if declaration.initial is not None else ""
+    type_ = _block_comments(write_type(declaration.type, _DIALECT))
+    is_struct = isinstance(declaration.type, StructType)
+    lines = [_comments(declaration.comment)] if plain(declaration.comment) else []
+    lines += [f"TYPE {declaration.name} :", type_] if is_struct else [f"TYPE {declaration.name} : {type_}"]
+    value = f" := {initial};" if initial else "" if is_struct else ";"
+    text = _tabs("\n".join(lines)) + value
+    blocks = [*_header(texts), WrittenBlock(("type", ""), f"{text}\nEND_TYPE")]
+    if "undivided" not in texts:
+        blocks.append(WrittenBlock(("divider", ""), DIVIDER))
+    return WrittenBlock(("type", declaration.name), blocks=tuple(blocks), apart=True)
+
+
+def _global_lists(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
+    """Yield the lists: sections of one name that follow each other are one list."""
+    lists: list[list[VariableSection]] = []
+    for section in _global_sections(project):
+        same = lists and lists[-1][0].name == section.name and "header" not in kept(section.carried)
+        if same and section.name:
+            lists[-1].append(section)
+        else:
+            lists.append([section])
+    for number, sections in enumerate(lists, 1):
+        name = sections[0].name or f"Globals_{number}"
+        report.add(Outcome.KEPT, "global variables", name)
+        texts = kept(sections[0].carried)
+        blocks = _header(texts, f"(* @GLOBAL_VARIABLE_LIST := '{name}' *)")
+        blocks += [_section(section) for section in sections]
+        footer = texts.get("footer", footer_of(name))
+        if footer:
+            blocks.append(WrittenBlock(("footer", ""), footer, apart="footer" not in texts))
+        yield WrittenBlock(("global variables", name), blocks=numbered_blocks(blocks), apart=True)
+
+
+def _global_sections(project: Project) -> Iterator[VariableSection]:
+    """Yield all sections of global variables: a project of CoDeSys 2.3 has one controller."""
+    yield from project.global_variables
+    for configuration in project.configurations:
+        yield from configuration.global_variables
+        for resource in configuration.resources:
+            yield from resource.global_variables
+    for application in project.applications:
+        yield from application.global_variables
+
+
+def _pou(pou: Pou, report: ConversionReport) -> Iterator[WrittenBlock]:
+    texts = kept(pou.carried)
+    yield from _header(texts)
+    if plain(pou.comment):
+        yield WrittenBlock(("comment", ""), _comments(pou.comment))
+    keyword = _KEYWORDS[pou.kind]
+    result = pou.interface.return_type if pou.interface is not None else None
+    type_ = f" : {write_type(result, _DIALECT)}" if result is not None else ""
+    yield WrittenBlock(("head", ""), f"{keyword} {pou.name}{type_}")
+    for section in pou.interface.sections if pou.interface is not None else []:
+        yield _section(section)
+    if "undivided" not in texts:
+        yield WrittenBlock(("divider", ""), DIVIDER)
+    names = ChartNames(pou, report)
+    yield from _body(pou.body, names, f"POU {pou.name}")
+    yield WrittenBlock(("end", ""), f"END_{keyword}")
+    for action in pou.actions:
+        report.add(Outcome.KEPT, "action", f"POU {pou.name} / action {action.name}")
+        yield _action(action, names, f"POU {pou.name} / action {action.name}")
+    for action in names.added:
+        yield _action(action, names, f"POU {pou.name} / action {action.name}")
+
+
+def _action(action: Action, names: ChartNames, path: str) -> WrittenBlock:
+    blocks = [WrittenBlock(("head", ""), f"ACTION {action.name}:")]
+    for pragma in filter(None, kept(action.carried).get("pragmas", "").split("\n")):
+        name = re.search(r"@(\w+)", pragma)
+        blocks.append(WrittenBlock(("pragma", name[1] if name is not None else ""), pragma))
+    blocks += _body(action.body, names, path)
+    blocks.append(WrittenBlock(("end", ""), "END_ACTION"))
+    return WrittenBlock(("action", action.name), blocks=numbered_blocks(blocks), apart=True)
+
+
+def _body(body: Body | None, names: ChartNames, path: str) -> Iterator[WrittenBlock]:
+    if isinstance(body, SfcBody):
+        yield from chart_blocks(body, names, path)
+    elif text := body_text(body):
+        yield WrittenBlock(("body", ""), text, verbatim=True)
+
+
+# -- parts
+
+
+def _header(texts: dict[str, str], listed: str = "") -> list[WrittenBlock]:
+    text = texts.get("header", HEADER)
+    if listed:
+        first, _, others = text.partition("\n")
+        text = "\n".join(filter(None, (first, listed, others)))
+    return [WrittenBlock(("header", ""), text)] if text else []
+
+
+def _section(section: VariableSection) -> WrittenBlock:
+    return _each_text(section_block(section, _DIALECT))
+
+
+def _each_text(block: WrittenBlock) -> WrittenBlock:
+    """Return a block of declarations with comments that CoDeSys 2.3 knows, at the start of the line as it has them."""
+    text = _block_comments(block.text)
+    if block.key[0] in ("head", "end"):
+        text = "\n".join(line.lstrip() for line in text.split("\n"))
+    else:
+        text = re.sub(r"^\t", "", _tabs(text), flags=re.MULTILINE)
+    return replace(block, text=text, blocks=tuple(map(_each_text, block.blocks)))
+
+
+def _tabs(text: str) -> str:
+    """Return `text` indented by tabs, as CoDeSys 2.3 does it."""
+    return re.sub(r"^(?: {4})+", lambda found: "\t" * (len(found.group()) // 4), text, flags=re.MULTILINE)
+
+
+def _comments(text: Text | None) -> str:
+    return "\n".join(f"(* {_inside(line)} *)" for line in LINE_END.split(plain(text)))
+
+
+def replace_line_comments(project: Project, report: ConversionReport) -> None:
+    """Write the comments up to the end of a line in program text of `project` as others: `_block_comments`."""
+    for name, pou, body in project.bodies():
+        before = len(report.items)
+        for text in _texts(body):
+            replaced = _block_comments(text.text)
+            if replaced != text.text:
+                text.text = replaced
+                if len(report.items) == before:
+                    why = "// is no comment in CoDeSys 2.3, (* *) is"
+                    report.add(Outcome.TRANSLATED, "comments", pou.report_path_of(name), why)
+
+
+def _texts(body: Body) -> Iterator[StBody | IlBody | Expression]:
+    if isinstance(body, StBody | IlBody):
+        yield body
+    if not isinstance(body, SfcBody):
+        return
+    for step in body.chart.steps:
+        inner = [step.entry_action, step.main_action, step.exit_action, *(each.body for each in step.actions)]
+        for action in inner:
+            if action is not None and not isinstance(action, str):
+                yield from _texts(action)
+    for transition in body.chart.transitions:
+        if isinstance(transition.condition, Expression):
+            yield transition.condition
+        elif isinstance(transition.condition, BodyCondition):
+            yield from _texts(transition.condition.body)
+
+
+def _block_comments(text: str) -> str:
+    """Return `text` with its comments up to the end of a line in the form that CoDeSys 2.3 has for all."""
+    found = tokenize(text, _DIALECT).comments if "//" in text else []
+    lines = [each for each in found if each.kind is CommentKind.LINE]
+    return apply_edits(text, [Edit(*each.span, f"(* {_inside(each.text[2:].strip())} *)") for each in lines])
+
+
+def _inside(text: str) -> str:
+    return text.replace("(*", "( *").replace("*)", "* )")

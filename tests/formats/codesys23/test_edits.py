@@ -1,0 +1,167 @@
+"""An edit of an export of CoDeSys 2.3 changes the lines of what was edited, and no others."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.sfc import SfcNetwork
+from tests.corpus import corpus_files, require_corpus
+from tests.formats.codesys23.test_reading import BELT
+
+
+def belt(project: m.Project) -> SfcNetwork:
+    chart = project.pou("Ablauf").chart
+    assert chart is not None
+    return chart
+
+
+def differences(path: Path, project: m.Project) -> list[str]:
+    """Save `project`, see that it comes back, and return the lines that differ from the file."""
+    old, data = path.read_bytes(), sfc.dumps(project)
+    assert sfc.loads(data).pous == sfc.loads(sfc.dumps(sfc.loads(data), format="json")).pous
+    lines = [each.decode("cp1252").splitlines(keepends=True) for each in (old, data)]
+    matcher = difflib.SequenceMatcher(None, *lines, autojunk=False)
+    found: list[str] = []
+    for operation, low, high, new_low, new_high in matcher.get_opcodes():
+        if operation != "equal":
+            found += [f"-{line.strip()}" for line in lines[0][low:high]]
+            found += [f"+{line.strip()}" for line in lines[1][new_low:new_high]]
+    return found
+
+
+def rename_step(project: m.Project) -> None:
+    belt(project).rename_step("Warten", "Verweilen")
+
+
+def set_time(project: m.Project) -> None:
+    belt(project).step("Zurueck").max_time = "t#30s"
+
+
+def comment_step(project: m.Project) -> None:
+    belt(project).step("Zurueck").comment = "zum Anfang"
+
+
+def set_condition(project: m.Project) -> None:
+    belt(project).transition("Zurueck -> Pruefen").condition = "Platz1 AND NOT Platz3"
+
+
+def change_step_action(project: m.Project) -> None:
+    body = belt(project).step("Zu_Platz3").main_action
+    assert isinstance(body, StBody)
+    body.text += "\nH2_Halt := FALSE;"
+
+
+def empty_step(project: m.Project) -> None:
+    belt(project).step("Zu_Platz3").main_action = None
+
+
+def change_action(project: m.Project) -> None:
+    project.pou("Ablauf").action("Zaehlen").body = StBody(text="Gependelt := Gependelt + 2;")
+
+
+def add_step(project: m.Project) -> None:
+    chart = belt(project)
+    chart.add_step("Quittieren")
+    chart.add_transition("Abtransport", "Quittieren", condition="S3_Halt")
+    chart.add_transition("Quittieren", "Bereit", condition="S1_Start")
+
+
+def remove_transition(project: m.Project) -> None:
+    chart = belt(project)
+    chart.transitions.remove(chart.transition("Pendel_Zaehlen -> Pruefen"))
+
+
+def comment_variable(project: m.Project) -> None:
+    project.pou("Ablauf").variables()[4].comment = "Runden"
+
+
+def rename_global(project: m.Project) -> None:
+    project.rename("Globale_Variablen.S3_Halt", "S3_Stop")
+
+
+@pytest.mark.parametrize(
+    ("edit", "expected"),
+    [
+        (
+            rename_step,
+            [
+                "-TRANSITION FROM Zu_Platz3 TO Warten:=",
+                "+TRANSITION FROM Zu_Platz3 TO Verweilen:=",
+                "-STEP Warten:",
+                "-LD Warten",
+                "+STEP Verweilen:",
+                "+LD Verweilen",
+                "-CAL Wartezeit(IN := Warten, PT := t#3s)",
+                "+CAL Wartezeit(IN := Verweilen, PT := t#3s)",
+                "-TRANSITION FROM Warten TO Zurueck:=",
+                "+TRANSITION FROM Verweilen TO Zurueck:=",
+            ],
+        ),
+        (set_time, ["-(* @SFCMAXTIME := 't#20s' *)", "+(* @SFCMAXTIME := 't#30s' *)"]),
+        (comment_step, ["-(* @SFCCOMMENT := '' *)", "+(* @SFCCOMMENT := 'zum Anfang' *)"]),
+        (set_condition, ["-Platz1", "+Platz1 AND NOT Platz3"]),
+        (change_step_action, ["+H2_Halt := FALSE;"]),
+        (empty_step, ["-H1_Bereit := FALSE;", "-Band_Rechts := TRUE;"]),
+        (change_action, ["-Gependelt := Gependelt + 1;", "+Gependelt := Gependelt + 2;"]),
+        (
+            add_step,
+            [
+                "+TRANSITION FROM Abtransport TO Quittieren:=",
+                "+S3_Halt",
+                "+END_TRANSITION",
+                "+STEP Quittieren:",
+                "+END_STEP",
+                "+(* @SFCMAXTIME := '' *)",
+                "+(* @SFCMINTIME := '' *)",
+                "+(* @SFCCOMMENT := '' *)",
+                "+TRANSITION FROM Quittieren TO Bereit:=",
+                "+S1_Start",
+                "+END_TRANSITION",
+            ],
+        ),
+        (remove_transition, ["-TRANSITION FROM Pendel_Zaehlen TO Pruefen:=", "-TRUE", "-", "-END_TRANSITION"]),
+        (comment_variable, ["-Gependelt:INT;", "+Gependelt:INT; (* Runden *)"]),
+        (
+            rename_global,
+            [
+                "-Ablauf(SFCInit := S0_Not, SFCReset := S2_Zurueck, SFCPause := S3_Halt);",
+                "+Ablauf(SFCInit := S0_Not, SFCReset := S2_Zurueck, SFCPause := S3_Stop);",
+                "-S3_Halt AT %IX0.3:BOOL;",
+                "+S3_Stop AT %IX0.3:BOOL;",
+            ],
+        ),
+    ],
+)
+def test_an_edit_changes_its_lines(edit: Callable[[m.Project], None], expected: list[str]) -> None:
+    project = sfc.load(BELT)
+    edit(project)
+    assert differences(BELT, project) == expected
+
+
+def test_characters_without_a_place_in_the_code_page_are_refused() -> None:
+    project = sfc.load(BELT)
+    belt(project).step("Zurueck").comment = "→ Platz 1"
+    with pytest.raises(sfc.FormatError, match="'→' is not in the code page cp1252"):
+        sfc.dumps(project)
+
+
+@pytest.mark.corpus
+def test_edits_of_real_files() -> None:
+    require_corpus()
+    path = next(path for path in corpus_files("codesys23") if path.name == "CALLBACK_MAIN_TASK.EXP")
+    project = sfc.load(path)
+    chart = project.pous[0].chart
+    assert chart is not None
+    chart.rename_step("_StartAppl", "_Started")
+    chart.step("_Start").max_time = "t#1m"
+    found = differences(path, project)
+    assert len(found) == 8
+    assert "+TRANSITION FROM _Start TO _Started:=" in found
+    assert "+(* @SFCMAXTIME := 't#1m' *)" in found

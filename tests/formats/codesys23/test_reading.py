@@ -1,0 +1,167 @@
+"""Exports of CoDeSys 2.3: what is read, that they come back byte for byte, and what is wrong with damaged ones."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.model.body import IlBody, OpaqueBody, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Expression
+from tests.corpus import ROOT, corpus_files, require_corpus
+
+BELT = ROOT / "fixtures" / "codesys23" / "distribution_belt.EXP"
+HEADER = "(* @NESTEDCOMMENTS := 'Yes' *)\r\n(* @PATH := '' *)\r\n"
+
+
+def chart(text: str, declarations: str = "", actions: str = "") -> m.Project:
+    """Read a program with the chart `text`."""
+    lines = f"PROGRAM Main\nVAR\n{declarations}\nEND_VAR\n(* @END_DECLARATION := '0' *)\n{text}\nEND_PROGRAM\n{actions}"
+    return sfc.loads(f"{HEADER}{lines}".encode("cp1252"), format="codesys23")
+
+
+def found(project: m.Project) -> list[tuple[str, int | None]]:
+    return [(each.code, each.location.line) for each in project.diagnostics]
+
+
+def test_the_belt_comes_back_and_is_read_whole() -> None:
+    data = BELT.read_bytes()
+    project = sfc.loads(data)
+    assert sfc.dumps(project) == data
+    assert [found.code for found in project.diagnostics] == ["EXP200"]
+    assert [pou.name for pou in project.pous] == ["Ablauf", "Eingabe", "PLC_PRG", "Meldung"]
+    assert [type(pou.body) for pou in project.pous[1:]] == [IlBody, StBody, OpaqueBody]
+    assert project.pou("Ablauf").comment == "Band mit drei Plätzen: Teil holen, warten, pendeln, abgeben"
+    assert [each.name for each in project.data_types] == ["Auftrag"]
+    (globals_,) = project.global_variables
+    assert (globals_.name, len(globals_.variables)) == ("Globale_Variablen", 12)
+    body = project.pou("Meldung").body
+    assert isinstance(body, OpaqueBody)
+    assert body.content.startswith("_CFC_BODY\n_ELEMENT\n")
+
+
+def test_the_chart_of_the_belt() -> None:
+    belt = sfc.load(BELT).pou("Ablauf").chart
+    assert belt is not None
+    assert [step.name for step in belt.initial_steps] == ["Bereit"]
+    step = belt.step("Abtransport")
+    assert (step.max_time, step.min_time, belt.step("Bereit").comment) == ("t#20s", "t#500ms", "wartet auf ein Teil")
+    action = belt.step("Zu_Platz3").main_action
+    assert isinstance(action, StBody)
+    assert action.text == "H1_Bereit := FALSE;\nBand_Rechts := TRUE;"
+    assert isinstance(belt.step("Warten").main_action, IlBody)
+    assert belt.step("Pendel_Zaehlen").main_action == "Zaehlen"
+    assert [belt.label(each) for each in belt.outgoing(belt.step("Pruefen"))] == [
+        "Pruefen -> Pendel_Hin",
+        "Pruefen -> Abtransport",
+    ]
+    assert belt.transition("Warten -> Zurueck").condition == Expression(text="Wartezeit.Q")
+
+
+@pytest.mark.corpus
+def test_real_files_come_back_and_are_understood() -> None:
+    require_corpus()
+    files = {path.name: path.read_bytes() for path in corpus_files("codesys23")}
+    projects = {name: sfc.loads(data) for name, data in files.items()}
+    assert len(files) == 5
+    assert all(sfc.dumps(projects[name]) == data for name, data in files.items())
+    assert not [each for project in projects.values() for each in project.diagnostics if each.severity == "error"]
+    tasks = projects["CALLBACK_MAIN_TASK.EXP"].pous[0].chart
+    assert tasks is not None
+    assert (len(tasks.steps), len(tasks.transitions), len(tasks.transitions[0].targets)) == (8, 3, 6)
+    assert all(isinstance(step.main_action, StBody) for step in tasks.steps)
+    main = projects["PLC_PRG.EXP"].pous[0]
+    assert [action.name for action in main.actions] == ["acIndicator", "acInit", "acMB"]
+    comments = {each.name: each.comment for each in main.variables()}
+    assert comments["bath"] == "массив ФБ ванн"  # the letters tell the code page
+
+
+def test_steps_with_associations() -> None:
+    text = (
+        "INITIAL_STEP Init:\nEND_STEP\nTRANSITION FROM Init TO Run:=\nTRUE\nEND_TRANSITION\n"
+        "STEP Run:\nPump(N);\nValve( D , t#2s );\nEND_STEP\nTRANSITION FROM Run TO Init:=\nDone;\nEND_TRANSITION"
+    )
+    read = chart(text).pous[0].chart
+    assert read is not None
+    assert [(each.target, each.qualifier, each.duration) for each in read.step("Run").actions] == [
+        ("Pump", m.Qualifier.N, None),
+        ("Valve", m.Qualifier.D, "t#2s"),
+    ]
+    assert read.transitions[1].condition == Expression(text="Done")
+    # a call that gets a variable
+    called = chart(text, "N : INT;").pous[0].chart
+    assert called is not None
+    assert called.step("Run").actions == []
+
+
+def test_actions_of_steps_and_conditions_in_other_languages() -> None:
+    text = (
+        "INITIAL_STEP Init:\n_LD_BODY\n_NETWORKS : 0\nEND_STEP\n(* @SFCMAXTIME := '' *)\n"
+        "TRANSITION FROM Init TO (A,B):= \n_LD_BODY\n_NETWORKS : 1\nit's\nEND_TRANSITION\n"
+        "STEP A:\n(* END_STEP\nEND_STEP *)\nx := 1;\nEND_STEP\nSTEP B:\nB_work();\nEND_STEP\n"
+        "TRANSITION Back FROM (A,B) TO Init:= \nLD x\nAND y\nEND_TRANSITION"
+    )
+    actions = "ACTION A_entry:\nx := 0;\nEND_ACTION\nACTION b_exit:\nEND_ACTION\nACTION B_work:\ny;\nEND_ACTION\n"
+    read = chart(text, actions=actions).pous[0].chart
+    assert read is not None
+    first, last = (each.condition for each in read.transitions)
+    assert isinstance(first, BodyCondition)
+    assert isinstance(first.body, OpaqueBody)
+    assert isinstance(last, BodyCondition)
+    assert isinstance(last.body, IlBody)
+    assert (read.transitions[1].name, len(read.transitions[1].sources)) == ("Back", 2)
+    a, b = read.step("A"), read.step("B")
+    assert (a.entry_action, a.exit_action, b.entry_action, b.exit_action) == ("A_entry", None, None, "B_exit")
+    assert isinstance(a.main_action, StBody)
+    assert a.main_action.text.startswith("(* END_STEP")
+    assert b.main_action == "B_work"
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "line", "message"),
+    [
+        ("STEP A:\nx := 1;\nSTEP B:\nEND_STEP", "EXP102", 8, "END_STEP of the step A is missing"),
+        ("STEP A:\nEND_STEP\nTRANSITION FROM A TO A:=\nTRUE", "EXP102", 10, "END_TRANSITION of this transition"),
+        ("STEP A:\nEND_STEP\nTRANSITION A TO A:=\nTRUE\nEND_TRANSITION", "EXP103", 10, "TRANSITION FROM steps TO"),
+        ("STEP A:\nEND_STEP\nx := 1;", "EXP104", 10, "belongs to no step"),
+        ("STEP A:\nEND_STEP\nTRANSITION FROM A TO C:=\nTRUE\nEND_TRANSITION", "EXP105", 10, "called C"),
+        ("x := 1\ny := 2;", "EXP110", 9, ""),
+    ],
+)
+def test_faults_in_bodies_have_a_place(text: str, code: str, line: int, message: str) -> None:
+    project = chart(text)
+    assert found(project)[0] == (code, line)
+    assert message in project.diagnostics[0].message
+    assert project.diagnostics[0].location.path == "POU Main"
+
+
+def test_a_file_that_ends_too_early_and_one_with_an_unknown_section() -> None:
+    whole = BELT.read_bytes()
+    cut = sfc.loads(whole[: whole.index(b"STEP Pruefen")], path="cut.EXP")
+    assert [each.code for each in cut.diagnostics] == ["EXP200", "EXP101", "EXP105"]
+    assert "END_PROGRAM of PROGRAM Ablauf is missing" in cut.diagnostics[1].message
+    assert cut.diagnostics[1].location.line == 18
+    kept = sfc.loads(whole + b"WEIGHTS\r\n_A: 1\r\n", path="more.EXP")
+    assert [each.message for each in kept.diagnostics if each.code == "EXP107"] == [
+        "a section that begins with WEIGHTS is not known; it is kept as it is"
+    ]
+    # the next object is not swallowed by one without an end
+    two = whole.replace(b"END_PROGRAM\r\nACTION", b"ACTION")
+    assert [pou.name for pou in sfc.loads(two).pous] == ["Ablauf", "Eingabe", "PLC_PRG", "Meldung"]
+
+
+@pytest.mark.parametrize(
+    ("comment", "page", "found"),
+    [("Zähler für Größe", "cp1252", "cp1252"), ("счётчик деталей", "cp1251", "cp1251"), ("Größe", "utf-8", "utf-8")],
+)
+def test_code_pages_are_found_and_kept(comment: str, page: str, found: str) -> None:
+    data = f"{HEADER}PROGRAM A\r\nVAR\r\n\tx:INT;\t(* {comment} *)\r\nEND_VAR\r\nx := 1;\r\nEND_PROGRAM\r\n".encode(
+        page
+    )
+    project = sfc.loads(data)
+    assert project.pous[0].variables()[0].comment == comment
+    assert f"taken as {found}" in project.diagnostics[0].message
+    body = project.pous[0].body
+    assert isinstance(body, StBody)
+    body.text = "x := 2;"
+    assert sfc.dumps(project) == data.replace(b"x := 1", b"x := 2")

@@ -1,0 +1,75 @@
+"""Projects of other tools as exports for CoDeSys 2.3, and back."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.numbering import numbered_in_order
+from plcopen_sfc.report import Outcome
+from tests.corpus import ROOT
+
+SOURCES = (
+    "codesys/distribution_belt.xml",
+    "codesys/sorting_conveyor.xml",
+    "iectext/mixing_plant.st",
+    "plcopen/filling_station_2.01.xml",
+    "simaticml/FB_Drill.xml",
+    "scl/filling_line.scl",
+)
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_projects_of_other_tools_come_back(name: str) -> None:
+    project = sfc.load(ROOT / "fixtures" / name)
+    data, report = sfc.convert(project, "codesys23", partial=True)
+    assert report.with_outcome(Outcome.DROPPED) == []
+    assert not [each for each in sfc.loads(data).diagnostics if each.severity == "error"]
+    assert b"\n" not in data.replace(b"\r\n", b"")
+    assert b"//" not in b"".join(line for line in data.splitlines() if not line.startswith(b"(* {plcopen_sfc"))
+    # and once more, from what was read
+    again = sfc.loads(data)
+    assert sfc.dumps(again) == data
+    fresh = sfc.dumps(again, format="codesys23", fresh=True, partial=True)
+    assert not list(differences(numbered_in_order(again), numbered_in_order(sfc.loads(fresh))))
+
+
+def test_steps_of_codesys_v3_as_its_predecessor_has_them() -> None:
+    source = """
+    {plcopen_sfc format := 1}
+    {plcopen_sfc project.dialect := 'codesys'}
+    PROGRAM Main
+    VAR Ready, Pump : BOOL; END_VAR
+    INITIAL_STEP Init: {plcopen_sfc main_action := 'Init_active'} {plcopen_sfc entry_action := 'Init_entry'} END_STEP
+    TRANSITION FROM Init TO Run := Ready; END_TRANSITION
+    STEP Run: {plcopen_sfc max_time := 'T#5s'} Pump(D, T#2s); END_STEP
+    TRANSITION FROM Run TO Init := NOT Ready; END_TRANSITION
+    ACTION Init_active: Ready := TRUE; END_ACTION
+    ACTION Init_entry: Ready := FALSE; END_ACTION
+    END_PROGRAM
+    """
+    data, report = sfc.convert(sfc.loads(source.encode()), "codesys23")
+    text = data.decode("cp1252").replace("\r\n", "\n")
+    assert "INITIAL_STEP Init:\nInit_active();\nEND_STEP\n(* @SFCMAXTIME := '' *)\n" in text
+    assert "STEP Run:\nPump(D,T#2s);\nEND_STEP\n(* @SFCMAXTIME := 'T#5s' *)\n" in text
+    assert "TRANSITION FROM Run TO Init:= \nNOT Ready\nEND_TRANSITION\n" in text
+    assert "END_PROGRAM\n\nACTION Init_active:\nReady := TRUE;\nEND_ACTION\n" in text
+    assert "{plcopen_sfc" not in text
+    # what no export shows is told
+    assert [item.what for item in report.with_outcome(Outcome.TRANSLATED)] == ["step action", "action associations"]
+
+
+def test_characters_of_all_code_pages_come_back() -> None:
+    source = "PROGRAM Main\nVAR\n x : INT; (* {} *)\nEND_VAR\nx := 1;\nEND_PROGRAM\n"
+    comments = {"größer": "cp1252", "больше": "cp1251", "更大": "cp932", "größer → больше 😀": "cp1252"}
+    for comment, page in comments.items():
+        data, _ = sfc.convert(sfc.loads(source.format(comment).encode()), "codesys23")
+        assert sfc.loads(data).pous[0].variables()[0].comment == comment
+        assert data.decode(page)
+
+
+def test_tasks_are_not_executed() -> None:
+    project = sfc.load(ROOT / "fixtures" / "codesys" / "distribution_belt.xml")
+    with pytest.raises(sfc.LossError, match="task `MainTask` is NOT executed"):
+        sfc.dumps(project, format="codesys23")
