@@ -18,7 +18,6 @@ from tests.conversion.features import FEATURES, Feature, feature_project
 
 _IMPORT = "no export of CODESYS has it, so its importer may not read it"
 _FINAL = "the final scan of the source makes no difference in this chart"
-_OPERATED = "it depends on ACK_EF or REG_EF, which nothing operates here"
 
 __all__ = ["TARGETS", "Cell", "cells", "judge", "table"]
 
@@ -32,12 +31,6 @@ CAUTIOUS = {
     ("two sequences", "codesys"): _IMPORT,
     ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",
     ("enumeration", "simaticml"): _FINAL,
-    ("event A1", "codesys"): _OPERATED,
-    ("event A1", "plcopen"): _OPERATED,
-    ("event R1", "codesys"): _OPERATED,
-    ("event R1", "plcopen"): _OPERATED,
-    ("supervision", "codesys"): _OPERATED,
-    ("supervision", "plcopen"): _OPERATED,
     ("counter", "codesys"): "nothing in the chart reads the counter",
     ("counter", "plcopen"): "nothing in the chart reads the counter",
 }
@@ -99,14 +92,17 @@ def judge(feature: Feature, source: str, target: str) -> Cell:
     return Cell(feature.name, source, target, same, str(verdict), reported, why)
 
 
-def same_behaviour(source: m.Project, result: m.Project) -> Verdict | None:
-    """The comparison of both under the rules of their tools; None if the result cannot run."""
+def same_behaviour(source: m.Project, result: m.Project, *, operated: Sequence[str] = ()) -> Verdict | None:
+    """The comparison of both under the rules of their tools; None if the result cannot run.
+
+    `operated`: inputs that only one of the tools knows and that do not rest, besides `OPERATED`.
+    """
     profiles = (default_profile(source), default_profile(result))
-    operated = {name: name for name in OPERATED if any(v.name == name for v in source.pou("Main").variables())}
+    inputs = {n: n for n in (*OPERATED, *operated) if any(v.name == n for v in source.pou("Main").variables())}
     outputs = [name for name in OUTPUTS if any(v.name == name for v in source.pou("Main").variables())]
     try:
         return equivalent(
-            source.pou("Main"), result.pou("Main"), profiles, delay="auto", outputs=outputs, inputs=operated, cap=2000
+            source.pou("Main"), result.pou("Main"), profiles, delay="auto", outputs=outputs, inputs=inputs, cap=2000
         )
     except sfc.SfcError:
         return None

@@ -12,6 +12,7 @@ from plcopen_sfc.model.compare import differences
 from plcopen_sfc.report import Outcome
 from tests.conversion.features import Feature, Rig, drawn, feature_project
 from tests.conversion.matrix import same_behaviour
+from tests.sweeps import in_turn
 
 TARGETS = ("codesys", "plcopen-2.01")
 
@@ -22,14 +23,24 @@ def sequencer(
     after: str | None = None,
     rows: tuple[dict[str, Any], ...] = (),
     condition: str | None = None,
+    acknowledge: bool = False,
+    inputs: tuple[str, ...] = (),
 ) -> m.Project:
-    """A sequencer whose step Work drives `q`, as TIA Portal would read it."""
+    """A sequencer as TIA Portal would read it; its step Work has the conditions that `rows` need."""
 
     def build(rig: Rig) -> None:
         for text, operations in ((before, rig.chart.permanent_pre), (after, rig.chart.permanent_post)):
             if text is not None:
                 operations.append(m.PermanentOperation(body=drawn(text, "LD", m.Dialect.SCL)))
-        rig.act("Work", "q")
+        rig.act("Done" if rows else "Work", "r" if rows else "q")
+        events = {row.get("event") for row in rows}
+        work = rig.chart.step("Work")
+        if acknowledge or events & {"V1", "V0", "A1"}:
+            work.supervision = m.Supervised(condition=m.Expression(text="#g"))
+        if events & {"L1", "L0", "C"}:
+            work.interlock = m.Supervised(condition=m.Expression(text="#g"))
+        rig.chart.graph_settings = m.GraphSettings(acknowledge_errors_required=acknowledge)
+        rig.declare(m.SectionKind.INPUT, *(m.Variable(name=name, type="BOOL") for name in inputs))
         for row in rows:
             rig.act(**row)
         if condition is not None:
@@ -75,3 +86,36 @@ def test_permanent_instructions_are_executed_once_after_an_edit_of_the_actions(t
     assert chart is not None
     assert (chart.permanent_pre, chart.permanent_post) == ([], [])
     assert [row.qualifier for row in chart.step("Idle").actions] == [m.Qualifier.S, m.Qualifier.S]
+
+
+ONCE = {"step": "Work", "target": "q"}
+"""A coil that is TRUE in the scan of its event."""
+AGAIN = {"step": "Work", "target": "r"}
+EVENTS: dict[str, dict[str, Any]] = {
+    "L1 L0": {"rows": ({**ONCE, "event": "L1"}, {**AGAIN, "event": "L0"})},
+    "V1 V0": {"rows": ({**ONCE, "event": "V1"}, {**AGAIN, "event": "V0"})},
+    "stored": {"rows": ({**ONCE, "qualifier": "S", "event": "L1"}, {**ONCE, "qualifier": "R", "event": "L0"})},
+    "coils of one operand": {"rows": tuple({**ONCE, "event": event} for event in ("S1", "L1", "V0"))},
+    "coils of two steps": {"rows": ({**ONCE, "event": "S1"}, {**ONCE, "step": "Done"})},
+    "C and V1": {"rows": ({**ONCE, "event": "V1", "interlock": True}, {**AGAIN, "event": "C"})},
+    "a value": {"rows": ({"step": "Work", "target": "n", "value": "5", "event": "V1"},)},
+    "held until acknowledged": {"rows": ({**ONCE, "event": "V1"},), "acknowledge": True, "inputs": ("ACK_EF",)},
+    "A1": {"rows": ({**ONCE, "event": "A1"},), "inputs": ("ACK_EF",)},
+    "A1 where required": {"rows": ({**ONCE, "event": "A1"},), "acknowledge": True, "inputs": ("ACK_EF",)},
+    "R1": {"rows": ({**ONCE, "event": "R1"},), "inputs": ("REG_EF", "REG_S")},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "fields"), [*enumerate(EVENTS.values())], ids=[*EVENTS])
+def test_events_and_acknowledgements_run_as_in_the_source(number: int, fields: dict[str, Any]) -> None:
+    """One target for each case, all with PLCOPEN_SFC_FULL."""
+    source = sequencer(**fields)
+    for target in in_turn(TARGETS, number):
+        data, report = sfc.convert(source, target)
+        assert report.losses == []
+        result = sfc.loads(data, format=target, as_tool=True)
+        verdict = same_behaviour(source, result, operated=fields.get("inputs", ()))
+        assert verdict is not None
+        assert verdict.proven, verdict
+        assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from plcopen_sfc.formats.format_interface import WriteOptions
-from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
+from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_section
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import print_node
@@ -15,6 +15,8 @@ from plcopen_sfc.model.conditions import BodyCondition, Condition
 from plcopen_sfc.model.network import Coil, InputPin
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -60,6 +62,7 @@ class ChartRewriting:
     marks: SourceMarks
     taken: set[str]
     _interlocks: dict[int, str | None] = field(default_factory=dict)
+    _added: VariableSection | None = None
 
     def __post_init__(self) -> None:
         """Prepare to read conditions."""
@@ -89,6 +92,19 @@ class ChartRewriting:
             condition = step.interlock.condition if step.interlock is not None else None
             self._interlocks[step.id] = "TRUE" if condition is None else self.text(condition)
         return self._interlocks[step.id]
+
+    def new_variable(self, wish: str) -> str:
+        """Declare a Boolean variable of the POU that the source does not have; its name."""
+        interface = self.chart.pou.interface
+        if interface is None:
+            interface = self.chart.pou.interface = Interface()
+        if self._added is None:
+            interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
+            self._added = interface.sections[-1]
+        name = self.new_name(wish)
+        self._added.variables.append(Variable(name=name, type=ElementaryType(name=Elementary.BOOL)))
+        self.marks[id(self._added)] = added_section(self._added)
+        return name
 
     def new_name(self, wish: str) -> str:
         """Return a name that nothing in the POU or around it has."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, does_something
+from plcopen_sfc.formats.plcopen.step_checks import StepChecks
 from plcopen_sfc.formats.plcopen.step_rewriting import StepRewriter
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
@@ -22,6 +23,7 @@ from plcopen_sfc.report import Outcome
 
 _UNKNOWN = Effects(frozenset({ANYTHING}), frozenset({ANYTHING}))
 _NAMES = {
+    "edges": ("edges_of_inputs", "A_edges_of_inputs", "AAA_edges_of_inputs"),
     "before": ("before_sequence", "A_before_sequence", "AAA_before_sequence"),
     "after": ("sequence_after", "Z_after_sequence", "ZZZ_after_sequence"),
 }
@@ -31,8 +33,8 @@ _NAMES = {
 class PermanentRewriter:
     """Rewrites the permanent instructions of a chart whose steps and transitions are rewritten already."""
 
-    def __init__(self, rewriting: ChartRewriting, steps: StepRewriter) -> None:
-        self._rewriting, self._steps = rewriting, steps
+    def __init__(self, rewriting: ChartRewriting, steps: StepRewriter, checks: StepChecks) -> None:
+        self._rewriting, self._steps, self._checks = rewriting, steps, checks
         self._chart, self._pou, self._host = rewriting.chart.chart, rewriting.chart.pou, rewriting.host
         self._standard = frozenset(
             (variable.name.casefold(),)
@@ -47,6 +49,27 @@ class PermanentRewriter:
             found = [operation for operation in operations if does_something(operation.body)]
             if found:
                 self._operations(when, found)
+        edges = self._checks.edges()
+        if edges:
+            self._edges(StBody(text="\n".join(edges)))
+
+    def _edges(self, body: StBody) -> None:
+        """Let the edges of inputs be computed before the actions of the steps, which read them."""
+        initial = next((step for step in self._chart.steps if step.initial), None)
+        if initial is None:
+            return  # nothing is ever executed
+        own = self._effects(body)
+        name = self._steps.store(initial, self._name("edges"), body, first=True, instead_of=None)
+        late = [
+            row.target for _, row in self._chart.associations() if row.target is not None and _sorts(row.target, name)
+        ]
+        if (
+            any(self._interfere(own, [self._effects_of(each)]) for each in late)
+            if self._host.is_codesys
+            else (self._interfere(own, self._rows(initial, before=True)))
+        ):
+            why = "edges of inputs may be computed after the actions that read them, a scan too late"
+            self._rewriting.note(Outcome.APPROXIMATED, "operating inputs", "", why)
 
     def _operations(self, when: str, operations: list[PermanentOperation]) -> None:
         what = f"permanent instruction {when} the sequence"
@@ -141,10 +164,15 @@ class PermanentRewriter:
 
     def _name(self, when: str) -> str:
         """Return a name by which CODESYS executes an action before, or after, all others of the chart."""
-        others = [row.target.casefold() for _, row in self._chart.associations() if row.target is not None]
+        others = [row.target for _, row in self._chart.associations() if row.target is not None]
         wishes = _NAMES[when]
-        fits = (w for w in wishes if all((w.casefold() < name) == (when == "before") for name in others))
+        fits = (wish for wish in wishes if all(_sorts(wish, name) is (when != "after") for name in others))
         return next(fits, wishes[-1])
+
+
+def _sorts(name: str, before: str) -> bool:
+    """True if CODESYS executes the action `name` before another one."""
+    return name.casefold() < before.casefold()
 
 
 _FIELDS = {"before": "permanent_pre", "after": "permanent_post"}

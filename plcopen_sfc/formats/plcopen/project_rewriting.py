@@ -30,6 +30,7 @@ from plcopen_sfc.formats.plcopen.global_variables import (
 )
 from plcopen_sfc.formats.plcopen.permanent_rewriting import PermanentRewriter
 from plcopen_sfc.formats.plcopen.source_marks import NO_RESULT_FIELD, REWRITTEN_FIELD, SourceMarks, rewritten_transition
+from plcopen_sfc.formats.plcopen.step_checks import ACKNOWLEDGING, StepChecks
 from plcopen_sfc.formats.plcopen.step_rewriting import (
     StepRewriter,
     has_special_rows,
@@ -262,16 +263,17 @@ class _ChartRewriter:
         self._host = rewriting.host
         self._chart = rewriting.chart.chart
         self._note = rewriting.note
+        self._checks = StepChecks(rewriting)
 
     def rewrite(self) -> None:
         """Change the chart. Conditions first: the supervisions that they need are those of the source."""
         steps = {step.id: step for step in self._chart.steps}
         for transition in self._chart.transitions:
             self._transition(transition, [steps[i] for i in transition.sources if i in steps])
-        rewriter = StepRewriter(self._rewriting)
+        rewriter = StepRewriter(self._rewriting, self._checks)
         for step in self._chart.steps:
             rewriter.rewrite(step)
-        PermanentRewriter(self._rewriting, rewriter).rewrite()
+        PermanentRewriter(self._rewriting, rewriter, self._checks).rewrite()
         self._report_graph()
         if not self._host.is_codesys:
             self._report_codesys()
@@ -280,7 +282,8 @@ class _ChartRewriter:
         source = self._rewriting.source_transitions[transition.id]
         held = self._rewrite_condition(transition, sources)
         if transition.condition != source.condition:
-            self._rewriting.marks[id(transition)] = rewritten_transition(transition, source, held)
+            uses = [name for step, field in held if field == "supervision" for name in self._checks.names(step)]
+            self._rewriting.marks[id(transition)] = rewritten_transition(transition, source, uses, held)
 
     def _rewrite_condition(self, transition: Transition, sources: list[Step]) -> list[tuple[int, str]]:
         """Change a condition; the ids of steps and the fields of them that it executes now."""
@@ -324,22 +327,14 @@ class _ChartRewriter:
 
     def _held(self, step: Step, text: str) -> str:
         """Return the condition of a transition with the supervision of a step that it leaves."""
-        fault = step.supervision.condition if step.supervision is not None else None
-        fault_text = self._rewriting.text(fault)
+        held = self._checks.held(step)
         place = f"step {step.name}"
-        if fault_text is None:
+        if held is None:
             why = f"it does not hold the step in {self._host.title}: it cannot be written as an expression"
             self._note(Outcome.NOT_EXECUTED, "supervision", place, why)
             return text
-        settings = self._chart.graph_settings
-        if settings is not None and settings.acknowledge_errors_required is False:
-            self._note(
-                Outcome.TRANSLATED, "supervision", place, f"NOT {as_term(fault_text)} in the conditions that leave it"
-            )
-        else:
-            why = "the step is left as soon as the fault is gone; S7-GRAPH also waits for its acknowledgement by ACK_EF"
-            self._note(Outcome.APPROXIMATED, "supervision", place, why)
-        return _and(text, f"NOT {as_term(fault_text)}")
+        self._note(Outcome.TRANSLATED, "supervision", place, f"NOT {as_term(held)} in the conditions that leave it")
+        return _and(text, f"NOT {as_term(held)}")
 
     def _report_graph(self) -> None:
         """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
@@ -349,6 +344,11 @@ class _ChartRewriter:
         if chart.graph_settings.skip_steps:
             self._note(Outcome.NOT_EXECUTED, "skip steps", "", f"{title} never skips a step")
         names = [v.name for v in self._rewriting.chart.pou.variables() if v.name in _PARAMETERS]
+        done = [name for name in names if name in ACKNOWLEDGING]
+        names = [name for name in names if name not in done]
+        if done:
+            why = f"{', '.join(done)}: statements compute the rising edges where something depends on them"
+            self._note(Outcome.TRANSLATED, "operating inputs", "", why)
         if names:
             why = f"{', '.join(names)} are variables without effect in {title}"
             self._note(Outcome.NOT_EXECUTED, "operating inputs", "", why)

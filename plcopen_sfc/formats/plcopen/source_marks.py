@@ -39,9 +39,10 @@ STEP_FIELDS = ("actions", "entry_action", "main_action", "exit_action")
 def rewritten_step(
     step: Step, source: Step, uses: Iterable[str] = (), permanent: Collection[str] = ()
 ) -> dict[str, Any]:
-    """Return the mark of `step`, which is written in place of `source` and executes the added actions `uses`.
+    """Return the mark of `step`, which is written in place of `source`.
 
-    `permanent`: the fields of the chart with permanent instructions that it executes.
+    `uses`: the added actions that it executes, and the added variables in them. `permanent`: the fields of the chart
+    with permanent instructions that it executes.
     """
     fields = source.model_dump(mode="json", include=set(STEP_FIELDS), exclude_none=True)
     names = sorted({name.casefold() for name in uses})
@@ -50,14 +51,15 @@ def rewritten_step(
 
 
 def rewritten_transition(
-    transition: Transition, source: Transition, held: Iterable[tuple[int, str]] = ()
+    transition: Transition, source: Transition, uses: Iterable[str] = (), held: Iterable[tuple[int, str]] = ()
 ) -> dict[str, Any]:
-    """Return the mark of `transition`, which is written in place of `source`.
+    """Return the mark of `transition`, which is written in place of `source` and reads the added variables `uses`.
 
     `held`: the ids of steps and the fields of them that the condition executes, such as the minimum time.
     """
     fields = source.model_dump(mode="json", include={"condition"}, exclude_none=True)
-    mark = {"source": fields, "digest": _of_condition(transition.condition), "uses": []}
+    names = sorted({name.casefold() for name in uses})
+    mark = {"source": fields, "digest": _of_condition(transition.condition), "uses": names}
     return {REWRITTEN_FIELD: mark | {"held": [[*each] for each in held]}}
 
 
@@ -197,6 +199,17 @@ def added_parts(parts: list[Fields]) -> tuple[set[str], set[str]]:
         fits = isinstance(body, dict) and mark == text_digest(str(body.get("text", "")))
         (added if fits else edited).add(name)
     return added, edited
+
+
+def added_variables(section: Fields) -> set[str]:
+    """Return the names, in lower case, of the variables of an added list that is as it was written; else nothing.
+
+    Takes the mark of the list.
+    """
+    mark = section.pop(ADDED_FIELD, None)
+    if mark is None or mark != _of_section(VariableSection.model_validate(section)):
+        return set()
+    return {str(variable["name"]).casefold() for variable in section["variables"]}
 
 
 def sources_of_section(section: Fields) -> list[Fields] | None:

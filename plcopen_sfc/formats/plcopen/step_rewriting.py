@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, as_term, guarded
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, rewritten_step
+from plcopen_sfc.formats.plcopen.step_checks import COMPUTED, StepChecks
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.pou import Action
@@ -103,8 +104,8 @@ class _Rows:
 class StepRewriter:
     """Rewrites the steps of a chart."""
 
-    def __init__(self, rewriting: ChartRewriting) -> None:
-        self._rewriting = rewriting
+    def __init__(self, rewriting: ChartRewriting, checks: StepChecks) -> None:
+        self._rewriting, self._checks = rewriting, checks
         self._host = rewriting.host
         self._chart = rewriting.chart.chart
         self._pou = rewriting.chart.pou
@@ -149,10 +150,14 @@ class StepRewriter:
         step.actions = rows.kept
         is_active = self._host.active(step)
         later = [*guarded(is_active, rows.active), *guarded(f"NOT {is_active}", rows.final)]
+        checks = guarded(is_active, self._checks.statements(step))
+        if checks:
+            checks[-1:] = ["ELSE", *(f"    {line}" for line in self._checks.forgotten(step)), "END_IF;"]
+            uses += self._checks.names(step.id)
         # in this order, as S7-GRAPH executes what happens once before what is done in every cycle, and coils before
         # all; names in this order too, in which CODESYS executes actions
         for kind, qualifier, lines in (
-            ("actions", Qualifier.N, [*rows.coils, *(later if not rows.entry else [])]),
+            ("actions", Qualifier.N, [*checks, *rows.coils, *(later if not rows.entry else [])]),
             ("entry", Qualifier.P1, rows.entry),
             ("events", Qualifier.P, guarded(is_active, rows.first)),
             ("further_actions", Qualifier.N, later if rows.entry else []),
@@ -184,11 +189,12 @@ class StepRewriter:
             permanent = self._permanent.get(step.id, ())
             self._rewriting.marks[id(step)] = rewritten_step(step, source, self._uses[step.id], permanent)
 
-    def store(self, step: Step, wish: str, body: StBody, *, first: bool, instead_of: str) -> str:
+    def store(self, step: Step, wish: str, body: StBody, *, first: bool, instead_of: str | None) -> str:
         """Let a step, rewritten already, store an action that is executed in every scan from then on; its name.
 
         `first`: before the other actions of the step. `instead_of`: the field of the chart that it executes.
         """
+        self._uses[step.id] += self._checks.names(step.id)
         if self._host.is_codesys:
             self._add_row(step, Qualifier.S, target=self._action(wish, body, self._uses[step.id]))
         else:
@@ -196,9 +202,10 @@ class StepRewriter:
         row = step.actions[-1]
         if first:
             step.actions = [row, *step.actions[:-1]]
-        self._permanent.setdefault(step.id, []).append(instead_of)
+        if instead_of is not None:
+            self._permanent.setdefault(step.id, []).append(instead_of)
         self._mark(step)
-        self._note_action(Outcome.TRANSLATED, step, row.target, "permanent instructions of the chart")
+        self._note_action(Outcome.TRANSLATED, step, row.target, "executed in every scan")
         return row.target or "in place"
 
     def _note(self, outcome: Outcome, what: str, step: Step, why: str) -> None:
@@ -315,6 +322,10 @@ class StepRewriter:
             row = row.model_copy(update={"qualifier": Qualifier.R})
             self._note_action(Outcome.TRANSLATED, step, row.target, "R0 is another name for R")
         event = None if row.event is ActionEvent.C else row.event
+        if event in COMPUTED and not self._checks.happens(step, event):
+            why = f"`{_called(row)}` is left out: the event {event} never happens in this step"
+            self._note_action(Outcome.TRANSLATED, step, row.target, why)
+            return
         stated = row.target is not None and _key(row) in self._stated
         if row.negated and self._host.is_codesys:
             self._leave_out(step, row, "CODESYS has no action that acts while its step is not active")
@@ -357,8 +368,8 @@ class StepRewriter:
         """Return why no statement does the same as a row; None where one does."""
         title = self._host.title
         locked = row.interlock or row.event is ActionEvent.C
-        if event not in (None, ActionEvent.S1, ActionEvent.S0):
-            return f"{title} has no event {event}"
+        if event in COMPUTED and self._event(step, row) is None:
+            return f"it depends on a condition of the step, and {_NO_TEXT}"
         if row.forcing is not None or row.kind not in _KINDS:
             return f"{title} has no such action of IEC 60848"
         if row.qualifier not in _COILS | _STORING.keys() | {Qualifier.CALL}:
@@ -379,8 +390,10 @@ class StepRewriter:
         if row.qualifier in (Qualifier.D, Qualifier.L) and (not row.duration or row.condition is not None):
             return "its time depends on its condition" if row.duration else "it has no time"
         if _is_coil(row):
-            if event is not None:
-                return f"{title} has no action that is TRUE in one scan only"
+            if event is ActionEvent.S0:
+                return f"{title} has no action that is TRUE in the scan after its step only"
+            if event is not None and row.duration is not None:
+                return "its time has no event"
             if self._driven(row) is None:
                 return f"another action of {row.target} cannot be written"
         return None
@@ -397,8 +410,15 @@ class StepRewriter:
         condition = self._rewriting.text(row.condition) if row.condition is not None else "TRUE"
         if interlock is None or condition is None:
             return None
-        parts = [part for part in (interlock, condition) if part != "TRUE"]
+        parts = [part for part in (self._event(step, row) or "TRUE", interlock, condition) if part != "TRUE"]
         return " AND ".join(as_term(part) for part in parts) if len(parts) > 1 else (parts or ["TRUE"])[0]
+
+    def _event(self, step: Step, row: ActionAssociation) -> str | None:
+        """Return the variable of the event of a row: TRUE where its place says when it happens, None where none can."""
+        event = row.event
+        if event is None or event not in COMPUTED or (event is ActionEvent.S1 and not _is_coil(row)):
+            return "TRUE"
+        return self._checks.variable(step, event.value) if self._checks.can_tell(step, event) else None
 
     def _driven(self, coil: ActionAssociation) -> str | None:
         """Return the OR over all rows of the chart that drive a coil; None where one of them is no expression."""
@@ -407,7 +427,7 @@ class StepRewriter:
         for step, row in self._rows:
             if row.target is None or _key(row) != _key(coil) or not _is_coil(row):
                 continue
-            if row.event not in (None, ActionEvent.C):
+            if row.event is ActionEvent.S0 or (row.event in COMPUTED and not self._checks.happens(step, row.event)):
                 continue  # left out, and reported
             parts = [self._host.active(step)]
             if row.qualifier in (Qualifier.D, Qualifier.L):

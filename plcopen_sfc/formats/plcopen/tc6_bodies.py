@@ -8,7 +8,13 @@ from lxml import etree
 from pydantic import ValidationError
 
 from plcopen_sfc.errors import Location, StructureError
-from plcopen_sfc.formats.plcopen.source_marks import added_parts, restore_chart, restore_texts, take_marks
+from plcopen_sfc.formats.plcopen.source_marks import (
+    added_parts,
+    added_variables,
+    restore_chart,
+    restore_texts,
+    take_marks,
+)
 from plcopen_sfc.formats.plcopen.tc6_chart_reader import Tc6ChartReader
 from plcopen_sfc.formats.plcopen.tc6_chart_writer import Tc6ChartWriter
 from plcopen_sfc.formats.plcopen.tc6_declarations import read_interface, write_interface
@@ -157,12 +163,19 @@ def _drop_added(fields: Fields) -> None:
     charts = [body["chart"] for body in fields["bodies"] if isinstance(body.get("chart"), UnreadChart)]
     parts = [*fields["actions"], *fields["transitions"]]
     added, edited = added_parts(parts)
+    sections = fields.get("interface", {}).get("sections", [])
+    variables = {id(section): names for section in sections if (names := added_variables(section))}
+    for names in variables.values():
+        added |= names
     for chart in charts:
         chart.edited |= edited
         if added:
             added -= chart.read_ahead(_read_chart)
     for name in ("actions", "transitions"):
         fields[name] = [part for part in fields[name] if str(part["name"]).casefold() not in added]
+    for section in [each for each in sections if id(each) in variables]:
+        if variables[id(section)] <= added:
+            sections.remove(section)
 
 
 def read_pou(ctx: Tc6ReadContext, element: etree._Element, place: str) -> Fields:
