@@ -64,7 +64,7 @@ class Change:
                 told = self.after if self.kind is ChangeKind.ADDED else self.before
                 return f"{self.kind} ({told})" if told else self.kind.value
             case ChangeKind.RENAMED:
-                return f"renamed, was {self.before}"
+                return f"renamed, was {self.before}" if self.before else f"named {self.after}"
             case ChangeKind.MOVED:
                 return f"moved {self.before} -> {self.after}"
         if self.lines:
@@ -138,14 +138,12 @@ class ProjectDiff:
     def text(self) -> Iterator[tuple[str, ChangeKind | None]]:
         """Yield the result as lines, a block for each POU, each with the kind of its change if it tells one."""
         for owner, changes in self.grouped():
-            inside = [change for change in changes if change.path != owner]
-            for change in (change for change in changes if change.path == owner):
-                yield f"{change.place}: {change.news}", change.kind
-                yield from ((f"    {line}", None) for line in change.lines)
-            if inside:
+            is_alone = all(change.path == owner for change in changes)
+            if not is_alone:
                 yield owner, None
-            for change in inside:
-                yield f"  {ObjectPath.of(change.place).inside(owner)}: {change.news}", change.kind
+            for change in changes:
+                place = change.place if is_alone else f"  {ObjectPath.of(change.place).inside(owner)}"
+                yield f"{place}: {change.news}" if place.strip() else f"  {change.news}", change.kind
                 yield from ((f"    {line}", None) for line in change.lines)
         for proof in self.proofs:
             yield from ((line, None) for line in str(proof).splitlines())

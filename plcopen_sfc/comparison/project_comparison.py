@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from plcopen_sfc.comparison.changes import Change, ChangeKind, ProjectDiff
-from plcopen_sfc.comparison.renamings import Renaming, renamed_members, renamed_outer, renamed_steps
+from plcopen_sfc.comparison.renamings import (
+    Renaming,
+    renamed_members,
+    renamed_outer,
+    renamed_steps,
+    renamed_transitions,
+)
 from plcopen_sfc.comparison.tree_comparison import TreeComparison, word_of
 from plcopen_sfc.conversion import Detail, Part, executed
 from plcopen_sfc.errors import ModelError, check_argument
@@ -55,18 +61,18 @@ class _Comparison:
         if Dialect.SCL in (a.dialect, b.dialect) and not self.is_written:
             self.left = a.model_copy(deep=True)
             translate_project(self.left, b.dialect)
-        self.listed = self._listings()
+        self.detail = Detail.WRITTEN if self.is_written else Detail.MEANT
+        left = self._listing()
+        self.listed = left, executed(b, compared_with=None if self.is_written else left, detail=self.detail)
 
-    def _listings(self) -> tuple[Part, Part]:
-        detail = Detail.WRITTEN if self.is_written else Detail.MEANT
+    def _listing(self) -> Part:
         # a translated project has its tasks in the terms of another tool
         source = self.left if self.left.dialect is self.a.dialect else self.a
-        left = executed(self.left, default_profile(self.a), source=source, detail=detail)
-        return left, executed(self.b, compared_with=None if self.is_written else left, detail=detail)
+        return executed(self.left, default_profile(self.a), source=source, detail=self.detail)
 
     def changes(self, *, layout: bool) -> list[Change]:
         """The changes, those of a POU together."""
-        for find in (renamed_outer, renamed_steps, self._renamed_members):
+        for find in (renamed_outer, renamed_steps, renamed_transitions, self._renamed_members):
             self._rename(find)
         found = TreeComparison(is_written=self.is_written, layout=layout).changes(*self.listed)
         found = [*self.renamed, *found, *(self._positions() if layout else ())]
@@ -80,20 +86,21 @@ class _Comparison:
     def _rename(self, find: Callable[[Part, Part], Iterable[Renaming]]) -> None:
         """Give what has another name in the second project this name in the first."""
         pairs = list(find(*self.listed))
-        if pairs and self.left is self.a:
-            self.left = self.a.model_copy(deep=True)
-            self.listed = self._listings()
-            pairs = list(find(*self.listed))
         if not pairs:
             return
+        listed = list(Names(self.left).declarations())
+        if self.left is self.a:
+            self.left = self.a.model_copy(deep=True)
         names = Names(self.left)
-        declared = {id(holder): names.resolver.original(d) for d in names.declarations() for holder in d.holders}
-        table = {declared[id(pair.old.subject)]: pair for pair in pairs if id(pair.old.subject) in declared}
+        own: dict[int, Declaration] = {}
+        for listed_one, declaration in zip(listed, names.declarations(), strict=True):
+            own |= {id(holder): names.resolver.original(declaration) for holder in listed_one.holders}
+        table = {own[id(pair.old.subject)]: pair for pair in pairs if id(pair.old.subject) in own}
         for declaration, old_name in self._with_new_names(table):
             kind, _, new = table[declaration]
             change = Change(ChangeKind.RENAMED, new.path, word_of(kind), before=old_name, after=declaration.name)
             self.renamed.append(change)
-        self.listed = self._listings()
+        self.listed = self._listing(), self.listed[1]
 
     def _with_new_names(self, table: dict[Declaration, Renaming]) -> list[tuple[Declaration, str]]:
         """Rename the declarations and return those that could be, with their old names: all at once, or one by one."""

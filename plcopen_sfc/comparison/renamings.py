@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from difflib import SequenceMatcher
 from typing import NamedTuple
 
+from plcopen_sfc.comparison.tree_comparison import matched_transitions
 from plcopen_sfc.conversion.comparison import ends
 from plcopen_sfc.conversion.executed_parts import STORED, Key, Part
 from plcopen_sfc.conversion.meaning import Meaning
@@ -19,7 +20,7 @@ from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
 
-__all__ = ["Renaming", "renamed_members", "renamed_outer", "renamed_steps"]
+__all__ = ["Renaming", "renamed_members", "renamed_outer", "renamed_steps", "renamed_transitions"]
 
 
 class Renaming(NamedTuple):
@@ -30,7 +31,8 @@ class Renaming(NamedTuple):
     new: Part
 
 
-_OUTER = frozenset({"POU", "type"})
+_OUTER = ("POU", "type")
+_LISTS = ("list of global variables", "data block")
 _MEMBERS = frozenset({"variable", "global variable", "member", "action of the POU", "named transition"})
 _CHARTS = frozenset({"chart", "partial chart", "macro-step"})
 _ENOUGH = 0.5
@@ -40,9 +42,11 @@ _ALIKE = 0.6
 
 
 def renamed_outer(left: Part, right: Part) -> Iterator[Renaming]:
-    """POUs and data types by what is in them."""
+    """POUs and data types by what is in them; lists of global variables and data blocks by what they declare."""
     for kind in _OUTER:
         yield from _best(kind, left, right, _likeness)
+    for kind in _LISTS:
+        yield from _best(kind, left, right, _overlap)
 
 
 def renamed_steps(left: Part, right: Part) -> Iterator[Renaming]:
@@ -50,6 +54,15 @@ def renamed_steps(left: Part, right: Part) -> Iterator[Renaming]:
     for key, part, other in _pairs(left, right):
         if key.kind in _CHARTS:
             yield from _Walk(part, other).renamed()
+
+
+def renamed_transitions(left: Part, right: Part) -> Iterator[Renaming]:
+    """Transitions with names, in every chart, by their ends."""
+    for key, part, other in _pairs(left, right):
+        for old, new in matched_transitions(part, other).items() if key.kind in _CHARTS else ():
+            names = {side.subject.name.casefold() for side in (part.parts[old], other.parts[new]) if side.subject}
+            if len(names) == 2 and "" not in names:
+                yield Renaming("transition", part.parts[old], other.parts[new])
 
 
 def renamed_members(projects: tuple[Project, Project], left: Part, right: Part) -> Iterator[Renaming]:
@@ -127,6 +140,14 @@ def _likeness(left: Part, right: Part) -> float:
     same: float = sum(_same(left.aspects.get(name), right.aspects.get(name)) for name in aspects)
     same += sum(_share(left.parts[key], right.parts[key]) for key in left.parts.keys() & right.parts.keys())
     return same / (len(aspects) + len(inner)) if aspects or inner else 1
+
+
+def _overlap(left: Part, right: Part) -> float:
+    """How many of the variables of two lists are the same."""
+    one, other = (part.aspects["variables"].raw for part in (left, right))
+    if not isinstance(one, frozenset) or not isinstance(other, frozenset) or not one | other:
+        return 0
+    return len(one & other) / len(one | other)
 
 
 def _share(left: Part, right: Part) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.comparison.changes import Change, ChangeKind
@@ -21,7 +21,7 @@ from plcopen_sfc.model.sfc import Transition
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.semantics.system_inputs import PARAMETER_NAMES
 
-__all__ = ["TreeComparison", "word_of"]
+__all__ = ["TreeComparison", "matched_transitions", "word_of"]
 
 _DERIVED = frozenset({PLAIN_VARIABLES, SHOWN_STATE, "operating inputs", "order of transitions", "final scan"})
 """Aspects that follow from others."""
@@ -38,6 +38,9 @@ _TOLD = ("trigger", "condition", "type", "program", "kind")
 """Aspects by which something that was added or removed is told in short."""
 _WANDER = frozenset({"action", "variable", "global variable", "program instance"})
 """Kinds of parts that are recognised at another place."""
+_CONDITION = ("condition",)
+_IN_ORDER = frozenset({"input", "output", "inOut"})
+"""Sections of variables whose order counts: that of the arguments of a call."""
 _PLACES = frozenset({"section", "list", "number"})
 
 
@@ -69,14 +72,16 @@ class TreeComparison:
             if self._is_of_tool(inner):
                 continue
             if other is None:
-                self._note(Change(ChangeKind.REMOVED, part.path, word_of(inner.kind), before=_told(part)), inner, part)
+                gone = Change(ChangeKind.REMOVED, _path(inner, part), word_of(inner.kind), before=_told(part))
+                self._note(gone, inner, part)
             else:
                 self._name(inner, part, other, right.parts[other])
                 self._compare(inner, part, right.parts[other])
         taken = set(matched.values())
         for inner, part in right.parts.items():
             if inner not in taken and not self._is_of_tool(inner):
-                self._note(Change(ChangeKind.ADDED, part.path, word_of(inner.kind), after=_told(part)), inner, part)
+                new = Change(ChangeKind.ADDED, _path(inner, part), word_of(inner.kind), after=_told(part))
+                self._note(new, inner, part)
 
     def _is_of_tool(self, key: Key) -> bool:
         """True for what is no part of a project, and for the parameters that every chart of S7-GRAPH has."""
@@ -96,42 +101,45 @@ class TreeComparison:
                 if not self.layout or mine is None or theirs is None or mine.raw == theirs.raw:
                     continue
                 kind = ChangeKind.LAYOUT
-            change = _changed(Change(kind, left.path, word_of(key.kind), word_of(aspect)), mine, theirs)
+            word = aspect if key.kind == "task" else word_of(aspect)
+            change = _changed(Change(kind, _path(key, left), word_of(key.kind), word), mine, theirs)
             if kind is ChangeKind.CHANGED or change.before != change.after:
                 self._note(change, key, left)
 
     def _name(self, key: Key, left: Part, other: Key, right: Part) -> None:
         """Note another name: another spelling of it, or that of a task or of an action that was found otherwise."""
         before, after = _name_of(left, key), _name_of(right, other)
-        if key[:2] == other[:2]:
-            if not self.is_written or left.subject is None or key.kind == "transition" or before == after:
-                return
-        elif key.kind == "transition":
+        if key.kind == "transition" and key[:2] != other[:2]:
             for aspect, mine, theirs in zip(("source", "target"), _ends_of(left), _ends_of(right), strict=True):
                 if mine.casefold() != theirs.casefold():
-                    change = Change(ChangeKind.CHANGED, left.path, key.kind, aspect, mine, theirs)
-                    self._note(change, key, left)
+                    self._note(Change(ChangeKind.CHANGED, left.path, key.kind, aspect, mine, theirs), key, left)
+        if left.subject is not None and right.subject is not None and self.is_written:
+            before, after = left.subject.name, right.subject.name
+        elif key[:2] == other[:2] or key.kind == "transition":
             return
-        self._note(Change(ChangeKind.RENAMED, right.path, word_of(key.kind), before=before, after=after), key, left)
+        if before != after:
+            change = Change(ChangeKind.RENAMED, right.path, word_of(key.kind), before=before or None, after=after)
+            self._note(change, key, left)
 
     def _orders(self, key: Key, left: Part, right: Part, matched: dict[Key, Key]) -> None:
-        """Note another order of the transitions that leave a step, and of the actions of a step."""
-        if key.kind in _CHARTS:
-            for inner, other in matched.items():
-                if inner.kind == "step":
-                    mine, theirs = left.parts[inner], right.parts[other]
-                    before = [each for each in mine.order if matched.get(each) in theirs.order]
-                    after = [each for each in theirs.order if each in map(matched.get, before)]
-                    if [matched[each] for each in before] != after:
-                        shown = _labels(left, before), _labels(right, after)
-                        change = Change(ChangeKind.CHANGED, mine.path, "step", "order of transitions to", *shown)
-                        self._note(change, inner, mine)
-        if key.kind == "step":
-            before = [each for each in left.parts if each.kind == "action" and each in matched]
-            after = [each for each in right.parts if each.kind == "action" and each in matched.values()]
-            if [matched[each] for each in before] != after:
-                shown = _names(left, before), _names(right, after)
-                self._note(Change(ChangeKind.CHANGED, left.path, "step", "order of actions", *shown), key, left)
+        """Note another order of what is executed, called or stored in order."""
+        found: list[tuple[str, Key, Part, tuple[Key, ...], tuple[Key, ...]]] = []
+        for inner, other in matched.items() if key.kind in _CHARTS else ():
+            if inner.kind == "step":
+                mine, theirs = left.parts[inner], right.parts[other]
+                found.append(("transitions to", inner, mine, mine.order, theirs.order))
+        for kind, aspect in (("action", "actions"), ("member", "members")):
+            of_kind = [tuple(each for each in side.parts if each.kind == kind) for side in (left, right)]
+            found.append((aspect, key, left, of_kind[0], of_kind[1]))
+        for section in _IN_ORDER if key.kind in ("POU", "method") else ():
+            declared = [tuple(_variables(side, section)) for side in (left, right)]
+            found.append((f"{section} variables", key, left, declared[0], declared[1]))
+        for aspect, owner, part, order, others in found:
+            before, after = _in_other_order(order, others, matched)
+            if before:
+                was, now = (", ".join(_label(left.parts[each], each) for each in keys) for keys in (before, after))
+                change = Change(ChangeKind.CHANGED, part.path, word_of(owner.kind), f"order of {aspect}", was, now)
+                self._note(change, owner, part)
 
     def _moved_steps(self, left: Part, right: Part) -> None:
         """Note the steps that are elsewhere in the flow: after others and before others than they were."""
@@ -174,31 +182,33 @@ def matches(left: Part, right: Part) -> dict[Key, Key]:
     found = {key: key for key in left.parts if key in right.parts and key.kind not in ("action", "transition")}
     found |= renamed_tasks(left, right)
     found |= {key: other for key, other in matched_actions(left, right).items() if other in right.parts}
-    return found | _matched_transitions(left, right)
+    return found | matched_transitions(left, right)
 
 
-def _matched_transitions(left: Part, right: Part) -> dict[Key, Key]:
+def matched_transitions(left: Part, right: Part) -> dict[Key, Key]:
     """Transitions by their ends and conditions, then by one end: the other may lead elsewhere now."""
-    found: dict[Key, Key] = {}
     mine = [key for key in left.parts if key.kind == "transition"]
-    others = [key for key in right.parts if key.kind == "transition"]
+    found = {key: key for key in mine if key in right.parts and alike(left.parts[key], right.parts[key], _CONDITION)}
+    mine = [key for key in mine if key not in found]
+    others = [key for key in right.parts if key.kind == "transition" and key not in found]
 
     def match(is_same: Callable[[Key, Key], bool], *aspects: str) -> None:
-        for key in (key for key in mine if key not in found):
-            for other in (other for other in others if other not in found.values()):
+        for key in list(mine):
+            for other in others:
                 if is_same(key, other) and alike(left.parts[key], right.parts[other], aspects):
                     found[key] = other
+                    mine.remove(key)
+                    others.remove(other)
                     break
 
     def name(part: Part) -> str:
         return part.subject.name.casefold() if isinstance(part.subject, Transition) else ""
 
-    match(lambda key, other: key == other, "condition")
-    match(lambda key, other: key[:2] == other[:2], "condition")
+    match(lambda key, other: key[:2] == other[:2], *_CONDITION)
     match(lambda key, other: key[:2] == other[:2])
     match(lambda key, other: name(left.parts[key]) == name(right.parts[other]) != "")
-    match(lambda key, other: ends(key)[0] == ends(other)[0], "condition")
-    match(lambda key, other: ends(key)[1] == ends(other)[1], "condition")
+    match(lambda key, other: ends(key)[0] == ends(other)[0], *_CONDITION)
+    match(lambda key, other: ends(key)[1] == ends(other)[1], *_CONDITION)
     return found
 
 
@@ -263,13 +273,34 @@ def _ends_of(transition: Part) -> tuple[str, str]:
     return before, after
 
 
-def _names(owner: Part, keys: Iterable[Key]) -> str:
-    return ", ".join(_name_of(owner.parts[key], key) for key in keys)
+def _label(part: Part, key: Key) -> str:
+    """A part by its name; a transition without one by where it leads."""
+    return (_ends_of(part)[1] if key.kind == "transition" else "") or _name_of(part, key)
 
 
-def _labels(chart: Part, transitions: Iterable[Key]) -> str:
-    """Transitions that leave a step, by their names or by where they lead."""
-    return ", ".join(_ends_of(chart.parts[key])[1] or _name_of(chart.parts[key], key) for key in transitions)
+def _variables(owner: Part, section: str) -> Iterator[Key]:
+    """The variables of one kind of section."""
+    for key, part in owner.parts.items():
+        found = part.aspects.get("section")
+        if key.kind == "variable" and found is not None and found.raw == section:
+            yield key
+
+
+def _in_other_order(left: Sequence[Key], right: Sequence[Key], matched: dict[Key, Key]) -> tuple[list[Key], list[Key]]:
+    """The part of an order that is another on the right, of what both have, in both orders."""
+    before = [each for each in left if matched.get(each) in right]
+    there = {matched[each]: each for each in before}
+    after = [there[each] for each in right if each in there]
+    while before and before[0] == after[0]:
+        del before[0], after[0]
+    while before and before[-1] == after[-1]:
+        del before[-1], after[-1]
+    return before, after
+
+
+def _path(key: Key, part: Part) -> str:
+    """The place of a part: what has no name of its own has the path of what it is in."""
+    return ObjectPath.of(part.path) / key.kind if key.kind in _UNNAMED else part.path
 
 
 def word_of(kind: str) -> str:
@@ -287,3 +318,7 @@ def _around(change: Change) -> str:
 
 
 _CHARTS = ("chart", "partial chart", "macro-step")
+_UNNAMED = frozenset(
+    {"chart", "macro-step", "enclosed chart"}
+    | {f"permanent instruction {when} the sequence" for when in ("before", "after")}
+)

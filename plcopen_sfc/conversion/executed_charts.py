@@ -23,9 +23,9 @@ from plcopen_sfc.conversion.meaning import (
     plain,
 )
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks import NetworkExpression, condition_reader
+from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, transform
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody, StBody
@@ -33,6 +33,7 @@ from plcopen_sfc.model.conditions import Condition, Expression, NamedCondition
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step, Transition
+from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
 from plcopen_sfc.semantics.profile import ActionControl, Profile
@@ -105,6 +106,8 @@ class ChartReader:
                 keys[transition.id] = self._transition(part, transition)
         self._priorities(part, keys)
         self._settings(part)
+        if self.owner.detail and self.chart.logic:
+            part.tell("drawn logic", self._logic())
         operations = (("before", self.chart.permanent_pre), ("after", self.chart.permanent_post))
         for when, permanent in operations:
             for operation in permanent:
@@ -127,6 +130,9 @@ class ChartReader:
             part.tell("max time", duration_meaning(step.max_time))
         if self.owner.detail:
             part.tell("warning time", duration_meaning(step.warning_time))
+            for aspect, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
+                words = words_of(supervised.alarm) if supervised is not None else ""
+                part.tell(f"alarm of the {aspect}", Meaning.of(words) if words else None)
             self._tell_all(part, step)
         for aspect, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
             if supervised is not None and supervised.condition is not None:
@@ -389,11 +395,22 @@ class ChartReader:
         elif named and self.chart.graph_settings is None:  # it was no chart of S7-GRAPH before
             chart.tell(PLAIN_VARIABLES, Meaning.of(frozenset(map(str.casefold, named)), ", ".join(named)))
         graph = self.chart.graph_settings
-        if graph is not None and self.owner.profile.graph_parameters:
+        if self.is_written:
+            for settings in filter(None, (graph, self.chart.settings)):
+                for name in type(settings).model_fields:
+                    value = getattr(settings, name)
+                    words = {True: "on", False: "off"}[value] if isinstance(value, bool) else value
+                    chart.tell(name.replace("_", " "), Meaning.of(value, words) if isinstance(words, str) else None)
+        elif graph is not None and self.owner.profile.graph_parameters:
             for name, needs in _GRAPH_SETTINGS.items():
                 matters = not needs or any(getattr(step, needs) is not None for step in self.chart.steps)
                 if matters and getattr(graph, name):
                     chart.tell(name.replace("_", " "), Meaning.of(True, "on"))
+
+    def _logic(self) -> Meaning | None:
+        """What the logic drawn in the chart does besides feeding conditions."""
+        drawn = print_node(transform(chart_statements(self.chart, self.owner.dialect).tree, self.owner.named))
+        return Meaning(lambda: drawn, drawn, lambda: drawn, text=lambda: drawn) if drawn.strip() else None
 
     def _permanent(self, chart: Part, operation: PermanentOperation, when: str) -> None:
         code = self.owner.code(operation.body)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from typing import cast
 
 from plcopen_sfc.conversion.compared_start_values import StartValues
 from plcopen_sfc.conversion.executed_charts import ChartReader
@@ -24,11 +25,13 @@ from plcopen_sfc.conversion.meaning import (
     Meaning,
     address_meaning,
     code_meaning,
+    plain,
     type_meaning,
 )
 from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence
+from plcopen_sfc.languages.binding.symbols import NamedObject
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
@@ -44,7 +47,7 @@ from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.network import Block, Node
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
-from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task
+from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task, TaskWatchdog
 from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.types import (
@@ -61,7 +64,7 @@ from plcopen_sfc.model.types import (
     StructValue,
     Variable,
 )
-from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.profile import Profile, default_profile
 
 __all__ = ["executed"]
@@ -150,6 +153,8 @@ class _Reader:
         add_kept(self.whole, self.project, names.text_sites(), self.addresses)
         drawn = [text_site.text for text_site in names.text_sites() if isinstance(text_site.holder, Block)]
         self.whole.boxes = frozenset(map(plain_name, drawn))
+        if self.detail is Detail.WRITTEN:
+            self._lists()
         if self.detail:
             return self.whole
         self._calls_of_programs(names)
@@ -290,6 +295,17 @@ class _Reader:
             for constant in table.constants:
                 self._variable(self.whole, "global variable", constant, VariableSection(constant=True), "")
 
+    def _lists(self) -> None:
+        """Note the lists of global variables and the data blocks by what they declare."""
+        lists: list[VariableSection | DataBlock] = [s for s in self.project.global_sections() if s.name]
+        for thing in (*lists, *self.project.data_blocks):
+            kind = "data block" if isinstance(thing, DataBlock) else "list of global variables"
+            part = self.whole.add(kind, thing.name or "", f"{kind} {thing.name}", cast("NamedObject", thing))
+            self.tell_comment(part, thing)
+            declaring = thing.interface if isinstance(thing, DataBlock) else Interface(sections=[thing])
+            names = [variable.name.casefold() for variable in declaring.variables()] if declaring is not None else []
+            part.tell("variables", Meaning.of(frozenset(names)))
+
     def _local(self, part: Part, pou: Pou, kind: str, variable: Variable, section: VariableSection) -> None:
         """A variable of a POU; one that is a tag in S7 is global wherever it is."""
         tag = self.tags.get(pou.name.casefold(), {}).get(variable.name.casefold())
@@ -415,6 +431,9 @@ class _Reader:
         if schedule.kind:
             part.tell("kind of task", Meaning.of(schedule.kind.casefold(), schedule.kind))
         part.tell("priority", Meaning.of(task.priority))
+        watchdog = task.settings.watchdog if task.settings is not None else None
+        if self.detail is Detail.WRITTEN and watchdog is not None:
+            part.tell("watchdog", Meaning.of(plain(watchdog), _shown_watchdog(watchdog)))
         for instance in task.instances:
             self._instance(part, instance, f"task {task.name} / ", shared)
 
@@ -428,6 +447,8 @@ class _Reader:
         program = self._program(instance)
         part = owner.add("program instance", program, f"{around}program instance {instance.name}")
         part.tell("program", Meaning.of(program, instance.type_name or instance.name))
+        if self.detail is Detail.WRITTEN and instance.type_name and not self._is_codesys_file:
+            part.tell("name", Meaning.of(instance.name.casefold(), instance.name))
         if program in shared:
             memory = "shared by all calls" if self._is_of_codesys else "its own"
             part.tell("variables", Meaning.of(memory))
@@ -443,6 +464,8 @@ class _Reader:
         self.tell_comment(part, pou)
         is_program = pou.kind is PouKind.FUNCTION_BLOCK and pou.name.casefold() in self.programs.values()
         part.tell("kind", Meaning.of(PouKind.PROGRAM.value if is_program else pou.kind.value))
+        if self.detail is Detail.WRITTEN:
+            part.tell("number", Meaning.of(pou.number) if pou.number is not None else None)
         tell_inheritance(part, pou)
         if pou.interface is not None:
             self._result(part, pou.interface.return_type)
@@ -492,6 +515,11 @@ class _Reader:
             part.tell(f"code {number + 1}" if number else "code", meaning)
             if self.detail is Detail.WRITTEN and meaning is not None:
                 part.tell(f"language {number + 1}" if number else "language", Meaning.of(body.language))
+
+
+def _shown_watchdog(watchdog: TaskWatchdog) -> str:
+    time = f"{watchdog.time or ''}{watchdog.time_unit or ''}"
+    return " ".join(filter(None, ("on" if watchdog.enabled else "off", time, watchdog.sensitivity)))
 
 
 def _called_alone(node: Node) -> str:

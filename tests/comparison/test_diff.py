@@ -252,6 +252,50 @@ class TestProject:
             "task Cyclic20ms: priority 1 -> 4",
         ]
 
+    def test_lists_of_global_variables(self, sides):
+        before, after = sides
+        after.rename("GVL_IO", "IO")
+        sections = {section.name: section for section in after.global_sections()}
+        sections["GVL_HMI"].variables.append(sections["IO"].variables.pop(0))
+        assert told(sfc.diff(before, after)) == [
+            "global variable IO.B1_InfeedOccupied: CONSTANT",
+            "global variable IO.B1_InfeedOccupied: list IO -> GVL_HMI",
+            "list of global variables IO: renamed, was GVL_IO",
+        ]
+
+    def test_the_order_of_parameters_and_members(self, sides):
+        before, after = sides
+        inputs = after.pou("FB_Pusher").interface.sections[0].variables
+        inputs[1], inputs[2] = inputs[2], inputs[1]
+        after.pou("FB_Pusher").interface.sections[-1].variables.reverse()  # nobody passes these in order
+        next(each for each in after.data_types if each.name == "ST_PartCount").type.members.reverse()
+        lines = told(sfc.diff(before, after))
+        assert lines[0] == ("POU FB_Pusher: order of input variables xInterlock, xQuit -> xQuit, xInterlock")
+        assert [line.partition(": ")[2][:17] for line in lines[1:]] == ["order of members "]
+
+    def test_settings_transitions_and_numbers_of_tia(self):
+        before, after = loaded("simaticml-plc"), loaded("simaticml-plc")
+        pou = after.pou("FB_Drilling")
+        after.rename("FB_Drilling.T_Deep", "T_Down")
+        after.rename("Production", "Data")
+        pou.chart.graph_settings.with_alarm_handling = False
+        pou.number = 77
+        assert told(sfc.diff(before, after)) == [
+            "POU FB_Drilling / chart: with alarm handling on -> off",
+            "POU FB_Drilling / transition T_Down: renamed, was T_Deep",
+            "POU FB_Drilling: number 20 -> 77",
+            "data block Data: renamed, was Production",
+        ]
+
+    def test_logic_that_is_drawn_in_a_chart(self):
+        before, after = (loaded("plcopen/filling_station_2.01.xml") for _ in range(2))
+        logic = after.pou("FillingStation").chart.logic
+        target = next(node for node in logic if node.kind == "output")
+        target.expression = "Zz9"
+        (change,) = sfc.diff(before, after).changes
+        assert (change.place, change.aspect) == ("POU FillingStation / chart", "drawn logic")
+        assert any("Zz9" in line for line in change.lines)
+
     def test_two_projects_are_needed(self, sides):
         with pytest.raises(ArgumentError, match="two projects"):
             sfc.diff(sides[0], "codesys/sorting_conveyor.xml")
