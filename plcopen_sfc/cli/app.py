@@ -43,9 +43,10 @@ def _app() -> typer.Typer:
         _simulate,
         _lower,
         _draw,
+        _git_setup,
         _schema,
     ):
-        app.command(command.__name__.removeprefix("_"))(command)
+        app.command(command.__name__.removeprefix("_").replace("_", "-"))(command)
     return app
 
 
@@ -349,6 +350,23 @@ def _draw(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import draw  # noqa: PLC0415
 
         screen.exit_code = draw.run(screen, file, target, pou=pou, style=style, theme=theme, format=to)
+
+
+def _git_setup(
+    patterns: o.Patterns = None,
+    undo: o.Undo = False,
+    as_json: o.AsJson = False,
+    quiet: o.Quiet = False,
+    verbose: o.Verbose = 0,
+) -> None:
+    """Let git diff show changes in the words of charts.
+
+    Writes lines to .gitattributes and to the configuration of the repository that you are in.
+    """
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import git_setup  # noqa: PLC0415
+
+        screen.exit_code = git_setup.run(screen, patterns or [], undo=undo)
 
 
 def _schema(quiet: o.Quiet = False, verbose: o.Verbose = 0) -> None:

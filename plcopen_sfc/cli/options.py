@@ -131,6 +131,12 @@ Prove = Annotated[bool, _option("--prove", "Run changed charts against each othe
 ProveLimit = Annotated[str, _option("--limit", "With --prove, run a chart for no longer than this.", "TIME")]
 ExitCode = Annotated[bool, _option("--exit-code", "End with exit code 1 if there are differences.")]
 
+Patterns = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[PATTERN]...", help="The files to compare so. The default are those of all formats."),
+]
+Undo = Annotated[bool, _option("--undo", "Take out again what was written.")]
+
 # -- renaming ---------------------------------------------------------------------------------------------------------
 
 OldName = Annotated[str, typer.Argument(metavar="OLD", help="What to rename: Main, Main.S3, GVL.x, Type.member.")]

@@ -71,8 +71,10 @@ class Change:
             end = " added" if self.before is None else " removed" if self.after is None else ""
             return self.aspect + end
         if self.before == self.after:
-            return f"{self.aspect} differs in what has no text"
-        tells_itself = self.aspect in _TELL_THEMSELVES
+            is_program = "\n" in (self.before or "\n") or self.aspect.startswith("code")
+            told = "differs in what is no text" if is_program else f"{self.before} means something else"
+            return f"{self.aspect} {told}"
+        tells_itself = self.aspect in (*_TELL_THEMSELVES, self.before, self.after)
         aspect = "" if tells_itself else f"{self.aspect} "
         if self.before is None:
             return f"{self.after}" if tells_itself else f"{aspect}{self.after} added"

@@ -23,7 +23,7 @@ from plcopen_sfc.conversion.meaning import (
     plain,
 )
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader
+from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader, normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
@@ -409,8 +409,12 @@ class ChartReader:
 
     def _logic(self) -> Meaning | None:
         """What the logic drawn in the chart does besides feeding conditions."""
-        drawn = print_node(transform(chart_statements(self.chart, self.owner.dialect).tree, self.owner.named))
-        return Meaning(lambda: drawn, drawn, lambda: drawn, text=lambda: drawn) if drawn.strip() else None
+        drawn = chart_statements(self.chart, self.owner.dialect).tree
+        text = print_node(drawn)
+        meaning = Meaning(
+            lambda: text, text, lambda: print_node(transform(normal_form(drawn), self.owner.named)), text=lambda: text
+        )
+        return meaning if text.strip() else None
 
     def _permanent(self, chart: Part, operation: PermanentOperation, when: str) -> None:
         code = self.owner.code(operation.body)

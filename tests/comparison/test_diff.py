@@ -17,13 +17,13 @@ from tests.sweeps import some_of
 
 @dataclass(frozen=True)
 class Places:
-    """Where a fixture is edited. `row` is an action of a step, `condition` a transition and its expression."""
+    """Where a fixture is edited. `row` is an action of a step, `condition` a transition with its expression."""
 
     file: str
     pou: str
     renamed: str
     timed: str
-    row: tuple[str, str]
+    row: tuple[str, str] | None
     selection: str
     variable: str
     code: str
@@ -42,6 +42,8 @@ PLACES = [
            "Measure", "bFault", "PLC_PRG.ACT_Classify", ("CycleEnd -> Idle", "GVL_IO.S2_Stop")),
     Places("twincat/press_station.xml", "FB_Press", "Close", "Jog", ("HoldForce", "bDone"),
            "Init_Press", "bSetup", "FB_Press.ACT_Open", ("Finish -> Init_Press", "NOT bExecute")),
+    Places("codesys23/distribution_belt.EXP", "Ablauf", "Warten", "Zu_Platz3", None,
+           "Pruefen", "Gependelt", "Ablauf.Zaehlen", ("Bereit -> Zu_Platz3", "S1_Start AND Platz1")),
     Places("iectext/mixing_plant.st", "Mixer", "Done", "Drain", ("Stir", "M1_Rührer"),
            "Fill", "LevelLow", "Mixer.CountBatch", ("Stir+Signal -> Drain", "Stir.T >= tStir")),
     Places("simaticml-plc", "FB_Drilling", "Lift", "Clamp", ("Cool", "#coolant"),
@@ -70,12 +72,13 @@ def edits(project: sfc.Project, at: Places) -> Iterator[str]:
     timed = chart.step(at.timed)
     before, timed.max_time = timed.max_time, "T#17s"
     yield f"{main} / step {at.timed}: maximum time " + (f"{before} -> T#17s" if before else "T#17s added")
-    step, target = at.row
-    row = next(row for row in chart.step(step).actions if row.target == target)
-    action = f"{main} / step {step} / action {target.strip('#')}"
-    yield f"{action}: time {row.duration} -> T#61s"
-    yield f"{action}: qualifier {row.qualifier} -> SD"
-    row.duration, row.qualifier = "T#61s", "SD"
+    if at.row is not None:
+        step, target = at.row
+        row = next(row for row in chart.step(step).actions if row.target == target)
+        action = f"{main} / step {step} / action {target.strip('#')}"
+        yield f"{action}: time {row.duration} -> T#61s"
+        yield f"{action}: qualifier {row.qualifier} -> SD"
+        row.duration, row.qualifier = "T#61s", "SD"
     competing = chart.outgoing(chart.step(at.selection))
     targets = [each.name or "+".join(chart.step(i).name for i in each.targets) for each in competing]
     for priority, transition in enumerate(reversed(competing), start=1):

@@ -1,0 +1,84 @@
+"""git-setup: git diff shows changes in the words of charts, until that is undone; hooks for pre-commit."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from plcopen_sfc.cli import main
+
+ROOT = Path(__file__).resolve().parents[2]
+pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="needs git")
+
+
+def git(*arguments: str) -> str:
+    author = ("-c", "user.name=A", "-c", "user.email=a@example.org", "-c", "core.autocrlf=false")
+    return subprocess.run(["git", *author, *arguments], capture_output=True, encoding="utf-8", check=True).stdout
+
+
+@pytest.fixture
+def repository(tmp_path, monkeypatch):
+    """A repository with a chart and another XML file, as the working folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    git("init", "--quiet")
+    shutil.copy(ROOT / "fixtures" / "training-chain" / "codesys.xml", "chain.xml")
+    Path("pom.xml").write_text("<project>\n  <a/>\n</project>\n", encoding="utf-8")
+    git("add", ".")
+    git("commit", "--quiet", "-m", "first")
+    return tmp_path
+
+
+@pytest.mark.slow
+def test_git_diff_shows_changes_of_charts_and_lines_of_other_files(repository, cli):
+    assert cli("git-setup", "*.xml").code == 0
+    assert (repository / ".gitattributes").read_bytes() == b"*.xml diff=plcopen-sfc\n"
+    assert cli("rename", "chain.xml", "Ablauf.S2", "Fill").code == 0
+    assert git("diff", "chain.xml").splitlines() == ["chain.xml", "POU Ablauf", "  step Fill: renamed, was S2"]
+    assert git("difftool", "-y", "-t", "plcopen-sfc", "chain.xml").splitlines()[-1] == "  step Fill: renamed, was S2"
+    (repository / "pom.xml").write_text("<project>\n  <b/>\n</project>\n", encoding="utf-8")
+    assert "+  <b/>" in git("diff", "pom.xml").splitlines()
+    shutil.copy("chain.xml", "new.xml")
+    git("add", "new.xml")
+    assert "POU Ablauf: added (functionBlock)" in git("diff", "--cached", "new.xml")
+    assert cli("git-setup", "--undo").code == 0
+    assert not (repository / ".gitattributes").exists()
+    assert "plcopen" not in (repository / ".git" / "config").read_text(encoding="utf-8")
+    assert git("diff", "chain.xml").startswith("diff --git")
+
+
+def test_other_lines_stay_as_they_are(repository, cli):
+    attributes = repository / ".gitattributes"
+    attributes.write_bytes(b"*.png binary\r\n*.exp -text")
+    outcome = cli("git-setup", "--json")
+    found = json.loads(outcome.out)
+    assert "*.xml diff=plcopen-sfc" in found["lines"]
+    assert attributes.read_bytes().startswith(b"*.png binary\r\n*.exp -text\r\n*.xml diff=plcopen-sfc\r\n")
+    written = attributes.read_bytes()
+    assert cli("git-setup").code == 0  # twice is once
+    assert attributes.read_bytes() == written
+    assert cli("git-setup", "--undo").code == 0
+    assert attributes.read_bytes() == b"*.png binary\r\n*.exp -text\r\n"
+
+
+def test_outside_of_a_repository_it_is_an_error(tmp_path, monkeypatch, cli):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
+    outcome = cli("git-setup")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "Run this in a repository of git." in outcome.err
+
+
+def test_the_hooks_of_pre_commit_are_commands(capsys):
+    hooks = (ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8")
+    for entry in re.findall(r"^  entry: (.*)$", hooks, re.MULTILINE):
+        program, *arguments = entry.split()
+        assert program == "plcopen-sfc"
+        assert main([*arguments, str(ROOT / "fixtures" / "training-chain" / "codesys.xml")]) == 0
+        assert main([*arguments, str(ROOT / "fixtures" / "broken" / "truncated.xml")]) == 2
+        capsys.readouterr()
