@@ -20,6 +20,7 @@ from plcopen_sfc.formats.provenance import as_in_file, place_in_folder
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.project import FileHeader, Project
 from plcopen_sfc.model.project_object import ProjectObject
+from plcopen_sfc.model.variables import VariableSection
 
 if TYPE_CHECKING:
     from plcopen_sfc.formats.xml.xml_codec import FolderCodec
@@ -192,12 +193,13 @@ def plan_like(project: Project, source: FolderSource, kind: Format, *, is_own: b
             claimed.add(place)
             staying[place[0]].append(thing)
     names = FileNames([*source.others, *source.unreadable] if is_own else ())
-    frames = _frames(project, source)
+    frames = _frames(project, source, kind)
     planned: list[PlannedDocument] = []
     moving: list[PlannedDocument] = []
     for path, things in staying.items():
         document = source.documents[path]
-        if document.objects and not things and _has_objects_only(frames[path]):
+        was_of_objects = bool(document.objects) or not _has_objects_only(document.frame)
+        if was_of_objects and not things and _has_objects_only(frames[path]):
             continue
         here = _parent(path)
         away = [thing for thing in things if thing.folder not in (None, here)]
@@ -215,7 +217,7 @@ def plan_like(project: Project, source: FolderSource, kind: Format, *, is_own: b
     planned += moving
     codec = cast("FolderCodec", kind.codec())
     if None in frames:
-        planned.append(_project_document(names, kind, frames[None]))
+        planned += _project_documents(names, kind, frames[None], source.version)
     planned += [
         PlannedDocument(_free_path(names, kind, thing), [thing], codec.new_document(source.version)) for thing in new
     ]
@@ -228,7 +230,7 @@ def plan_new(project: Project, kind: Format, version: str) -> list[PlannedDocume
     codec = cast("FolderCodec", kind.codec())
     planned: list[PlannedDocument] = []
     if not _has_objects_only(project) or project.header != codec.new_document(version).header:
-        planned.append(_project_document(names, kind, with_objects(project, ())))
+        planned += _project_documents(names, kind, with_objects(project, ()), version)
     planned += [
         PlannedDocument(_free_path(names, kind, thing), [thing], codec.new_document(version))
         for thing in project.objects()
@@ -239,13 +241,28 @@ def plan_new(project: Project, kind: Format, version: str) -> list[PlannedDocume
     return planned
 
 
-def _project_document(names: FileNames, kind: Format, frame: Project) -> PlannedDocument:
-    return PlannedDocument(names.free("", PROJECT_DOCUMENT, kind.extensions[0]), [], frame)
+def _project_documents(names: FileNames, kind: Format, frame: Project, version: str) -> list[PlannedDocument]:
+    """Plan documents for what belongs to no object: one, or one for each list of global variables."""
+    codec = cast("FolderCodec", kind.codec())
+    folder = codec.list_folder()
+    if folder is None:
+        return [PlannedDocument(names.free("", PROJECT_DOCUMENT, kind.extensions[0]), [], frame)]
+    lists: dict[str, list[VariableSection]] = {}
+    for section in frame.global_variables:
+        lists.setdefault(section.name or "", []).append(section)
+    planned: list[PlannedDocument] = []
+    for name, sections in lists.items():
+        document = codec.new_document(version)
+        document.global_variables = sections
+        planned.append(PlannedDocument(names.free(folder, name, codec.extension(document)), [], document))
+    return planned
 
 
 def _free_path(names: FileNames, kind: Format, thing: ProjectObject) -> str:
-    folder = thing.folder if thing.folder is not None else cast("FolderCodec", kind.codec()).standard_folder(thing)
-    return names.free(legal_folder(folder), thing.name, kind.extensions[0])
+    codec = cast("FolderCodec", kind.codec())
+    folder = thing.folder if thing.folder is not None else codec.standard_folder(thing)
+    extension = codec.extension(with_objects(Project(), [thing])) or kind.extensions[0]
+    return names.free(legal_folder(folder), thing.name, extension)
 
 
 def _parent(path: str) -> str:
@@ -259,7 +276,7 @@ def _has_objects_only(frame: Project) -> bool:
     return is_bare(frame) and (carried is None or not (carried.elements or carried.data))
 
 
-def _frames(project: Project, source: FolderSource) -> dict[str | None, Project]:
+def _frames(project: Project, source: FolderSource, kind: Format) -> dict[str | None, Project]:
     """Return each document without its objects, with the edits of the project in it; None: a new document.
 
     An edit of what belongs to the project goes into the document that had it, or the first that speaks for the project.
@@ -271,6 +288,9 @@ def _frames(project: Project, source: FolderSource) -> dict[str | None, Project]
     if "header" in edited:
         _edit_headers(frames, project, source)
         edited.remove("header")
+    if "global_variables" in edited and cast("FolderCodec", kind.codec()).list_folder() is not None:
+        _edit_lists(frames, project)
+        edited.remove("global_variables")
     for name in edited:
         plain = Project.model_fields[name].get_default(call_default_factory=True)
         owner = next((path for path in frames if _content(frames[path], name) != plain), None)
@@ -284,6 +304,17 @@ def _frames(project: Project, source: FolderSource) -> dict[str | None, Project]
                 update={name: _edited_extension_data(frame, value) if name == "carried" else value}
             )
     return frames
+
+
+def _edit_lists(frames: dict[str | None, Project], project: Project) -> None:
+    """Put the lists of global variables into the documents that have those of their names; None: new lists."""
+    homes = {section.name: path for path, frame in frames.items() for section in frame.global_variables}
+    lists: dict[str | None, list[VariableSection]] = {path: [] for path in frames}
+    for section in project.global_variables:
+        lists.setdefault(homes.get(section.name), []).append(section)
+    for path, sections in lists.items():
+        frame = frames.get(path) or Project(dialect=project.dialect)
+        frames[path] = frame.model_copy(update={"global_variables": sections})
 
 
 def _content(frame: Project, name: str) -> Any:

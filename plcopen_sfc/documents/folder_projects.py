@@ -7,6 +7,7 @@ docs/decisions/0012.
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
@@ -68,8 +69,8 @@ def load_folder(
     A document that cannot be read does not keep the others from it: it is an error in `Project.diagnostics`. Raises
     `FileAccessError` where the folder cannot be read, `UnknownFormatError` where it has no document that can be.
     """
-    kind = _folder_format(folder, format)
     scan = _Scan(Path(folder))
+    kind = _folder_format(folder, format, scan.files)
     source = FolderSource(kind.name, "", folder, {}, {}, {}, [], [])
     things: list[ProjectObject] = []
     source.unreadable.update(scan.failures)
@@ -85,21 +86,24 @@ def load_folder(
                 source.unreadable[name] = SfcError(f"the document takes more {what} than there is", location=place)
     source.others += scan.links
     if not source.documents:
-        raise _no_document(source, kind)
+        raise _no_document(source, [kind] if format is not None else [each for each in FORMATS if each.folders])
     frame = merged(source.documents, kind)
     project = with_objects(frame, things)
     project.adopt()
-    source.version = frame.header.version if frame.header.version in kind.versions else kind.versions[-1]
+    newest = kind.versions[-1] if kind.versions else ""
+    source.version = frame.header.version if frame.header.version in kind.versions else newest
     source.shared = shared_fields(project)
     source.own_diagnostics += _findings(source, project)
     project.source = source
     return project
 
 
-def _folder_format(folder: str, format: str | None) -> Format:
+def _folder_format(folder: str, format: str | None, files: list[str]) -> Format:
+    """Return the format of a folder: the one named, else that of which it has the most files by their names."""
     known = [kind for kind in FORMATS if kind.folders]
     if format is None:
-        return known[0]
+        endings = Counter(PurePosixPath(name).suffix.casefold() for name in files)
+        return max(known, key=lambda kind: sum(endings[ending] for ending in kind.extensions))
     kind = format_named(format)[0]
     if not kind.folders:
         names = ", ".join(each.name for each in known)
@@ -185,18 +189,18 @@ def place_objects(things: Iterable[ProjectObject], name: str) -> None:
         put_in_folder(thing, name, place, "" if folder == "." else folder)
 
 
-def _no_document(source: FolderSource, kind: Format) -> SfcError:
+def _no_document(source: FolderSource, kinds: list[Format]) -> SfcError:
     if source.unreadable:
         count = len(source.unreadable)
         first = next(iter(source.unreadable.values()))
         message = f"none of the {count} documents in this folder can be read; the first: {first.message}"
         return FileAccessError(message, location=Location(source.path), hint=first.hint)
-    message = f"the folder has no document of {kind.name}"
+    message = f"the folder has no document of {' or '.join(kind.name for kind in kinds)}"
     known = next((known for name in source.others if (known := named_like(name)) is not None), None)
     if known is not None:
         message = f"{message}; a file in it is {known.title}, which is not read"
         return UnreadFormatError(message, location=Location(source.path), hint=known.advice)
-    hint = "Folders are read as exports of TIA Portal Openness; name files of other formats one by one."
+    hint = "Folders are read as exports of TIA Portal Openness, or as projects of TwinCAT; name other files one by one."
     return UnknownFormatError(message, location=Location(source.path), hint=hint)
 
 
@@ -362,7 +366,8 @@ def _encode(
     """Return the bytes of each document, by path."""
 
     def write(document: PlannedDocument) -> bytes:
-        wanted = name if document.source is not None or name != source.format else f"{name}-{source.version}"
+        new = document.source is None and name == source.format and source.version
+        wanted = f"{name}-{source.version}" if new else name
         data, found = encode(document.project(), wanted, flavour=flavour, fresh=fresh)
         report.extend(found.items)
         report.unchanged = report.unchanged and found.unchanged and document.path == document.source

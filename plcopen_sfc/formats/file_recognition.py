@@ -53,8 +53,8 @@ _OPENNESS = (
 )
 _CODESYS = "Open it in CODESYS, then Project > Export PLCopenXML."
 _TWINCAT = (
-    "In the Solution Explorer of TwinCAT: context menu of the PLC project (NAME Project) or of a folder in it > "
-    "Export PLCopenXML."
+    "Give the folder of the PLC project, whose .TcPOU, .TcGVL and .TcDUT files are read. Or in the Solution Explorer "
+    "of TwinCAT: context menu of the PLC project (NAME Project) or of a folder in it > Export PLCopenXML."
 )
 _SCHNEIDER = "Control Expert has no export to PLCopen XML; nothing that it exports is read yet."
 _ROCKWELL = "Studio 5000 exports charts as L5X and L5K only, and neither is read yet."
@@ -80,12 +80,6 @@ class UnreadFormat:
 
 
 UNREAD: tuple[UnreadFormat, ...] = (
-    UnreadFormat(
-        "an object of a TwinCAT 3 project (TcPOU, TcDUT, TcGVL)",
-        _TWINCAT,
-        root="TcPlcObject",
-        extensions=(".tcpou", ".tcdut", ".tcgvl", ".tcio"),
-    ),
     UnreadFormat(
         "a project of TwinCAT",
         _TWINCAT,

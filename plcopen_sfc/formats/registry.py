@@ -18,6 +18,10 @@ def _is_codesys(head: FileHead) -> bool:
     return _is_tc6(head) and not head.xhtml_prefix and head.mentions("http://www.3s-software.com/plcopenxml/")
 
 
+def _is_twincat(head: FileHead) -> bool:
+    return head.root == "TcPlcObject"
+
+
 def _is_native(head: FileHead) -> bool:
     return head.text.lstrip().startswith("{") and '"plcopen_sfc"' in head.text[:2000]
 
@@ -146,6 +150,21 @@ FORMATS: tuple[Format, ...] = (
         folders=True,
     ),
     Format(
+        name="twincat",
+        title="TwinCAT 3 project files (.TcPOU)",
+        tool="TwinCAT",
+        module="plcopen_sfc.formats.twincat.twincat_codec",
+        extensions=(".tcpou", ".tcgvl", ".tcdut", ".tcio"),
+        recognises=_is_twincat,
+        capabilities=("steps", "step actions", "associations", "times", "flags", "comments", "branches"),
+        xml=True,
+        drawing=DrawingNeed.STRUCTURED,
+        dialect=Dialect.CODESYS,
+        networks=NetworkForm.STATEMENTS,
+        folders=True,
+        one_sheet=True,
+    ),
+    Format(
         name="json",
         title="the model itself",
         tool="",
@@ -235,7 +254,7 @@ def _unknown(name: object) -> UnknownFormatError:
 
 _TOOLS = (
     ("tia tiaportal openness step7 s7graph graph siemens", "TIA Portal", "simaticml; program text alone is scl"),
-    ("twincat twincat3 tc3 beckhoff tcpou", "TwinCAT 3", "codesys (its PLCopen XML)"),
+    ("twincat3 tc3 beckhoff tcpou", "TwinCAT 3", "twincat (the files of its projects), codesys (its PLCopen XML)"),
     ("codesys2 codesysv2 twincat2 tc2 exp", "CoDeSys 2.3", "codesys23"),
     ("codesys3 codesysv3 3s", "CODESYS V3", "codesys (its PLCopen XML)"),
     ("beremiz openplc", "Beremiz", 'plcopen, written with --for beremiz (flavour="beremiz")'),

@@ -16,6 +16,7 @@ from plcopen_sfc.languages.st.nodes import EmbeddedCode
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import Dimension
 
 _ESCAPED = {
     "<": "(?:&lt;|<)",
@@ -92,11 +93,16 @@ def _parsed(project: Project) -> Iterator[tuple[TextSite, Parsed[Any]]]:
     for text_site in text_sites(project):
         if text_site.reading is SiteKind.STATEMENTS:
             yield text_site, _statements(text_site.text, project.dialect)
-        elif text_site.is_program_text:
+        elif text_site.is_program_text and not _is_any_size(text_site):
             parse = parse_condition if isinstance(text_site.holder, Expression) else parse_expression
             yield text_site, parse(text_site.text, project.dialect)
         elif text_site.reading is SiteKind.DECLARATIONS:
             yield text_site, parse_declarations(text_site.text, project.dialect)
+
+
+def _is_any_size(text_site: TextSite) -> bool:
+    """True for the bounds of ``ARRAY [*]``, which are no expression."""
+    return isinstance(text_site.holder, Dimension) and text_site.text == "*"
 
 
 def _statements(text: str, dialect: Dialect) -> Parsed[Any]:

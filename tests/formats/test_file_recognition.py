@@ -18,7 +18,6 @@ UNIT = "PROGRAM Main\nVAR\n  x : INT;\nEND_VAR\nx := 1;\nEND_PROGRAM\n"
 STL = 'FUNCTION_BLOCK "Pump"\nTITLE =\nVERSION : 0.1\n\nBEGIN\nNETWORK\nTITLE =Start\n      U     E 0.0;\n'
 
 FILES = {
-    "Main.TcPOU": ('<TcPlcObject Version="1.1.0.1"><POU Name="Main"/></TcPlcObject>', "Export PLCopenXML"),
     "Plant.tsproj": ("<TcSmProject/>", "Export PLCopenXML"),
     "Old.pro": ("\0\1\2", "V2.3 Converter"),
     "Plant.export": ("<ExportFile><StructuredView/></ExportFile>", "Project > Export PLCopenXML instead"),
@@ -90,8 +89,8 @@ def test_exports_of_codesys_2_3_are_no_iec_text(name: str, text: str) -> None:
 
 
 def test_a_folder_of_another_tool_is_refused_as_its_files_are(tmp_path: Path) -> None:
-    (tmp_path / "Main.TcPOU").write_text(FILES["Main.TcPOU"][0])
-    with pytest.raises(UnreadFormatError, match="TwinCAT 3"):
+    (tmp_path / "Plant.tsproj").write_text(FILES["Plant.tsproj"][0])
+    with pytest.raises(UnreadFormatError, match="a project of TwinCAT"):
         sfc.load(tmp_path)
 
 
@@ -138,7 +137,7 @@ def test_our_own_fixtures_are_read() -> None:
 @pytest.mark.corpus
 def test_real_files_of_tools_that_are_not_read() -> None:
     require_corpus()
-    kinds = {"twincat": ".tcpou", "l5x": ".l5x", "deltav": ".fhx", "schneider": ".xml"}
+    kinds = {"l5x": ".l5x", "deltav": ".fhx", "schneider": ".xml"}
     kinds |= {"grafcet": ".grafcet", "simaticml": ".s7dcl"}
     for kind, extension in kinds.items():
         files = [path for path in corpus_files(kind) if path.suffix.lower() == extension]

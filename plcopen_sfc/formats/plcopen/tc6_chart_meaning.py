@@ -53,6 +53,13 @@ class DrawnChart:
         if "id" in fields:
             self.elements[fields["id"]] = element
 
+    def take(self, element: etree._Element, symbol: Fields) -> None:
+        """Take in a symbol that has its id, which no other has."""
+        self.ids.used.add(symbol["id"])
+        self.document_order.append(symbol)
+        self.symbols.append(symbol)
+        self.elements.setdefault(symbol["id"], element)
+
     def interpret(self) -> Fields:
         """Return the fields of the chart; what is wrong with it goes to the context."""
         self.ids.settle()

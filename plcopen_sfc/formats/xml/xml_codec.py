@@ -62,6 +62,14 @@ class FolderCodec(XmlCodec):
         """Return objects for the tool that `project` has otherwise; a reader does not make them its own."""
         return ()
 
+    def extension(self, document: Project) -> str:
+        """Return the extension of the file for a document; empty: that of the format."""
+        return ""
+
+    def list_folder(self) -> str | None:
+        """Return the folder for lists of global variables, each in a document of its own; None: they have none."""
+        return None
+
 
 @dataclass(frozen=True, slots=True)
 class XmlStyle:

@@ -1,0 +1,391 @@
+"""Writer of charts as archives of TwinCAT 3. The reader is `chart_reader`.
+
+The drawing of a chart, in which every divergence has its convergence, is cut into the segments and branches of the
+archive. Elements have the ids of the model as their numbers; segments and attributes, which are nothing in the model,
+keep the numbers of the file that is patched, and get new ones behind all others where they have none there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.formats.twincat.chart_elements import (
+    ASSOCIATION,
+    BRANCH,
+    ELEMENTS,
+    JUMP,
+    MACRO,
+    SEGMENT,
+    STEP,
+    TRANSITION,
+    add_descriptions,
+    attribute_numbers,
+    written_attribute,
+)
+from plcopen_sfc.formats.twincat.chart_reader import LIBRARY, SWITCHES, VARIABLE_NAME
+from plcopen_sfc.formats.twincat.kept_data import kept_in
+from plcopen_sfc.formats.twincat.object_archive import (
+    add_dictionary,
+    add_list,
+    add_none,
+    add_text,
+    add_value,
+    archive_of,
+    items,
+    member,
+    new_object,
+    number_of,
+    type_of,
+)
+from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.drawing import Symbol, SymbolKind
+from plcopen_sfc.model.sfc import RuntimeLibrary, SfcNetwork, SfcSettings, Step, Transition
+from plcopen_sfc.report import Outcome
+
+Note = Callable[[Outcome, str, str, str], None]
+"""Reports what became of something at a place in the chart: outcome, what, place, why."""
+
+_STEPS = frozenset({SymbolKind.STEP, SymbolKind.MACRO_STEP})
+_DIVERGENCES = frozenset({SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SIMULTANEOUS_DIVERGENCE})
+_CONVERGENCES = frozenset({SymbolKind.SELECTION_CONVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE})
+_FLOW = _STEPS | _DIVERGENCES | _CONVERGENCES | {SymbolKind.TRANSITION, SymbolKind.JUMP}
+_NUMBERED = _DIVERGENCES | {SymbolKind.JUMP}
+"""The symbols that are elements of the archive, besides steps and transitions."""
+_NO_PLACE = "charts of TwinCAT are nested branches from one start on, and this is in none of them"
+
+
+class ArchiveNumbers:
+    """Numbers of what is nothing in the model: segments, by the first element in them, and attributes of elements.
+
+    `archive` is that of the file which is patched, `chart` the one that is written.
+    """
+
+    def __init__(self, archive: etree._Element | None, chart: SfcNetwork) -> None:
+        self._attributes: dict[tuple[int, str], int] = {}
+        self._segments: dict[int, int] = {}
+        self.bare: set[int] = set()
+        """The elements that have no attributes in the file; older versions wrote segments so."""
+        used = [step.id for step in chart.steps] + [transition.id for transition in chart.transitions]
+        used += [association.id for _, association in chart.associations()]
+        symbols = chart.drawing.symbols if chart.drawing is not None else []
+        used += [symbol.id for symbol in symbols if symbol.kind in _NUMBERED]
+        for element in archive.iter("o") if archive is not None else ():
+            number = number_of(member(element, "Id"))
+            if number is None:
+                continue
+            used.append(number)
+            kind = type_of(element)
+            if kind in ELEMENTS:
+                own = dict(attribute_numbers(element))
+                self._attributes |= {(number, guid): mine for guid, mine in own.items()}
+                self.bare |= set() if own else {number}
+            held = member(element, "ElementList") if kind == SEGMENT else None
+            first = next(iter(items(held, "InnerList")), None) if held is not None else None
+            if first is not None and (inner := number_of(member(first, "Id"))) is not None:
+                self._segments[inner] = number
+        self._next = max(used, default=-1) + 1
+
+    def new(self) -> int:
+        """Return a number that nothing has."""
+        self._next += 1
+        return self._next - 1
+
+    def segment(self, first: int | None) -> int:
+        """Return the number of the segment that begins with the element `first`."""
+        known = self._segments.get(first) if first is not None else None
+        return known if known is not None else self.new()
+
+    def attribute(self, element: int, guid: str) -> int:
+        """Return the number of an attribute of an element."""
+        known = self._attributes.get((element, guid))
+        return known if known is not None else self.new()
+
+
+@dataclass
+class _Segment:
+    """A segment that is to be written: its elements, with the branches and macros in it."""
+
+    parts: list[Symbol | _Branch | _Macro] = field(default_factory=list)
+
+
+@dataclass
+class _Branch:
+    bar: Symbol
+    segments: list[_Segment] = field(default_factory=list)
+
+
+@dataclass
+class _Macro:
+    number: int
+    fields: dict[str, str]
+    segment: _Segment
+
+
+def _number(part: Symbol | _Branch | _Macro) -> int:
+    match part:
+        case _Branch(bar=bar):
+            return bar.id
+        case _Macro(number=number):
+            return number
+        case _:
+            return part.id
+
+
+class ChartWriter:
+    """Writes one chart; `archive` is that of the file which is patched, if it has one."""
+
+    def __init__(self, chart: SfcNetwork, archive: etree._Element | None, note: Note) -> None:
+        self._chart = chart
+        self._note = note
+        self._numbers = ArchiveNumbers(archive, chart)
+        self._steps = {step.id: step for step in chart.steps}
+        self._transitions = {transition.id: transition for transition in chart.transitions}
+        self._symbols = {symbol.id: symbol for symbol in chart.drawing.symbols} if chart.drawing is not None else {}
+        self._followers: dict[int, list[int]] = {}
+        for symbol in self._symbols.values():
+            for pin in symbol.inputs if symbol.kind in _FLOW else ():
+                for connection in pin.connections:
+                    self._followers.setdefault(connection.source, []).append(symbol.id)
+        self._placed: set[int] = set()
+
+    def write(self) -> etree._Element:
+        """Return the ``XmlArchive`` of the chart."""
+        start = next((symbol for symbol in self._symbols.values() if symbol.kind in _STEPS), None)
+        root, _ = self._column(start.id if start is not None else None)
+        self._report_missing()
+        for macro in self._macros():
+            self._fold(root, macro)
+        implementation = new_object("SFCImplementationObject")
+        implementation.append(self._segment(root, -1, "Root"))
+        add_descriptions(implementation)
+        return archive_of(implementation, ("Boolean", "Guid", "Int64", "String"))
+
+    def _report_missing(self) -> None:
+        for step in self._chart.steps:
+            if step.id not in self._placed:
+                self._note(Outcome.NOT_EXECUTED, "step", f"step {step.name}", _NO_PLACE)
+        drawn = {
+            number
+            for symbol in self._symbols.values()
+            if symbol.id in self._placed
+            for number in symbol.transitions or [symbol.id]
+        }
+        for number, label in self._chart.labels().items():
+            if number not in drawn:
+                self._note(Outcome.NOT_EXECUTED, "transition", f"transition {label}", _NO_PLACE)
+
+    # -- from the drawing to segments -------------------------------------------------------------------------------
+
+    def _column(self, start: int | None) -> tuple[_Segment, int | None]:
+        """Return the segment from a symbol on, and the convergence that it ends at."""
+        segment = _Segment()
+        here = start
+        while here is not None and here not in self._placed:
+            symbol = self._symbols[here]
+            if symbol.kind in _CONVERGENCES:
+                return segment, here
+            self._placed.add(here)
+            if symbol.kind not in _DIVERGENCES:
+                segment.parts.append(symbol)
+                here = self._below(here)
+                continue
+            branch = _Branch(symbol)
+            segment.parts.append(branch)
+            ends: list[int] = []
+            for follower in self._followers.get(here, ()):
+                column, end = self._column(follower)
+                branch.segments.append(column)
+                ends += [end] if end is not None and end not in ends else []
+            closing = ends[0] if ends else None
+            if len(ends) > 1:
+                why = "branches beside each other do not end together, which charts of TwinCAT cannot say"
+                self._note(Outcome.NOT_EXECUTED, "branch", "", why)
+            if closing is not None:
+                self._placed.add(closing)
+            here = self._below(closing) if closing is not None else None
+        return segment, None
+
+    def _below(self, number: int) -> int | None:
+        """Return the symbol below one; where several are, only the first is drawn below it."""
+        followers = self._followers.get(number, [])
+        return followers[0] if followers else None
+
+    def _macros(self) -> Iterator[dict[str, str]]:
+        """Yield what the chart keeps of its macros, inner ones first."""
+        for macro in kept_in(self._chart.carried).elements:
+            yield {str(name): str(value) for name, value in macro.attrib.items()}
+
+    def _fold(self, segment: _Segment, macro: dict[str, str]) -> bool:
+        """Fold the elements of a macro, if they still are beside each other; True if they were found here."""
+        places = {str(_number(part)): place for place, part in enumerate(segment.parts)}
+        first, last = places.get(macro.get("first", "")), places.get(macro.get("last", ""))
+        if first is not None and last is not None and first <= last:
+            inside = _Segment(segment.parts[first : last + 1])
+            fields = {name: value for name, value in macro.items() if name in ("name", "comment")}
+            segment.parts[first : last + 1] = [_Macro(int(macro.get("id", "0")), fields, inside)]
+            return True
+        inner = [one for part in segment.parts if isinstance(part, _Branch) for one in part.segments]
+        inner += [part.segment for part in segment.parts if isinstance(part, _Macro)]
+        return any(self._fold(one, macro) for one in inner)
+
+    # -- from segments to the archive -------------------------------------------------------------------------------
+
+    def _segment(self, segment: _Segment, parent: int, name: str = "") -> etree._Element:
+        written = new_object(SEGMENT, name)
+        number = self._numbers.segment(_number(segment.parts[0]) if segment.parts else None)
+        held = new_object("SFCElementList", "ElementList")
+        add_list(held, "InnerList", [self._part(part, number) for part in segment.parts])
+        written.append(held)
+        return self._finished(written, SEGMENT, number, parent, {})
+
+    def _part(self, part: Symbol | _Branch | _Macro, parent: int) -> etree._Element:
+        match part:
+            case _Branch(bar=bar, segments=segments):
+                written = new_object(BRANCH)
+                held = new_object("SFCElementList", "ElementList")
+                add_list(held, "InnerList", [self._segment(one, bar.id) for one in segments])
+                written.append(held)
+                values = {**_drawn(bar), "parallel": bar.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE}
+                return self._finished(written, BRANCH, bar.id, parent, values)
+            case _Macro(number=number, fields=fields, segment=segment):
+                written = new_object(MACRO)
+                written.append(self._segment(segment, number, "Segment"))
+                return self._finished(written, MACRO, number, parent, fields)
+        if part.kind in _STEPS:
+            return self._step(self._steps[part.id], parent)
+        if part.kind is SymbolKind.TRANSITION:
+            return self._transition(self._transitions[part.id], parent)
+        target = self._symbols.get(part.target) if part.target is not None else None
+        name = self._steps[target.id].name if target is not None and target.id in self._steps else None
+        name = name or (target.name if target is not None else None) or part.name or ""
+        return self._finished(new_object(JUMP), JUMP, part.id, parent, {**_drawn(part), "name": name})
+
+    def _step(self, step: Step, parent: int) -> etree._Element:
+        for what, lacking in (("macro-step", step.macro), ("negated step output", step.negated or None)):
+            if lacking is not None:
+                self._note(Outcome.NOT_EXECUTED, what, f"step {step.name}", "charts of TwinCAT have none")
+        written = new_object(STEP)
+        add_none(written, "EmbeddedMainAction", "EmbeddedEntryAction", "EmbeddedExitAction")
+        for action in ("Main", "Entry", "Exit"):
+            add_list(written, f"Embedded{action}ActionProperties")
+        held = new_object("SFCElementList", "ElementList")
+        add_list(held, "InnerList", [self._association(step, each) for each in step.actions])
+        written.append(held)
+        values = _values(step, STEP)
+        for action in ("main_action", "entry_action", "exit_action"):
+            if values[action] is not None and not isinstance(values[action], str):
+                why = "step actions in TwinCAT are actions of the POU, not code in place"
+                self._note(Outcome.NOT_EXECUTED, action.replace("_", " "), f"step {step.name}", why)
+                values[action] = None
+        self._note(Outcome.KEPT, "step", f"step {step.name}", "")
+        return self._finished(written, STEP, step.id, parent, values)
+
+    def _association(self, step: Step, association: ActionAssociation) -> etree._Element:
+        qualifier = association.qualifier.value
+        place = f"step {step.name} / action {association.target or 'inline'}"
+        lacking = [name for name in ("body", "value", "event", "forcing") if getattr(association, name) is not None]
+        lacking += [name for name in ("negated", "interlock") if getattr(association, name)]
+        if qualifier not in _QUALIFIERS:
+            lacking.insert(0, f"qualifier {qualifier}")
+        for what in lacking:
+            self._note(Outcome.NOT_EXECUTED, what, place, "associations of actions in TwinCAT have none")
+        self._note(Outcome.KEPT, "action", place, "")
+        values = _values(association, ASSOCIATION)
+        values["name"] = association.target
+        values["qualifier"] = " ".join(filter(None, (qualifier, association.duration)))
+        return self._finished(new_object(ASSOCIATION), ASSOCIATION, association.id, step.id, values)
+
+    def _transition(self, transition: Transition, parent: int) -> etree._Element:
+        written = new_object(TRANSITION)
+        variable = kept_in(transition.carried).attributes.get(VARIABLE_NAME)
+        if variable is not None:
+            add_text(written, VARIABLE_NAME, variable)
+        else:
+            add_none(written, VARIABLE_NAME)
+        add_none(written, "EmbeddedTransition")
+        add_list(written, "EmbeddedTransitionProperties")
+        place = f"transition {self._chart.label(transition)}"
+        condition = transition.condition
+        if getattr(condition, "negated", False) or not isinstance(condition, Expression | NamedCondition | None):
+            why = "conditions in TwinCAT are expressions and transition objects; nothing that is right can be written"
+            self._note(Outcome.NOT_EXECUTED, "condition", place, why)
+        self._note(Outcome.KEPT, "transition", place, "")
+        values = {**_values(transition, TRANSITION), "name": _text(condition)}
+        return self._finished(written, TRANSITION, transition.id, parent, values)
+
+    def _finished(
+        self, written: etree._Element, kind: str, number: int, parent: int, values: dict[str, Any]
+    ) -> etree._Element:
+        """Append what every element ends with: its attributes, its number, and that of the element around it."""
+        listed = [
+            written_attribute(
+                attribute,
+                values.get(name),
+                number=self._numbers.attribute(number, attribute.guid),
+                parent=number,
+            )
+            for name, attribute in (ELEMENTS[kind].items() if number not in self._numbers.bare else ())
+        ]
+        add_list(written, "Attributes", listed)
+        add_value(written, "Id", f"{number}L")
+        add_value(written, "IdParent", f"{parent}L")
+        return written
+
+
+_QUALIFIERS = frozenset("N R S L D P SD DS SL".split())
+
+
+def _values(thing: Step | Transition | ActionAssociation, kind: str) -> dict[str, Any]:
+    """Return the values of the fields that an element has in the model."""
+    values = {name: getattr(thing, name, None) for name in ELEMENTS[kind]}
+    return {**values, "comment": _comment(thing.comment)}
+
+
+def _drawn(symbol: Symbol) -> dict[str, Any]:
+    return {"name": symbol.name, "comment": _comment(symbol.comment), "exclude": symbol.exclude}
+
+
+def _comment(comment: object) -> str | None:
+    return comment if isinstance(comment, str) else getattr(comment, "text", None)
+
+
+def _text(condition: Condition | None) -> str:
+    """Return a condition as the editor has it; one that cannot be written is an expression that does not compile."""
+    match condition:
+        case Expression(text=text, negated=False):
+            return text
+        case NamedCondition(name=name, negated=False):
+            return name
+        case BodyCondition(name=name) if name:
+            return f"{name}_is_not_written"
+        case None:
+            return ""
+        case _:
+            return "condition_is_not_written"
+
+
+# -- settings ---------------------------------------------------------------------------------------------------------
+
+
+def write_settings(settings: SfcSettings) -> etree._Element:
+    """Return the ``XmlArchive`` of the SFC settings of a POU or an action."""
+    written = new_object("SFCProperty")
+    add_none(written, "SFCErrorAnalyzation", "SFCErrorAnalyzationTable")
+    library = settings.library or RuntimeLibrary()
+    for name, title in LIBRARY.items():
+        add_text(written, title, getattr(library, name))
+    flags = {}
+    for flag, use in {**{flag.value: use for flag, use in settings.flags.items()}, **settings.other_flags}.items():
+        flags[flag] = new_object("SFCPropertyFlagData")
+        add_value(flags[flag], "Use", str(use.use).lower())
+        add_value(flags[flag], "Declare", str(use.declare).lower())
+    add_dictionary(written, "Flags", "Flags", flags)
+    for name, title in SWITCHES.items():
+        value = getattr(settings, name)
+        add_value(written, title, str(bool(value)).lower())
+    return archive_of(written, ("Boolean", "Flags", "String"))

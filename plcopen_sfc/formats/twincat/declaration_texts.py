@@ -1,0 +1,140 @@
+"""Declarations in files of TwinCAT 3: structured text without the end of its unit, read, written and patched.
+
+`iectext` reads and writes whole units. So a declaration is put into one for it: the END that belongs to it is added,
+and taken away again.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
+from plcopen_sfc.formats.iectext.iectext_codec import IecTextCodec
+from plcopen_sfc.formats.iectext.text_source import unwrapped
+from plcopen_sfc.formats.text_patch import patch_text
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Method, Pou, PouKind
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.variables import Interface
+from plcopen_sfc.report import ConversionReport
+
+_TEXT = IecTextCodec()
+_DIALECT = "{plcopen_sfc project.dialect := 'codesys'} "
+_KEYWORDS = frozenset({"PROGRAM", "FUNCTION_BLOCK", "FUNCTION", "INTERFACE"})
+_HOLDER = "FUNCTION_BLOCK methods\n"
+_END = "\nEND_"
+
+
+class Unit(NamedTuple):
+    """What a declaration is put between to make a whole unit of it."""
+
+    head: str = _DIALECT
+    tail: str = "\n"
+
+    def around(self, text: str) -> str:
+        """Return the unit with this declaration."""
+        return f"{self.head}{text}{self.tail}"
+
+    def inside(self, whole: str) -> str | None:
+        """Return the declaration in a unit; None where the unit has another form."""
+        if not (whole.startswith(self.head) and whole.endswith(self.tail)):
+            return None
+        return whole[len(self.head) : len(whole) - len(self.tail)]
+
+
+def unit_of(declaration: str) -> Unit:
+    """Return the unit that a declaration of a POU, an interface, a type or of variables begins."""
+    words = (token.value.upper() for token in tokenize(declaration, Dialect.CODESYS, _KEYWORDS).tokens)
+    keyword = next((word for word in words if word in _KEYWORDS or word.startswith(("VAR", "TYPE"))), "")
+    return Unit(tail=f"{_END}{keyword}\n") if keyword in _KEYWORDS else Unit()
+
+
+METHOD = Unit(f"{_DIALECT}{_HOLDER}", f"{_END}METHOD{_END}FUNCTION_BLOCK\n")
+"""The unit for the declaration of a method."""
+
+
+def read(unit: str, file: str | None) -> ReadResult:
+    """Return the project in a unit."""
+    return _TEXT.read(unit.encode(), file=file)
+
+
+def bare(thing: Pou | Method) -> Project:
+    """Return a project that has nothing but the declaration of a POU or a method."""
+    if isinstance(thing, Method):
+        method = Method(name=thing.name, interface=_interface(thing), comment=thing.comment)
+        pou = Pou(name="methods", kind=PouKind.FUNCTION_BLOCK, methods=[method])
+    else:
+        pou = Pou(name=thing.name, kind=thing.kind, interface=_interface(thing), comment=thing.comment)
+        modifiers = [data for data in thing.carried.data if _is_modifier(data)] if thing.carried is not None else []
+        pou.carried = Carried(data=modifiers) if modifiers else None
+    return Project(pous=[pou], dialect=Dialect.CODESYS)
+
+
+def _interface(thing: Pou | Method) -> Interface | None:
+    return thing.interface.model_copy(deep=True) if thing.interface is not None else None
+
+
+def _is_modifier(data: ForeignData) -> bool:
+    kept = unwrapped(data.content)
+    return kept is not None and kept[0] == "modifiers"
+
+
+def declaration_of(declared: Project, source: str | None) -> str:
+    """Return the declaration of what `declared` has alone: `source`, where there is one, with what differs in it."""
+    method = bool(declared.pous and declared.pous[0].methods)
+    if source is not None:
+        unit = METHOD if method else unit_of(source)
+        found = unit.inside(_patched(unit.around(source), declared))
+        if found is not None and _meaning(unit.around(found)) == _meaning(_DIALECT + _written(declared)):
+            return found
+    text = _written(declared)
+    if method:
+        lines = text.splitlines()
+        start, end = (next(i for i, line in enumerate(lines) if line.split()[:1] == [word]) for word in _METHOD_WORDS)
+        margin = len(lines[start]) - len(lines[start].lstrip())
+        return "\n".join(line[margin:] for line in lines[start:end]) + "\n"
+    return _OWN_END.sub("\n", text)
+
+
+_METHOD_WORDS = ("METHOD", "END_METHOD")
+_OWN_END = re.compile(r"\s*\n\s*END_(?:PROGRAM|FUNCTION_BLOCK|FUNCTION)\s*\Z")
+_OWN_HEAD = re.compile(r"\{plcopen_sfc (?:format|project\.dialect)\b[^}]*\}\s*")
+
+
+def _patched(whole: str, declared: Project) -> str:
+    """Return the unit `whole` with what `declared` declares otherwise."""
+    before, after = (read(whole, None).project for _ in range(2))
+    after.data_types, after.global_variables = declared.data_types, declared.global_variables
+    for old, new in zip(after.pous, declared.pous, strict=False):
+        if not new.methods:
+            _declare(old, new)
+        for method, edited in zip(old.methods, new.methods, strict=False):
+            _declare(method, edited)
+    source, spans = _TEXT.spans(whole.encode())
+    report = ConversionReport()
+    blocks = [_TEXT.to_blocks(project, WriteOptions(), report) for project in (before, after)]
+    return patch_text(source, spans, *blocks)
+
+
+def _declare(old: Pou | Method, new: Pou | Method) -> None:
+    old.name, old.interface, old.comment = new.name, new.interface, new.comment
+    if isinstance(old, Pou) and isinstance(new, Pou):
+        old.kind = new.kind
+
+
+def _meaning(unit: str) -> object:
+    """Return what a unit declares, without our pragmas in it."""
+    found = read(_DIALECT + _without_own(unit), None).project
+    return found.model_dump(exclude_none=True)
+
+
+def _written(project: Project) -> str:
+    return _without_own(_TEXT.write(project, WriteOptions(), ConversionReport()).decode())
+
+
+def _without_own(text: str) -> str:
+    """Return a text without pragmas of this package, which mean nothing to the tool."""
+    return _OWN_HEAD.sub("", _TEXT.as_tool_sees(text.encode()).decode())

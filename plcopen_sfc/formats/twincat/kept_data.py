@@ -1,0 +1,36 @@
+"""What objects of TwinCAT have that is nothing in the model: kept as one piece of extension data of the object."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from lxml import etree
+
+from plcopen_sfc.formats.xml.extension_data import markup
+from plcopen_sfc.model.base import Carried, ForeignData
+
+_NAME = "urn:plcopen-sfc:twincat"
+
+
+class Kept(NamedTuple):
+    """Attributes and elements that were kept."""
+
+    attributes: dict[str, str]
+    elements: list[etree._Element]
+
+
+def kept_data(attributes: dict[str, str], elements: Iterable[etree._Element] = ()) -> list[ForeignData]:
+    """Return the extension data that keeps attributes and elements; none where there are none."""
+    holder = etree.Element("twincat", attributes)
+    holder.extend(elements)
+    return [ForeignData(name=_NAME, content=markup(holder))] if attributes or len(holder) else []
+
+
+def kept_in(carried: Carried | None) -> Kept:
+    """Return what the extension data of an object keeps."""
+    for data in carried.data if carried is not None else ():
+        if data.name == _NAME:
+            holder = etree.fromstring(data.content)
+            return Kept({str(name): str(value) for name, value in holder.attrib.items()}, list(holder))
+    return Kept({}, [])

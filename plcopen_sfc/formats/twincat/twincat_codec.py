@@ -1,0 +1,88 @@
+"""Files of PLC projects of TwinCAT 3 in the table of formats: read, write and patch them."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from plcopen_sfc.formats.format_interface import Marks, ReadResult, WriteOptions
+from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost
+from plcopen_sfc.formats.plcopen.project_rewriting import rewrite_project
+from plcopen_sfc.formats.twincat.object_files import read_object, write_object
+from plcopen_sfc.formats.xml.xml_codec import FolderCodec, XmlStyle, write_xml
+from plcopen_sfc.languages.s7_flip_flops import put_logic
+from plcopen_sfc.languages.syntax_problems import embedded_code
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project_object import ProjectObject
+from plcopen_sfc.model.types import DataTypeDeclaration
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_INDENT = "  "
+_CHARTS = ChartHost("TwinCAT", is_codesys=True)
+
+
+class TwincatCodec(FolderCodec):
+    """Files of TwinCAT 3 with one object each."""
+
+    def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
+        """Read a file. Raises `FormatError`."""
+        return read_object(data, file=file)
+
+    def replace_missing(self, project: Project, report: ConversionReport) -> None:
+        """Replace flip-flop boxes with an operand, which only TIA Portal has, by logic."""
+        put_logic(project, report)
+
+    def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
+        """Return a copy of `project` in terms of the tool; its files have no place for what it was made of."""
+        for place in embedded_code(project):
+            report.add(Outcome.NOT_EXECUTED, "code in C", place, "TwinCAT does not compile {{ .. }}")
+        return rewrite_project(project, _CHARTS, options, report)
+
+    def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
+        """Return the tree of the file for `project`."""
+        return write_object(project, options, report)
+
+    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+        """Write a file from the model alone."""
+        root = self.to_tree(project, options, report)
+        # archives are marked as preserving blanks, and the tool indents them all the same
+        etree.indent(root, _INDENT)
+        return write_xml(root, self.style())
+
+    def style(self) -> XmlStyle:
+        """As TwinCAT writes: UTF-8 with a mark, CRLF, two blanks, ``<a />``."""
+        return XmlStyle(encoding="utf-8", bom=True, newline="\r\n", indent=None, self_closing=" />")
+
+    def standard_folder(self, thing: ProjectObject) -> str:
+        """Return the folder in which TwinCAT puts an object of this kind."""
+        return "DUTs" if isinstance(thing, DataTypeDeclaration) else "POUs"
+
+    def list_folder(self) -> str:
+        """Return the folder in which TwinCAT puts lists of global variables."""
+        return "GVLs"
+
+    def extension(self, document: Project) -> str:
+        """Return the extension of the file for a document."""
+        return ".TcDUT" if document.data_types else ".TcGVL" if document.global_variables else ".TcPOU"
+
+    def new_document(self, version: str) -> Project:
+        """Return a project without objects."""
+        return Project(dialect=Dialect.CODESYS)
+
+    def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
+        """Take out of `project`, a copy, what files of objects do not hold: tasks, and how the project is filed."""
+        if options.same:
+            return
+        for task in (task for resource in project.resources() for task in resource.tasks):
+            why = "tasks of TwinCAT are files of their own, which are not written: create it, and call the program"
+            report.add(Outcome.NOT_EXECUTED, "task", f"task {task.name}", why)
+        project.global_variables = list(project.global_sections())
+        for section in project.global_variables:
+            section.name = section.name or "GVL"
+        plain = self.new_document("")
+        for name in Project.model_fields:
+            if name not in ("pous", "data_types", "global_variables"):
+                setattr(project, name, getattr(plain, name))
+
+
+CODEC = TwincatCodec()

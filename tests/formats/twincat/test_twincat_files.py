@@ -1,0 +1,308 @@
+"""Files of PLC projects of TwinCAT 3: identity, edits, charts written from the model, folders, and errors."""
+
+from __future__ import annotations
+
+import difflib
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import SfcError
+from plcopen_sfc.formats.format_interface import WriteOptions
+from plcopen_sfc.formats.twincat.chart_elements import ELEMENTS
+from plcopen_sfc.formats.twincat.twincat_codec import CODEC
+from plcopen_sfc.model import Pou, PouKind, Project, Step, Transition, VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+from tests.corpus import ROOT, corpus_files
+from tests.samples import FIXTURES
+from tests.sweeps import WHOLE
+
+BELT = FIXTURES / "twincat-belt"
+CHART = BELT / "POUs" / "Ablauf_Band.TcPOU"
+REAL = [path for path in corpus_files("twincat") if path.suffix == ".TcPOU"]
+SMALL = sorted(REAL, key=lambda path: path.stat().st_size)[: len(REAL) if WHOLE else 4]
+FILES = [CHART, *(pytest.param(path, marks=pytest.mark.corpus, id=path.stem) for path in REAL)]
+EDITED = [CHART, *(pytest.param(path, marks=pytest.mark.corpus, id=path.stem) for path in SMALL)]
+
+
+def changed(before: bytes, after: bytes) -> list[str]:
+    """Return the lines that were taken out and put in."""
+    texts = (data.decode("utf-8-sig").splitlines() for data in (before, after))
+    found = difflib.unified_diff(*texts, lineterm="", n=0)
+    return [line for line in found if not line.startswith(("---", "+++", "@@"))]
+
+
+@pytest.mark.parametrize("path", FILES)
+def test_a_file_comes_back_byte_for_byte(path: Path) -> None:
+    project = sfc.load(path)
+    assert sfc.dumps(project) == path.read_bytes()
+    assert list(project.charts())
+    assert not [each for each in project.diagnostics if each.severity.value == "error"]
+
+
+@pytest.mark.parametrize("path", FILES)
+def test_the_archive_of_a_chart_is_written_from_the_model_as_the_tool_wrote_it(path: Path) -> None:
+    data = path.read_bytes()
+    project = sfc.load(path)
+    tree = CODEC.to_tree(project, WriteOptions(same=True, source=data), ConversionReport())
+    written, source = (_archives(root) for root in (tree, etree.fromstring(data)))
+    assert written.keys() == source.keys()
+    for name, archive in source.items():
+        other = set(difflib.unified_diff(archive, written[name], lineterm="", n=0))
+        values = {line for line in other if line[:1] in "+-" and line[1:2] == "<"}
+        # the tool keeps how a name in a jump and a qualifier were typed, and one version adds a number to the chart
+        assert all('<v n="Value">' in line or "ImplId" in line for line in values), sorted(values)
+
+
+def _archives(root: etree._Element) -> dict[str, list[str]]:
+    """Return the archives of charts and settings, line by line, by what they are the archive of."""
+    found: dict[str, list[str]] = {}
+    for archive in root.iter("XmlArchive"):
+        holder = archive.getparent()
+        owner = next(each for each in archive.iterancestors() if each.get("Name"))
+        if holder is not None and holder.tag in ("SFC", "ObjectProperties"):
+            lines = [f"<{each.tag} {dict(each.attrib)}" for each in archive.iter() if len(each)]
+            lines += [f'<v n="{each.get("n")}">{each.text}' for each in archive.iter("v", "Type")]
+            found[f"{owner.get('Name')}/{holder.tag}"] = lines
+    return found
+
+
+def _condition(project: Project) -> None:
+    next(iter(project.charts())).chart.transitions[0].condition = "Fertig AND NOT Halt"
+
+
+def _name(project: Project) -> None:
+    chart = next(iter(project.charts())).chart
+    chart.rename_step(chart.steps[-2 % len(chart.steps)].name, "Zz9_Neu")
+
+
+def _time(project: Project) -> None:
+    next(iter(project.charts())).chart.steps[-1].min_time = "T#5s"
+
+
+def _comment(project: Project) -> None:
+    next(iter(project.charts())).chart.steps[0].comment = "eine Anmerkung"
+
+
+def _variable(project: Project) -> None:
+    for variable in project.pous[0].variables()[:1]:
+        variable.name += "_neu"
+
+
+@pytest.mark.parametrize("edit", [_condition, _name, _time, _comment, _variable])
+@pytest.mark.parametrize("path", EDITED)
+def test_an_edit_changes_its_line(path: Path, edit: Callable[[Project], None]) -> None:
+    project = sfc.load(path)
+    edit(project)
+    data = sfc.dumps(project)
+    lines = changed(path.read_bytes(), data)
+    assert len([line for line in lines if line.startswith("+")]) <= 2, lines
+    assert len(lines) in (0, 2, 4)
+    assert [pou.model_dump() for pou in sfc.loads(data).pous] == [pou.model_dump() for pou in project.pous]
+
+
+@pytest.mark.parametrize("path", EDITED)
+def test_a_step_that_is_put_in_changes_no_other_element(path: Path) -> None:
+    project = sfc.load(path)
+    chart = next(iter(project.charts())).chart
+    transition = chart.transitions[0]
+    free = 10_000
+    chart.steps.append(Step(id=free, name="Zz9_Neu"))
+    chart.transitions.append(Transition(id=free + 1, sources=[free], targets=transition.targets, condition="weiter"))
+    transition.targets = [free]
+    data = sfc.dumps(project)
+    gone = [line for line in changed(path.read_bytes(), data) if line.startswith("-")]
+    assert len(gone) <= 9, gone  # a jump may be drawn anew: it has the numbers of four elements
+    back = next(iter(sfc.loads(data).charts())).chart
+    assert {step.name for step in back.steps} == {step.name for step in chart.steps}
+    assert sorted(back.labels().values()) == sorted(chart.labels().values())
+
+
+def test_a_chart_goes_to_plcopen_xml_and_back() -> None:
+    project = sfc.load(CHART)
+    export = sfc.loads(sfc.dumps(project, format="codesys"))
+    back = sfc.loads(sfc.dumps(export, format="twincat"))
+    for other in (export, back):
+        one, two = project.pous[0].chart, other.pous[0].chart
+        assert one is not None
+        assert two is not None
+        assert [step.model_dump(exclude={"id", "actions", "carried"}) for step in one.steps] == [
+            step.model_dump(exclude={"id", "actions", "carried"}) for step in two.steps
+        ]
+        assert list(one.labels().values()) == list(two.labels().values())
+        assert [t.condition for t in one.transitions] == [t.condition for t in two.transitions]
+        assert one.settings == two.settings
+    assert b"SFCMacro" in sfc.dumps(back)
+    assert sfc.dumps(export, format="codesys").count(b"SFCMacro") == 0
+
+
+def test_another_tools_project_becomes_a_folder(tmp_path: Path) -> None:
+    source = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
+    report = sfc.save(source, tmp_path, format="twincat", partial=True)
+    assert {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.*")} == {
+        "POUs/Ablauf_Band.TcPOU",
+        "POUs/Eingabe_Anzahl.TcPOU",
+        "POUs/PLC_PRG.TcPOU",
+        "GVLs/GVL_EA.TcGVL",
+        "GVLs/GVL_Statistik.TcGVL",
+    }
+    assert {item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)} == {"task"}
+    back = sfc.load(tmp_path)
+    assert back.source is not None
+    assert back.source.format == "twincat"
+    assert sfc.equivalent(source.pous[0], back.pous[0], limit=2) is not None
+    first = (tmp_path / "POUs" / "Ablauf_Band.TcPOU").read_bytes()
+    assert first.startswith(b"\xef\xbb\xbf<?xml")
+    assert b"\n" not in first.replace(b"\r\n", b"")
+
+
+def test_a_folder_is_saved_file_by_file(tmp_path: Path) -> None:
+    shutil.copytree(BELT, tmp_path / "belt")
+    before = {path: path.read_bytes() for path in (tmp_path / "belt").rglob("*.*")}
+    project = sfc.load(tmp_path / "belt")
+    assert sfc.save(project, tmp_path / "belt").unchanged
+    section = next(each for each in project.global_variables if each.name == "GVL_Statistik")
+    section.variables[0].comment = "Stück"
+    project.global_variables.append(VariableSection(kind="global", name="GVL_Neu"))
+    project.pous.append(Pou(name="Neu", kind=PouKind.FUNCTION_BLOCK))
+    report = sfc.save(project, tmp_path / "belt")
+    written = {Path(name).relative_to(tmp_path / "belt").as_posix() for name in report.written}
+    assert written == {"GVLs/GVL_Statistik.TcGVL", "GVLs/GVL_Neu.TcGVL", "POUs/Neu.TcPOU"}
+    assert len(changed(before[tmp_path / "belt/GVLs/GVL_Statistik.TcGVL"], _read(tmp_path, "GVL_Statistik"))) == 2
+    project.global_variables = [each for each in project.global_variables if each.name != "GVL_Neu"]
+    project.pous = [each for each in project.pous if each.name != "Neu"]
+    report = sfc.save(project, tmp_path / "belt")
+    assert sorted(Path(name).name for name in report.removed) == ["GVL_Neu.TcGVL", "Neu.TcPOU"]
+
+
+def _read(folder: Path, name: str) -> bytes:
+    return next(folder.rglob(f"{name}.*")).read_bytes()
+
+
+def test_several_objects_need_a_folder() -> None:
+    with pytest.raises(SfcError, match="one POU") as refused:
+        sfc.dumps(sfc.load(FIXTURES / "codesys" / "distribution_belt.xml"), format="twincat", partial=True)
+    assert "folder" in refused.value.hint
+
+
+DAMAGED = {
+    "an element of an unknown type": (b't="SFCJump"', b't="SFCLeap"', "TWC102", "SFCLeap"),
+    "a number that is used twice": (b'<v n="Id">3L</v>', b'<v n="Id">0L</v>', "SFC101", "number 0"),
+    "another identity of a type": (b"{86ee92a2", b"{96ee92a2", "TWC103", "SFCStep"),
+    "code in an element": (
+        b'<n n="EmbeddedTransition" />',
+        b'<o n="EmbeddedTransition" t="X" />',
+        "TWC102",
+        "Embedded",
+    ),
+    "no qualifier": (b'"D T#3s"', b'"Q T#3s"', "TWC102", "Q is no qualifier"),
+    "a jump to nowhere": (b'"Grundstellung"</v>', b'"Nirgends"</v>', "SFC103", "Grundstellung"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGED)
+def test_damage_is_told_at_its_place(damage: str) -> None:
+    old, new, code, words = DAMAGED[damage]
+    data = CHART.read_bytes()
+    assert old in data
+    project = sfc.loads(data.replace(old, new, 1))
+    found = [each for each in project.diagnostics if each.code == code]
+    assert any(words in each.message for each in found), project.diagnostics
+    assert all(each.location.line for each in found)
+    assert all((each.location.path or "").startswith("POU Ablauf_Band") for each in found)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [(b"<POU ", b"<Recipe "), (b"<Declaration>", b"<Declared>"), (b"PROGRAM Ablauf_Band", b"TYPE x : INT; END_TYPE")],
+)
+def test_files_of_nothing_that_is_read_are_refused(old: bytes, new: bytes) -> None:
+    data = CHART.read_bytes().replace(old, new, 1)
+    for opening in (b"POU", b"Declaration"):
+        if old == b"<" + opening + (b" " if opening == b"POU" else b">"):
+            data = data.replace(b"</" + opening + b">", b"</" + new.strip(b"<> ") + b">", 1)
+    with pytest.raises(SfcError) as refused:
+        sfc.loads(data)
+    assert refused.value.location.line
+
+
+METHODS = b"""\xef\xbb\xbf<?xml version="1.0" encoding="utf-8"?>
+<TcPlcObject Version="1.1.0.1">
+  <POU Name="Pump" Id="{5a961730-f4bc-46e9-979d-c80cbcef2de5}" SpecialFunc="None">
+    <Declaration><![CDATA[{attribute 'reflection'}
+FUNCTION_BLOCK Pump EXTENDS Base
+VAR_INPUT
+\tPart : ARRAY [*] OF INT; // any number
+END_VAR
+]]></Declaration>
+    <Implementation>
+      <ST><![CDATA[]]></ST>
+    </Implementation>
+    <Method Name="Start" Id="{5a961730-f4bc-46e9-979d-c80cbcef2de6}">
+      <Declaration><![CDATA[METHOD Start : BOOL
+VAR_INPUT
+\tSpeed : INT;
+END_VAR
+]]></Declaration>
+      <Implementation>
+        <ST><![CDATA[Start := Speed > 0;]]></ST>
+      </Implementation>
+    </Method>
+    <Property Name="Runs" Id="{5a961730-f4bc-46e9-979d-c80cbcef2de7}">
+      <Declaration><![CDATA[PROPERTY Runs : BOOL]]></Declaration>
+      <Get Name="Get" Id="{5a961730-f4bc-46e9-979d-c80cbcef2de8}">
+        <Declaration><![CDATA[]]></Declaration>
+        <Implementation>
+          <ST><![CDATA[Runs := TRUE;]]></ST>
+        </Implementation>
+      </Get>
+    </Property>
+    <LineIds Name="Pump.Start">
+      <LineId Id="2" Count="0" />
+    </LineIds>
+  </POU>
+</TcPlcObject>"""
+
+
+def test_methods_and_properties() -> None:
+    project = sfc.loads(METHODS)
+    method = project.pous[0].methods[0]
+    assert [variable.name for variable in method.interface.variables()] == ["Speed"]
+    method.interface.variables()[0].name = "Rate"
+    method.body.text = "Start := Rate > 0;"
+    lines = changed(METHODS, sfc.dumps(project))
+    assert [line.strip() for line in lines if line.startswith("+")] == [
+        "+\tRate : INT;",
+        "+        <ST><![CDATA[Start := Rate > 0;]]></ST>",
+    ]
+    report = ConversionReport()
+    sfc.dumps(project, format="codesys", partial=True)
+    CODEC.write(project, WriteOptions(), report)
+    assert "property" in {item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)}
+
+
+def test_a_text_that_cannot_be_read_is_told_at_its_line() -> None:
+    project = sfc.loads(METHODS.replace(b"Speed : INT;", b"Speed : ;"))
+    found = [each for each in project.diagnostics if each.severity.value == "error"]
+    assert {each.location.line for each in found} == {16}
+
+
+def test_the_same_model_is_the_same_file() -> None:
+    project = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
+    project.pous = project.pous[:1]
+    project.global_variables, project.applications = [], []
+    assert sfc.dumps(project, format="twincat", partial=True) == sfc.dumps(project, format="twincat", partial=True)
+
+
+def test_the_page_lists_every_attribute() -> None:
+    page = (ROOT / "docs" / "formats" / "twincat.md").read_text(encoding="utf-8")
+    listed = [line for line in page.splitlines() if line.startswith("| `SFC")]
+    assert listed == [
+        f"| `{kind}` | {attribute.name} | `{field}` |"
+        for kind, table in ELEMENTS.items()
+        for field, attribute in table.items()
+    ]
