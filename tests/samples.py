@@ -18,7 +18,7 @@ from lxml import etree
 
 from plcopen_sfc.model import Project
 from tests.corpus import ROOT, corpus_files
-from tests.sweeps import one_variant
+from tests.sweeps import some_files
 
 FIXTURES = ROOT / "fixtures"
 UNREADABLE = frozenset(
@@ -73,8 +73,8 @@ ALL_PARAMS = [*FIXTURE_PARAMS, *CORPUS_PARAMS]
 
 
 def params(number: int) -> list[ParameterSet]:
-    """All files but the variants of one project that other sweeps have: those have other numbers."""
-    chosen = one_variant(real_files(), number)
+    """The fixtures, and some files of the corpus; sweeps with other numbers have others."""
+    chosen = some_files(real_files(), number)
     return [*FIXTURE_PARAMS, *(param for param in CORPUS_PARAMS if param.values[0] in (None, *chosen))]
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
-__all__ = ["WHOLE", "examples", "in_turn", "one_of_each", "one_variant", "some_of"]
+__all__ = ["WHOLE", "examples", "in_turn", "one_of_each", "some_files", "some_of"]
 
 WHOLE = bool(os.environ.get("PLCOPEN_SFC_FULL"))
 
@@ -33,11 +33,14 @@ def in_turn(items: Sequence[T], number: int, count: int = 1) -> Sequence[T]:
     return items if WHOLE else [items[(number + k * len(items) // count) % len(items)] for k in range(count)]
 
 
-def one_variant(paths: Sequence[Path], number: int, count: int = 1) -> list[Path]:
-    """`paths` with `count` of the large files: these are variants of one project, and each sweep has others of them."""
+def some_files(paths: Sequence[Path], number: int, count: int = 1) -> list[Path]:
+    """Half of the small files and `count` of the large, which are variants of one project; each sweep has others."""
+    if WHOLE:
+        return list(paths)
     large = [path for path in paths if path.stat().st_size > _LARGE]
-    chosen = in_turn(large, number, count) if large else []
-    return [path for path in paths if path not in large or path in chosen]
+    small = [path for path in paths if path not in large]
+    chosen = {*small[number % 2 :: 2], *(in_turn(large, number, count) if large else [])}
+    return [path for path in paths if path in chosen]
 
 
 _LARGE = 300_000

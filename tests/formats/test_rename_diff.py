@@ -45,7 +45,7 @@ from tests.samples import (
     params,
     real_files,
 )
-from tests.sweeps import WHOLE, one_of_each, one_variant
+from tests.sweeps import WHOLE, one_of_each, some_files
 
 SMALL = 200_000
 """Files up to this size have every step renamed that has no like; of bigger ones a sample."""
@@ -101,7 +101,7 @@ def test_renaming_a_step_changes_the_lines_that_name_it(path: Path) -> None:
     assert sfc.dumps(project) == data
 
 
-BIG = [path for path in one_variant([*fixture_files(), *real_files()], 4) if path.stat().st_size > SMALL]
+BIG = [path for path in some_files([*fixture_files(), *real_files()], 4) if path.stat().st_size > SMALL]
 
 
 @pytest.mark.slow

@@ -18,7 +18,7 @@ from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.random_charts import random_chart
 
-CHARTS = int(os.environ.get("PLCOPEN_SFC_CAMPAIGN") or 16)
+CHARTS = int(os.environ.get("PLCOPEN_SFC_CAMPAIGN") or 8)
 BATCH = 8
 
 

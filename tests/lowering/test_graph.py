@@ -28,7 +28,7 @@ from tests.lowering.sequencers import (
     verdict,
 )
 from tests.semantics.charts.rig import chain
-from tests.sweeps import examples
+from tests.sweeps import examples, in_turn
 
 
 def proven(chart: m.SfcNetwork, inputs: str = "", outputs: str = "Q", cap: int = 3_000) -> None:
@@ -179,14 +179,20 @@ def asking(asked: str, kind: str) -> m.Project:
     return block(chart, "ok fault ACK_EF REG_S", " ".join(f"{name}:{kind}" for name in "abcd"))
 
 
+_OTHER_FORMS: list[dict[str, Any]] = [
+    {"language": Language.FBD, "target": "simaticml"},
+    {"language": Language.LD, "target": "plcopen"},
+    {"construction": Construction.REGIONS},
+]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("asked", "kind"), [*_STEP_DATA.items(), *((asked, "TIME") for asked in ("T", "U", "T_MAX"))])
 def test_data_of_a_step_in_values_of_actions(asked: str, kind: str) -> None:
     project = asking(asked, kind)
-    assert not verdict(project, cap=500, runs=5).different, text(project)
-    assert not verdict(project, Language.FBD, target="simaticml", cap=100, runs=5).different
-    assert not verdict(project, Language.LD, target="plcopen", cap=100, runs=5).different
-    assert not verdict(project, construction=Construction.REGIONS, cap=100, runs=5).different
+    assert not verdict(project, cap=200, runs=5).different, text(project)
+    for form in in_turn(_OTHER_FORMS, sum(map(ord, asked))):
+        assert not verdict(project, cap=100, runs=5, **form).different
 
 
 def test_a_delay_that_is_the_time_of_a_step() -> None:

@@ -29,7 +29,7 @@ from plcopen_sfc.model import (
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.refactor.dialect import translate_project
 from tests.corpus import corpus_files, require_corpus
-from tests.sweeps import one_variant
+from tests.sweeps import some_files
 
 
 def mixer(dialect: Dialect, text: str, *names: str) -> Project:
@@ -104,7 +104,7 @@ def test_what_does_not_parse_stays_and_is_noted() -> None:
 
 
 def real_projects() -> list[Path]:
-    return one_variant([path for kind in ("plcopen", "codesys") for path in corpus_files(kind)], 0, 2)
+    return some_files([path for kind in ("plcopen", "codesys") for path in corpus_files(kind)], 0, 2)
 
 
 @pytest.mark.corpus

@@ -15,10 +15,10 @@ from plcopen_sfc.report import Outcome
 from tests.corpus import corpus_files, require_corpus
 from tests.samples import FIXTURES, accepting, fixture_files
 from tests.strategies import projects
-from tests.sweeps import one_variant
+from tests.sweeps import some_files
 
 OWN = sorted((FIXTURES / "iectext").iterdir())
-CORPUS = one_variant([path for kind in ("plcopen", "codesys") for path in corpus_files(kind)], 2)
+CORPUS = some_files([path for kind in ("plcopen", "codesys") for path in corpus_files(kind)], 2)
 TEXTS = [path for path in corpus_files("iectext") if path.suffix in (".sfc", ".txt", ".test")]
 
 

@@ -194,11 +194,11 @@ HOSTILE = {
     "open comment": b'FUNCTION "a" : Void\nBEGIN\n(* open\nEND_FUNCTION\n',
     "open quote": b'FUNCTION "a : Void\nVAR x : Int; END_VAR\nBEGIN\nEND_FUNCTION\n',
     "open brace": b'FUNCTION "a" : Void\n' + b"{ x" * 2000,
-    "structures in structures": b'DATA_BLOCK "x"\n' + b"STRUCT a : " * 3000 + b"Int;" + b"END_STRUCT;" * 3000,
-    "arrays of arrays": b'TYPE "x" STRUCT a : ' + b"Array[0..1] of " * 3000 + b"Int; END_STRUCT; END_TYPE",
-    "one long line": b'FUNCTION "a" : Void VAR ' + b"v : Int; " * 3000 + b"END_VAR BEGIN END_FUNCTION",
-    "errors only": b'FUNCTION "a" : Void\nVAR\n' + b"x ! Int;\n" * 3000 + b"END_VAR\nBEGIN\nEND_FUNCTION\n",
-    "ends only": b"END_FUNCTION\n" * 3000,
+    "structures in structures": b'DATA_BLOCK "x"\n' + b"STRUCT a : " * 1000 + b"Int;" + b"END_STRUCT;" * 1000,
+    "arrays of arrays": b'TYPE "x" STRUCT a : ' + b"Array[0..1] of " * 1000 + b"Int; END_STRUCT; END_TYPE",
+    "one long line": b'FUNCTION "a" : Void VAR ' + b"v : Int; " * 1000 + b"END_VAR BEGIN END_FUNCTION",
+    "errors only": b'FUNCTION "a" : Void\nVAR\n' + b"x ! Int;\n" * 1000 + b"END_VAR\nBEGIN\nEND_FUNCTION\n",
+    "ends only": b"END_FUNCTION\n" * 1000,
     "heads only": b'FUNCTION "a" : Void\n' * 1000,
 }
 
