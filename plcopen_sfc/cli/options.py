@@ -122,8 +122,8 @@ Markdown = Annotated[bool, _option("--markdown", "Print the page docs/checks.md.
 
 # -- comparing --------------------------------------------------------------------------------------------------------
 
-Before = Annotated[str, typer.Argument(metavar="A", help=_FILE)]
-After = Annotated[str, typer.Argument(metavar="B", help="The same, later: a file, a folder or -.")]
+Before = Annotated[str, typer.Argument(metavar="A", help="A file, a folder, or - for standard input.")]
+After = Annotated[str, typer.Argument(metavar="B", help="The same, later.")]
 Layout = Annotated[
     bool, _option("--layout", "Also list what is not executed: positions, other text of the same meaning.")
 ]

@@ -77,8 +77,7 @@ class _Comparison:
         found = TreeComparison(is_written=self.is_written, layout=layout).changes(*self.listed)
         found = [*self.renamed, *found, *(self._positions() if layout else ())]
         owners = dict.fromkeys(ObjectPath.of(part.path).owner for side in self.listed for part in side.parts.values())
-        places = {owner: place for place, owner in enumerate(owners)}
-        return sorted(found, key=lambda change: places.get(ObjectPath.of(change.path).owner, len(places)))
+        return _grouped(found, owners)
 
     def _renamed_members(self, left: Part, right: Part) -> Iterator[Renaming]:
         return renamed_members((self.left, self.b), left, right)
@@ -128,6 +127,17 @@ class _Comparison:
                 if old and new and old != new:
                     path = ObjectPath.of(chart.report_path) / f"step {step.name}"
                     yield Change(ChangeKind.LAYOUT, path, "step", "position", old, new)
+
+
+def _grouped(changes: Iterable[Change], owners: Iterable[str]) -> list[Change]:
+    """The changes of each thing together: of a POU, a chart in it, a step in that."""
+    places: dict[tuple[str, ...], int] = {(owner,): place for place, owner in enumerate(owners)}
+
+    def place(change: Change) -> list[int]:
+        parts = ObjectPath.of(change.path).parts
+        return [places.setdefault(parts[:end], len(places)) for end in range(1, len(parts) + 1)]
+
+    return sorted(changes, key=place)
 
 
 def _places(chart: SfcNetwork) -> dict[str, str]:

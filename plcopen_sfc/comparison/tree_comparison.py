@@ -96,6 +96,8 @@ class TreeComparison:
             if aspect in self.derived or aspect.startswith(STORED):
                 continue
             mine, theirs = left.aspects.get(aspect), right.aspects.get(aspect)
+            if aspect.startswith("language") and None in (mine, theirs):
+                continue  # the program itself was added or removed
             kind = ChangeKind.CHANGED
             if same(mine, theirs):
                 if not self.layout or mine is None or theirs is None or mine.raw == theirs.raw:

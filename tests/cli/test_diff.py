@@ -74,3 +74,32 @@ def test_a_file_that_cannot_be_read_is_an_error(cli, fixtures):
     outcome = cli("diff", "broken/jump_to_nowhere.xml", "broken/jump_to_nowhere.xml")
     assert (outcome.code, outcome.out) == (0, "no differences\n")
     assert "jump" in outcome.err  # what is wrong with it is in no comparison
+
+
+def test_the_files_of_two_folders_are_compared_by_name(cli, edited, fixtures, tmp_path):
+    for name, sources in {"a": ["codesys.xml", "plcopen_2.0.xml"], "b": ["codesys.xml", "iec-text.st"]}.items():
+        (tmp_path / name / "sub").mkdir(parents=True)
+        for source in sources:
+            (tmp_path / name / "sub" / source).write_bytes((fixtures / "training-chain" / source).read_bytes())
+    (tmp_path / "b" / "sub" / "codesys.xml").write_bytes(edited.read_bytes())
+    outcome = cli("diff", tmp_path / "a", tmp_path / "b", "--exit-code")
+    assert (outcome.code, outcome.err) == (1, "")
+    assert outcome.out.splitlines() == [
+        "== sub/codesys.xml",
+        "POU Ablauf",
+        "  step Fill: renamed, was S2",
+        "  transition S1 -> Fill: condition B1 -> B2",
+        "== sub/iec-text.st",
+        "POU Ablauf: added (functionBlock)",
+        "== sub/plcopen_2.0.xml",
+        "POU Ablauf: removed (functionBlock)",
+    ]
+    (tmp_path / "b" / "sub" / "damaged.xml").write_bytes((fixtures / "broken" / "truncated.xml").read_bytes())
+    outcome = cli("diff", tmp_path / "a", tmp_path / "b", "--json")
+    found = json.loads(outcome.out)
+    assert (outcome.code, found["equal"]) == (2, False)
+    assert [file["file"] for file in found["files"]] == [
+        "sub/codesys.xml", "sub/damaged.xml", "sub/iec-text.st", "sub/plcopen_2.0.xml"
+    ]  # fmt: skip
+    assert "error" in found["files"][1]
+    assert cli("diff", tmp_path / "a", tmp_path / "a").out == "no differences\n"

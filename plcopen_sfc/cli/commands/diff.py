@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
-from plcopen_sfc.cli.reading import STANDARD_STREAM, load_input
+from plcopen_sfc.cli.guard import UNREADABLE
+from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, load_input
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.comparison import ChangeKind, diff
+from plcopen_sfc.comparison import ChangeKind, ProjectDiff, diff
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.errors import InputError
+from plcopen_sfc.errors import FormatError, InputError, SfcError
+from plcopen_sfc.formats.registry import FORMATS
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 
@@ -30,19 +35,68 @@ class DiffOptions:
 
 
 def run(screen: Screen, before: str, after: str, how: DiffOptions) -> int:
-    """Print the changes from `before` to `after`."""
+    """Print the changes from `before` to `after`: of two files, or of all files of two folders."""
     if before == after == STANDARD_STREAM:
         raise InputError("standard input cannot be both files", hint="Name a file for one of them.")
+    try:
+        found = _compared(screen, before, after, how)
+    except FormatError:
+        if not (Path(before).is_dir() and Path(after).is_dir()):
+            raise
+        return _run_folders(screen, before, after, how)
+    _show(screen, found)
+    screen.result({"a": before, "b": after, **found.as_dict()})
+    return _DIFFERENCES if how.exit_code and not found.equal else 0
+
+
+def _run_folders(screen: Screen, before: str, after: str, how: DiffOptions) -> int:
+    """Compare the files of two folders that are no projects themselves, each with that of the same name."""
+    names = sorted({*_files(before), *_files(after)})
+    results: list[dict[str, Any]] = []
+    equal = True
+    for name in screen.progress(names, "Comparing"):
+        paths = [path if path.is_file() else None for path in (Path(before, name), Path(after, name))]
+        if all(paths) and len({path.read_bytes() for path in paths if path is not None}) == 1:
+            continue
+        old, new = (os.devnull if path is None else str(path) for path in paths)
+        try:
+            found = _compared(screen, old, new, how)
+        except SfcError as error:
+            screen.exit_code = UNREADABLE
+            screen.error(error)
+            results.append({"file": name, "error": error_data(error)})
+            continue
+        equal = equal and found.equal
+        results.append({"file": name, **found.as_dict()})
+        if found.changes and not screen.as_json:
+            screen.line((f"== {name}", "bold"))
+            _show(screen, found)
+    if equal and not screen.exit_code and not screen.quiet and not screen.as_json:
+        screen.line("no differences")
+    screen.result({"a": before, "b": after, "equal": equal, "files": results})
+    return screen.exit_code or (_DIFFERENCES if how.exit_code and not equal else 0)
+
+
+def _files(folder: str) -> Iterator[str]:
+    """The files in a folder that can be programs, by their paths in it."""
+    extensions = {extension for kind in FORMATS for extension in kind.extensions}
+    for path in Path(folder).rglob("*"):
+        if path.suffix.casefold() in extensions and path.is_file():
+            yield path.relative_to(folder).as_posix()
+
+
+def _compared(screen: Screen, before: str, after: str, how: DiffOptions) -> ProjectDiff:
     loaded = [_load(screen, name) for name in (before, after)]
     dialect = next((project.dialect for project in loaded if project is not None), Dialect.IEC)
     left, right = (Project(dialect=dialect) if project is None else project for project in loaded)
-    found = diff(left, right, layout=how.layout, prove=how.prove, limit=how.limit)
+    return diff(left, right, layout=how.layout, prove=how.prove, limit=how.limit)
+
+
+def _show(screen: Screen, found: ProjectDiff) -> None:
     for text, kind in found.text() if found.changes or not screen.quiet else ():
         style = _STYLES.get(kind, "") if kind is not None else _DIFF_STYLES.get(text.lstrip()[:1], "")
         if not screen.as_json:
             screen.line((text, style))
-    screen.result({"a": before, "b": after, **found.as_dict()})
-    return _DIFFERENCES if how.exit_code and not found.equal else 0
 
 
 def _load(screen: Screen, name: str) -> Project | None:
