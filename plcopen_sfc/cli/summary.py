@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 from plcopen_sfc.documents.sources import FileSource, FolderSource, documents_of
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
@@ -16,6 +16,9 @@ from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
+
+if TYPE_CHECKING:
+    from plcopen_sfc.formats.format_interface import Format, TextCodec
 
 __all__ = ["ChartSummary", "FileSummary", "all_charts", "summarise"]
 
@@ -102,7 +105,7 @@ def summarise(file: str, project: Project) -> FileSummary:
             versions[document.source.version] = None
     kind = format_named(name)[0]
     version = ", ".join(versions)
-    characters = [_characters(content, xml=kind.xml) for content in contents]
+    characters = [_characters(content, kind) for content in contents]
     encoding, line_ends = (" or ".join(dict.fromkeys(texts)) for texts in zip(*characters, strict=True))
     return FileSummary(
         file=file,
@@ -198,10 +201,12 @@ def _chart(name: str, pou_kind: str, chart: SfcNetwork) -> ChartSummary:
     )
 
 
-def _characters(data: bytes, *, xml: bool) -> tuple[str, str]:
+def _characters(data: bytes, kind: Format) -> tuple[str, str]:
     """Encoding and line ends, as people name them."""
     codec, mark = "utf-8", data.startswith(b"\xef\xbb\xbf")
-    if xml:
+    if kind.text:
+        codec = cast("TextCodec", kind.codec()).decode(data).encoding.removesuffix("-sig")
+    if kind.xml:
         from plcopen_sfc.formats.xml.xml_parsing import detect_encoding  # noqa: PLC0415  # only for XML
 
         encoding = detect_encoding(data)

@@ -19,7 +19,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.report import ConversionReport, Outcome
-from plcopen_sfc.semantics.profile import PROFILES, default_profile
+from plcopen_sfc.semantics.profile import PROFILES, StepVariables, default_profile
 
 
 class Prepared(NamedTuple):
@@ -45,6 +45,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
+    lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
     if kind.drawing is DrawingNeed.NONE and same_dialect and lacks_nothing and not options.flavour and not results:
         behaviour = executed(project) if kind.tool else None
         return Prepared(project, project, options, behaviour)
@@ -65,6 +66,10 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     )
     if kind.xml and not options.same:
         _forget_direct_text(copy)
+    if _has_flags(kind) is not _has_flags(project):
+        _put_into_notation(copy, kind, report)
+    if not kind.il_conditions and not options.same:
+        _without_il_conditions(copy, report)
     if dialect is not None:
         _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour))
     if options.flavour:
@@ -107,6 +112,29 @@ def _forget_direct_text(project: Project) -> None:
         for transition in chart.chart.transitions:
             if isinstance(transition.condition, Expression):
                 transition.condition.markup = None
+
+
+def _has_flags(of: Format | Project) -> bool:
+    """True if programs of a project or in files of a format see steps as flags of their names."""
+    profile = default_profile(of) if isinstance(of, Project) else PROFILES.get(of.name)
+    return profile is not None and profile.step_variables is StepVariables.FLAG
+
+
+def _put_into_notation(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Write active steps in texts as programs of the target see them."""
+    from plcopen_sfc.refactor.step_flags import name_steps_by_flags, name_steps_by_members  # noqa: PLC0415
+
+    flags = _has_flags(kind)
+    for path in name_steps_by_flags(project) if flags else name_steps_by_members(project):
+        why = f"`Step` in {kind.tool} for `Step.x`" if flags else f"`Step.x` in {kind.tool} for the flag `Step`"
+        report.add(Outcome.TRANSLATED, "step flag", path, why)
+
+
+def _without_il_conditions(project: Project, report: ConversionReport) -> None:
+    from plcopen_sfc.refactor.il_conditions import write_conditions_as_expressions  # noqa: PLC0415
+
+    for path in write_conditions_as_expressions(project):
+        report.add(Outcome.TRANSLATED, "condition", path, "from instruction list into an expression")
 
 
 def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionReport, *, wholly: bool) -> None:

@@ -177,6 +177,10 @@ class TextCodec(Codec):
     """Reads and writes a text format, whose files can be patched: see `formats.text_patch`."""
 
     @abstractmethod
+    def decode(self, content: bytes) -> SourceText:
+        """Return the text of a file, and its encoding."""
+
+    @abstractmethod
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the text of a project, object by object."""
 
@@ -194,7 +198,8 @@ class Format:
     format in its own terms. `dialect` is that of the structured text in its files; None: a file may hold any and names
     it. `xml`, `text`, `folders`: the codec is an `XmlCodec`, a `TextCodec`, a `FolderCodec`. `ids`: its files keep the
     ids of steps, transitions and elements of networks. `positions`: they keep positions. `networks` is the form of
-    networks in its files, `one_sheet`: all networks of a body are on one. `standard` is what its versions are of.
+    networks in its files, `one_sheet`: all networks of a body are on one. `il_conditions`: the conditions of its charts
+    may be in IL. `standard` is what its versions are of.
     """
 
     name: str
@@ -215,6 +220,7 @@ class Format:
     folders: bool = False
     networks: NetworkForm = NetworkForm.DRAWN
     one_sheet: bool = False
+    il_conditions: bool = True
     standard: str = ""
 
     def codec(self) -> Codec:

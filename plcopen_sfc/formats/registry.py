@@ -95,6 +95,7 @@ FORMATS: tuple[Format, ...] = (
         dialect=Dialect.CODESYS,
         one_sheet=True,
         standard="TC6",
+        il_conditions=False,
     ),
     Format(
         name="plcopen",
@@ -148,6 +149,7 @@ FORMATS: tuple[Format, ...] = (
         dialect=Dialect.SCL,
         ids=False,
         folders=True,
+        il_conditions=False,
     ),
     Format(
         name="twincat",
@@ -205,6 +207,7 @@ FORMATS: tuple[Format, ...] = (
         text=True,
         dialect=Dialect.SCL,
         networks=NetworkForm.COMMENTS,
+        il_conditions=False,
     ),
     Format(
         name="iec-text",

@@ -59,6 +59,13 @@ class Instruction:
         return bool(word) and (word[0].isalpha() or word[0] == "_") and word not in OPERATORS
 
 
+def opens_parenthesis(text: str, instruction: Instruction) -> bool:
+    """True if the operand of an instruction of `text` goes on over several lines: ``AND( ..``."""
+    start = instruction.operands[0].start if instruction.operands else len(text)
+    between = text[instruction.operator_span[1] : start].lstrip()
+    return between.startswith("(") and not between.startswith("(*")
+
+
 def is_il(tokens: list[Token]) -> bool:
     """True if these are instructions: no semicolon, and an operator at the start, perhaps behind a label."""
     first = 2 if len(tokens) > 2 and tokens[0].type == "NAME" and tokens[1].type == "COLON" else 0

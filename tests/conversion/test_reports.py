@@ -87,7 +87,7 @@ def test_a_transition_that_got_a_name_is_still_compared() -> None:
 
 def test_a_condition_that_cannot_be_written_is_one_item() -> None:
     source = project(PAIR.format(condition="a", actions=""))
-    chart_of(source).transitions[0].condition = m.BodyCondition(body=m.IlBody(text="LD a"))
+    chart_of(source).transitions[0].condition = m.BodyCondition(body=m.IlBody(text="LD a\nJMPC x"))
     (item,) = losses(source)
     assert item.what == "condition of the transition"
     assert "NOT_TRANSLATED_Trans1" in item.why

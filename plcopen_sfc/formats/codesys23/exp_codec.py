@@ -16,14 +16,18 @@ from plcopen_sfc.report import ConversionReport
 class ExpCodec(TextCodec):
     """Exports of CoDeSys 2.3 and TwinCAT 2."""
 
+    def decode(self, content: bytes) -> SourceText:
+        """Return the text of a file, and its code page."""
+        return decode_export(content)
+
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a file. What does not parse is kept and reported."""
-        found = read_export(decode_export(data), file)
+        found = read_export(self.decode(data), file)
         return ReadResult(found.project, found.diagnostics)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
         """Return the file without comments of this package."""
-        source = decode_export(data)
+        source = self.decode(data)
         own = [found.span() for found in OWN_LINE.finditer(source.text)]
         return source.encode(without(source.text, own))[0] if own else data
 
@@ -42,7 +46,7 @@ class ExpCodec(TextCodec):
 
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
         """Return the text of a file, and the place of each object in it."""
-        source = decode_export(content)
+        source = self.decode(content)
         return source, read_export(source).spans
 
 

@@ -271,9 +271,13 @@ _MOST_NULS = 8
 class IecTextCodec(TextCodec):
     """Textual IEC 61131-3."""
 
+    def decode(self, content: bytes) -> SourceText:
+        """Return the text of a file, and its encoding."""
+        return decode_text(content)
+
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a text. Raises `FormatError`; faults inside of it are in the diagnostics."""
-        source = decode_text(data)
+        source = self.decode(data)
         if source.text.count("\0") > len(source.text) // _MOST_NULS:
             hint = "UTF-16 needs a byte order mark."
             raise EncodingError("this is no text: it is full of NUL bytes", location=Location(file, 1, 1), hint=hint)
@@ -289,7 +293,7 @@ class IecTextCodec(TextCodec):
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
         """Return the line of each object in the text `content`, by the path that the report gives it."""
-        return source_lines(decode_text(content).text)
+        return source_lines(self.decode(content).text)
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the text of a project by its objects."""
@@ -297,7 +301,7 @@ class IecTextCodec(TextCodec):
 
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
         """Return the places of those objects in the text of a file."""
-        source = decode_text(content)
+        source = self.decode(content)
         project, src = read_project(source.text, None)
         return source, file_slices(project, src, self.to_blocks(project, WriteOptions(), ConversionReport()))
 

@@ -15,7 +15,7 @@ from typing import Any
 from plcopen_sfc.formats.plcopen.tc6_reading import Fields
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.variables import VariableSection
@@ -63,7 +63,7 @@ def rewritten_transition(
     return {REWRITTEN_FIELD: mark | {"held": [[*each] for each in held]}}
 
 
-def added_part(body: StBody) -> dict[str, Any]:
+def added_part(body: StBody | IlBody) -> dict[str, Any]:
     """Return the mark of an action or transition object that the source does not have."""
     return {ADDED_FIELD: text_digest(body.text)}
 
@@ -265,7 +265,7 @@ def _of_row(row: ActionAssociation) -> list[str | None]:
 
 
 def _plain(body: object) -> str | None:
-    if isinstance(body, StBody):
+    if isinstance(body, StBody | IlBody):
         return text_digest(body.text)
     return body if isinstance(body, str) or body is None else type(body).__name__
 

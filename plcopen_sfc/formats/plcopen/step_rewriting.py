@@ -18,7 +18,7 @@ from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, as_term, gua
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, rewritten_step
 from plcopen_sfc.formats.plcopen.step_checks import COMPUTED, StepChecks
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, SfcBody, StBody
+from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
 from plcopen_sfc.model.pou import Action
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.report import Outcome
@@ -219,7 +219,7 @@ class StepRewriter:
         """Add an action to the POU; its name."""
         action = Action(name=self._rewriting.new_name(wish), body=body)
         self._pou.actions.append(action)
-        if isinstance(body, StBody):
+        if isinstance(body, StBody | IlBody):
             self._rewriting.marks[id(self._pou.actions[-1])] = added_part(body)
             uses.append(action.name)
         return action.name
@@ -254,7 +254,7 @@ class StepRewriter:
         """Give bodies in place a name: CODESYS executes actions of the POU."""
         for kind in ("entry", "main", "exit"):
             body = getattr(step, f"{kind}_action")
-            if isinstance(body, StBody):
+            if isinstance(body, StBody | IlBody):
                 setattr(step, f"{kind}_action", self._action(f"{step.name}_{kind}", body, uses))
                 self._note_action(Outcome.TRANSLATED, step, body, f"the {kind} action, an action of the POU")
         rows = [named for row in step.actions if (named := self._named_row(step, row, uses)) is not None]

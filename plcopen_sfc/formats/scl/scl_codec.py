@@ -16,14 +16,18 @@ from plcopen_sfc.report import ConversionReport
 class SclCodec(TextCodec):
     """External source files in SCL."""
 
+    def decode(self, content: bytes) -> SourceText:
+        """Return the text of a file, and its encoding."""
+        return decode_text(content)
+
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a source. What does not parse is kept and reported."""
-        found = read_source(decode_text(data), file)
+        found = read_source(self.decode(data), file)
         return ReadResult(found.project, found.diagnostics)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
         """Return the source without comments of this package."""
-        source = decode_text(data)
+        source = self.decode(data)
         comments = split_units(source.text, Dialect.SCL).comments
         own = [comment.span for comment in comments if OWN_COMMENT.match(comment.text)]
         return source.encode(without(source.text, own))[0] if own else data
@@ -39,7 +43,7 @@ class SclCodec(TextCodec):
 
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
         """Return the text of a source, and the place of each object in it."""
-        source = decode_text(content)
+        source = self.decode(content)
         return source, read_source(source).spans
 
 

@@ -7,12 +7,13 @@ from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.il_expressions import result_expression
 from plcopen_sfc.languages.networks.network_reading import NetworkReader, body_statements, reader_of_chart
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
 from plcopen_sfc.languages.networks.values import inverted
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
@@ -199,6 +200,9 @@ class _ConditionReader:
         if isinstance(body, FbdBody | LdBody):
             read = body_statements(body, self._dialect, taken=self._taken, known=self._known)
             return _result_of(read, name)
+        tree = result_expression(body.text, self._dialect, stored_in=name) if isinstance(body, IlBody) else None
+        if tree is not None:
+            return NetworkExpression(tree=tree)
         return _failed(f"a condition in {body.language} cannot be read as an expression")
 
     def _statements(self, text: str, name: str) -> NetworkExpression:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.il import Instruction, instructions
+from plcopen_sfc.languages.il import Instruction, instructions, opens_parenthesis
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
@@ -121,9 +121,7 @@ class InstructionTranslator:
             self._load(self._operators.inverted(self._current()))
         elif word in _COMBINING or base in ("AND", "OR", "XOR", "&"):
             operator = word if word in _COMBINING else base
-            start = instruction.operands[0].start if instruction.operands else len(self._text)
-            between = self._text[instruction.operator_span[1] : start].lstrip()
-            opens = between.startswith("(") and not between.startswith("(*")
+            opens = opens_parenthesis(self._text, instruction)
             self._combine(operator, trees, negated=operator != word, opens=opens)
         elif word == ")":
             self._close()

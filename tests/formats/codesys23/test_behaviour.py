@@ -50,6 +50,18 @@ def test_the_part_waits_three_seconds_and_swings_twice() -> None:
     assert not trace["Globale_Variablen.H1_Bereit"][times["Warten"]]
 
 
+@pytest.mark.slow
+def test_the_belt_does_the_same_in_codesys_v3() -> None:
+    belt = sfc.load(BELT)
+    data, report = sfc.convert(belt, "codesys", partial=True)
+    told = [item.path for item in report.items if item.what == "condition" and "instruction list" in item.why]
+    assert told == ["POU Ablauf / transition Bereit -> Zu_Platz3"]
+    verdict = sfc.equivalent(
+        belt.pou("Ablauf"), sfc.loads(data).pou("Ablauf"), profile=("codesys23", "codesys"), runs=5, cap=2000
+    )
+    assert verdict.equal, str(verdict)
+
+
 @pytest.mark.parametrize(("flag", "executed"), [("SFCInit", False), ("SFCReset", True)])
 def test_flags_set_the_chart_back(flag: str, executed: bool) -> None:
     """Both lead to the initial step; SFCInit does not execute it, SFCReset does."""

@@ -6,6 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.cli.summary import summarise
 from plcopen_sfc.model.body import IlBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression
 from tests.corpus import ROOT, corpus_files, require_corpus
@@ -29,6 +30,7 @@ def test_the_belt_comes_back_and_is_read_whole() -> None:
     project = sfc.loads(data)
     assert sfc.dumps(project) == data
     assert [found.code for found in project.diagnostics] == ["EXP200"]
+    assert summarise("belt.EXP", project).encoding == "CP1252"
     assert [pou.name for pou in project.pous] == ["Ablauf", "Eingabe", "PLC_PRG", "Meldung"]
     assert [type(pou.body) for pou in project.pous[1:]] == [IlBody, StBody, OpaqueBody]
     assert project.pou("Ablauf").comment == "Band mit drei Plätzen: Teil holen, warten, pendeln, abgeben"

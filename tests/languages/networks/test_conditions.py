@@ -171,7 +171,11 @@ def test_the_last_call_of_a_function_is_an_assumption() -> None:
 
 def test_bodies_that_do_not_tell_their_result() -> None:
     assert not read(BodyCondition(body=fbd(variable(1, "a"), output(2, "x", 1), output(3, "y", 1)))).complete
-    assert not read(BodyCondition(body=IlBody(text="LD a"))).complete
+    assert not read(BodyCondition(body=IlBody(text="LD a\nJMPC x"))).complete
+
+
+def test_instructions_that_only_compute_are_read() -> None:
+    assert text(read(BodyCondition(body=IlBody(text="LD a\nAND b")))) == "a AND b"
 
 
 @pytest.mark.slow
