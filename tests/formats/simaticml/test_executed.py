@@ -273,7 +273,7 @@ def coil_inputs(data: bytes, result: str = "TrCoil") -> list[str]:
         None,
         m.Expression(text="a AND"),
         m.Expression(text="a = b := c"),
-        m.BodyCondition(body=m.IlBody(text="LD a")),
+        m.BodyCondition(body=m.IlBody(text="LD a\nJMPC x")),
         m.BodyCondition(body=m.StBody(text="IF a THEN q := b; END_IF;")),
         m.WiredCondition(input=m.InputPin()),
     ],
