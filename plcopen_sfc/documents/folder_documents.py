@@ -20,10 +20,9 @@ from plcopen_sfc.formats.provenance import as_in_file, place_in_folder
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.project import FileHeader, Project
 from plcopen_sfc.model.project_object import ProjectObject
-from plcopen_sfc.model.variables import VariableSection
 
 if TYPE_CHECKING:
-    from plcopen_sfc.formats.xml.xml_codec import FolderCodec
+    from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart
 
 
 SHARED = tuple(name for name in Project.model_fields if name not in (*Project.OBJECTS, "dialect"))
@@ -63,7 +62,9 @@ def merged(documents: dict[str, SourceDocument], kind: Format) -> Project:
             fields[name] = copy.deepcopy(values[0])
     fields["header"] = _header(documents, kind)
     fields["dialect"] = frames[0].dialect if frames else plain.dialect
-    return Project.model_validate({name: value for name, value in fields.items() if value is not None})
+    project = Project.model_validate({name: value for name, value in fields.items() if value is not None})
+    cast("FolderCodec", kind.codec()).join(project)
+    return project
 
 
 def _header(documents: dict[str, SourceDocument], kind: Format) -> FileHeader:
@@ -217,7 +218,7 @@ def plan_like(project: Project, source: FolderSource, kind: Format, *, is_own: b
     planned += moving
     codec = cast("FolderCodec", kind.codec())
     if None in frames:
-        planned += _project_documents(names, kind, frames[None], source.version)
+        planned += _project_documents(names, kind, frames[None])
     planned += [
         PlannedDocument(_free_path(names, kind, thing), [thing], codec.new_document(source.version)) for thing in new
     ]
@@ -230,7 +231,7 @@ def plan_new(project: Project, kind: Format, version: str) -> list[PlannedDocume
     codec = cast("FolderCodec", kind.codec())
     planned: list[PlannedDocument] = []
     if not _has_objects_only(project) or project.header != codec.new_document(version).header:
-        planned += _project_documents(names, kind, with_objects(project, ()), version)
+        planned += _project_documents(names, kind, with_objects(project, ()))
     planned += [
         PlannedDocument(_free_path(names, kind, thing), [thing], codec.new_document(version))
         for thing in project.objects()
@@ -241,21 +242,16 @@ def plan_new(project: Project, kind: Format, version: str) -> list[PlannedDocume
     return planned
 
 
-def _project_documents(names: FileNames, kind: Format, frame: Project, version: str) -> list[PlannedDocument]:
-    """Plan documents for what belongs to no object: one, or one for each list of global variables."""
+def _project_documents(names: FileNames, kind: Format, frame: Project) -> list[PlannedDocument]:
+    """Plan documents for what belongs to no object: one, or one for each part."""
     codec = cast("FolderCodec", kind.codec())
-    folder = codec.list_folder()
-    if folder is None:
+    parts = codec.parts(frame)
+    if parts is None:
         return [PlannedDocument(names.free("", PROJECT_DOCUMENT, kind.extensions[0]), [], frame)]
-    lists: dict[str, list[VariableSection]] = {}
-    for section in frame.global_variables:
-        lists.setdefault(section.name or "", []).append(section)
-    planned: list[PlannedDocument] = []
-    for name, sections in lists.items():
-        document = codec.new_document(version)
-        document.global_variables = sections
-        planned.append(PlannedDocument(names.free(folder, name, codec.extension(document)), [], document))
-    return planned
+    return [
+        PlannedDocument(names.free(part.folder, part.name, codec.extension(part.document)), [], part.document)
+        for part in parts
+    ]
 
 
 def _free_path(names: FileNames, kind: Format, thing: ProjectObject) -> str:
@@ -288,9 +284,10 @@ def _frames(project: Project, source: FolderSource, kind: Format) -> dict[str | 
     if "header" in edited:
         _edit_headers(frames, project, source)
         edited.remove("header")
-    if "global_variables" in edited and cast("FolderCodec", kind.codec()).list_folder() is not None:
-        _edit_lists(frames, project)
-        edited.remove("global_variables")
+    parts = cast("FolderCodec", kind.codec()).parts(project) if edited else None
+    if parts is not None:
+        _edit_parts(frames, parts, kind)
+        edited = [name for name in edited if not any(getattr(each.document, name) for each in parts)]
     for name in edited:
         plain = Project.model_fields[name].get_default(call_default_factory=True)
         owner = next((path for path in frames if _content(frames[path], name) != plain), None)
@@ -306,15 +303,27 @@ def _frames(project: Project, source: FolderSource, kind: Format) -> dict[str | 
     return frames
 
 
-def _edit_lists(frames: dict[str | None, Project], project: Project) -> None:
-    """Put the lists of global variables into the documents that have those of their names; None: new lists."""
-    homes = {section.name: path for path, frame in frames.items() for section in frame.global_variables}
-    lists: dict[str | None, list[VariableSection]] = {path: [] for path in frames}
-    for section in project.global_variables:
-        lists.setdefault(homes.get(section.name), []).append(section)
-    for path, sections in lists.items():
-        frame = frames.get(path) or Project(dialect=project.dialect)
-        frames[path] = frame.model_copy(update={"global_variables": sections})
+def _edit_parts(frames: dict[str | None, Project], parts: list[ProjectPart], kind: Format) -> None:
+    """Put the parts of a project into the documents that have those of their names; None: all that are new."""
+    codec = cast("FolderCodec", kind.codec())
+
+    def key(part: ProjectPart) -> tuple[str, str]:
+        return codec.extension(part.document), part.name
+
+    homes = {key(part): path for path, frame in frames.items() for part in codec.parts(frame) or ()}
+    plain = Project()
+    emptied = {name: getattr(plain, name) for name in PART_FIELDS}
+    for path in homes.values():
+        frames[path] = frames[path].model_copy(update=emptied)
+    for part in parts:
+        path = homes.get(key(part))
+        frame = frames.get(path) or part.document.model_copy(update=emptied)
+        added = {name: [*getattr(frame, name), *getattr(part.document, name)] for name in PART_FIELDS}
+        frames[path] = frame.model_copy(update=added)
+
+
+PART_FIELDS = ("global_variables", "applications")
+"""The fields with what belongs to no object and has documents of its own in some tools."""
 
 
 def _content(frame: Project, name: str) -> Any:

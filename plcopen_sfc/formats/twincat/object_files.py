@@ -25,6 +25,7 @@ from plcopen_sfc.formats.twincat.chart_writer import ChartWriter, write_settings
 from plcopen_sfc.formats.twincat.declaration_texts import METHOD, bare, declaration_of, read, unit_of
 from plcopen_sfc.formats.twincat.kept_data import kept_data, kept_in
 from plcopen_sfc.formats.twincat.object_archive import archived, unknown_type
+from plcopen_sfc.formats.twincat.task_files import TASK, read_task, write_task
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.networks.shown_text import shown_body, shown_named_condition
@@ -38,7 +39,7 @@ from plcopen_sfc.report import ConversionReport, Outcome
 
 ROOT = "TcPlcObject"
 _FILE_VERSION = "1.1.0.1"
-_KINDS = ("POU", "GVL", "DUT", "Itf")
+_KINDS = ("POU", "GVL", "DUT", "Itf", TASK)
 _Part: TypeAlias = Action | Method | NamedTransition
 _PART_NAMES = {Action: "action", Method: "method", NamedTransition: "transition"}
 _PROPERTY = "property"
@@ -58,7 +59,7 @@ def read_object(data: bytes, *, file: str | None) -> ReadResult:
         raise StructureError(
             f"<{root.tag}> holds {found}, and not an object that is read ({known})",
             location=Location(file, line_of(root)),
-            hint="Give the .TcPOU, .TcGVL, .TcDUT and .TcIO files of the project.",
+            hint="Give the .TcPOU, .TcGVL, .TcDUT, .TcIO and .TcTTO files of the project.",
         )
     ctx = Tc6ReadContext(V2_0, file=file, lines=SourceLines(root, data), placeless=True)
     try:
@@ -79,6 +80,8 @@ class _Reader:
 
     def read(self) -> Project:
         thing = self._thing
+        if thing.tag == TASK:
+            return read_task(thing)
         declaration = _declaration(thing)
         if declaration is None:
             raise self._refused("has no declaration")
@@ -248,10 +251,11 @@ def _property(element: etree._Element) -> ForeignData:
 def write_object(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
     """Return the tree of a file. Raises `ModelError` where the project is more, or less, than one object."""
     lists = list(dict.fromkeys(section.name or "" for section in project.global_variables))
-    count = len(project.pous) + len(project.data_types) + len(lists)
+    tasks = [task for resource in project.applications for task in resource.tasks]
+    count = len(project.pous) + len(project.data_types) + len(lists) + len(tasks)
     if count != 1 or project.data_blocks or project.tag_tables:
         raise ModelError(
-            f"a file of TwinCAT holds one POU, one type or one list of variables; the project has {count}",
+            f"a file of TwinCAT holds one POU, type, list of variables or task; the project has {count} of them",
             hint="Save it into a folder: each object gets its file there.",
         )
     root = etree.Element(ROOT)
@@ -261,6 +265,10 @@ def write_object(project: Project, options: WriteOptions, report: ConversionRepo
         root.set(name, value)
     if project.pous:
         root.append(_PouWriter(project.pous[0], report, source).write())
+    elif tasks:
+        known = _identity_of(source) if source is not None else None
+        root.append(write_task(tasks[0], _identity(known, tasks[0].name)))
+        report.add(Outcome.KEPT, "task", f"task {tasks[0].name}")
     else:
         root.append(_declared_object(project, source))
         report.add(Outcome.KEPT, "data type" if project.data_types else "global variables", _path_of(project))

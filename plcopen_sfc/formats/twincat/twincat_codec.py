@@ -8,13 +8,15 @@ from plcopen_sfc.formats.format_interface import Marks, ReadResult, WriteOptions
 from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost
 from plcopen_sfc.formats.plcopen.project_rewriting import rewrite_project
 from plcopen_sfc.formats.twincat.object_files import read_object, write_object
-from plcopen_sfc.formats.xml.xml_codec import FolderCodec, XmlStyle, write_xml
+from plcopen_sfc.formats.twincat.task_files import adapted_task, task_document
+from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle, write_xml
 from plcopen_sfc.languages.s7_flip_flops import put_logic
 from plcopen_sfc.languages.syntax_problems import embedded_code
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.types import DataTypeDeclaration
+from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _INDENT = "  "
@@ -57,31 +59,44 @@ class TwincatCodec(FolderCodec):
         """Return the folder in which TwinCAT puts an object of this kind."""
         return "DUTs" if isinstance(thing, DataTypeDeclaration) else "POUs"
 
-    def list_folder(self) -> str:
-        """Return the folder in which TwinCAT puts lists of global variables."""
-        return "GVLs"
+    def parts(self, project: Project) -> list[ProjectPart]:
+        """Return the lists of global variables and the tasks of `project`."""
+        lists: dict[str, list[VariableSection]] = {}
+        for section in project.global_variables:
+            lists.setdefault(section.name or "", []).append(section)
+        found = [
+            ProjectPart(name, "GVLs", Project(global_variables=sections, dialect=Dialect.CODESYS))
+            for name, sections in lists.items()
+        ]
+        tasks = [task for resource in project.applications for task in resource.tasks]
+        return found + [ProjectPart(task.name, "", task_document(task)) for task in tasks]
+
+    def join(self, project: Project) -> None:
+        """Put the tasks of several files into one application."""
+        tasks = [task for resource in project.applications for task in resource.tasks]
+        project.applications = task_document(*tasks).applications if tasks else []
 
     def extension(self, document: Project) -> str:
         """Return the extension of the file for a document."""
-        return ".TcDUT" if document.data_types else ".TcGVL" if document.global_variables else ".TcPOU"
+        kinds = {".TcDUT": document.data_types, ".TcGVL": document.global_variables, ".TcTTO": document.applications}
+        return next((extension for extension, found in kinds.items() if found), ".TcPOU")
 
     def new_document(self, version: str) -> Project:
         """Return a project without objects."""
         return Project(dialect=Dialect.CODESYS)
 
     def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
-        """Take out of `project`, a copy, what files of objects do not hold: tasks, and how the project is filed."""
+        """Take out of `project`, a copy, what files of objects do not hold, such as how the project is filed."""
         if options.same:
             return
-        for task in (task for resource in project.resources() for task in resource.tasks):
-            why = "tasks of TwinCAT are files of their own, which are not written: create it, and call the program"
-            report.add(Outcome.NOT_EXECUTED, "task", f"task {task.name}", why)
         project.global_variables = list(project.global_sections())
+        tasks = [adapted_task(task, report) for resource in project.resources() for task in resource.tasks]
+        project.applications = task_document(*(task for task in tasks if task is not None)).applications
         for section in project.global_variables:
             section.name = section.name or "GVL"
         plain = self.new_document("")
         for name in Project.model_fields:
-            if name not in ("pous", "data_types", "global_variables"):
+            if name not in ("pous", "data_types", "global_variables", "applications"):
                 setattr(project, name, getattr(plain, name))
 
 

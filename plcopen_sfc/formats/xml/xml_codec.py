@@ -12,7 +12,7 @@ import re
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, cast
+from typing import Any, Literal, NamedTuple, cast
 
 from lxml import etree
 
@@ -47,6 +47,14 @@ class XmlCodec(Codec):
         return as_tool_sees(data, file=file)
 
 
+class ProjectPart(NamedTuple):
+    """A part of a project that has a document of its own, and no object: its name, and the folder for a new one."""
+
+    name: str
+    folder: str
+    document: Project
+
+
 class FolderCodec(XmlCodec):
     """Reads and writes a format in which a folder of files is one project."""
 
@@ -66,9 +74,12 @@ class FolderCodec(XmlCodec):
         """Return the extension of the file for a document; empty: that of the format."""
         return ""
 
-    def list_folder(self) -> str | None:
-        """Return the folder for lists of global variables, each in a document of its own; None: they have none."""
+    def parts(self, project: Project) -> list[ProjectPart] | None:
+        """Return what belongs to no object of `project`, in documents of their own; None: one has all of it."""
         return None
+
+    def join(self, project: Project) -> None:
+        """Put together in `project` what several such documents had."""
 
 
 @dataclass(frozen=True, slots=True)

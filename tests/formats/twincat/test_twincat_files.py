@@ -15,7 +15,7 @@ from plcopen_sfc.errors import SfcError
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.twincat.chart_elements import ELEMENTS
 from plcopen_sfc.formats.twincat.twincat_codec import CODEC
-from plcopen_sfc.model import Pou, PouKind, Project, Step, Transition, VariableSection
+from plcopen_sfc.model import Pou, PouInstance, PouKind, Project, Step, Task, Transition, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.corpus import ROOT, corpus_files
 from tests.samples import FIXTURES
@@ -149,9 +149,19 @@ def test_another_tools_project_becomes_a_folder(tmp_path: Path) -> None:
         "POUs/PLC_PRG.TcPOU",
         "GVLs/GVL_EA.TcGVL",
         "GVLs/GVL_Statistik.TcGVL",
+        "MainTask.TcTTO",
+        "Visu.TcTTO",
     }
-    assert {item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)} == {"task"}
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    assert {item.what for item in report.with_outcome(Outcome.APPROXIMATED)} == {"watchdog"}
     back = sfc.load(tmp_path)
+    tasks = {task.name: task for each in back.applications for task in each.tasks}
+    assert {name: (task.interval, task.priority) for name, task in tasks.items()} == {
+        "MainTask": ("T#20ms", 1),
+        "Visu": ("T#100ms", 31),
+    }
+    assert [each.name for each in tasks["MainTask"].instances] == ["PLC_PRG"]
+    assert {change.aspect for change in sfc.diff(source, back).changes} == {"watchdog"}
     assert back.source is not None
     assert back.source.format == "twincat"
     assert sfc.equivalent(source.pous[0], back.pous[0], limit=2) is not None
@@ -177,6 +187,31 @@ def test_a_folder_is_saved_file_by_file(tmp_path: Path) -> None:
     project.pous = [each for each in project.pous if each.name != "Neu"]
     report = sfc.save(project, tmp_path / "belt")
     assert sorted(Path(name).name for name in report.removed) == ["GVL_Neu.TcGVL", "Neu.TcPOU"]
+
+
+def test_tasks_are_edited_in_their_files(tmp_path: Path) -> None:
+    shutil.copytree(BELT, tmp_path / "belt")
+    before = _read(tmp_path, "Visu")
+    project = sfc.load(tmp_path / "belt")
+    resource = project.applications[0]
+    next(task for task in resource.tasks if task.name == "Visu").interval = "T#250us"
+    resource.tasks.append(Task(name="Slow", interval="T#1s", instances=[PouInstance(name="PLC_PRG", type_name="")]))
+    report = sfc.save(project, tmp_path / "belt")
+    assert {Path(name).name for name in report.written} == {"Visu.TcTTO", "Slow.TcTTO"}
+    assert changed(before, _read(tmp_path, "Visu")) == [
+        "-    <CycleTime>100000</CycleTime>",
+        "+    <CycleTime>250</CycleTime>",
+    ]
+    again = sfc.load(tmp_path / "belt")
+    assert sfc.save(again, tmp_path / "belt").unchanged
+    resource.tasks = [task for task in resource.tasks if task.name != "Slow"]
+    assert [Path(name).name for name in sfc.save(project, tmp_path / "belt").removed] == ["Slow.TcTTO"]
+
+
+def test_tasks_at_events_are_not_executed(tmp_path: Path) -> None:
+    project = sfc.load(FIXTURES / "iectext" / "mixing_plant.st")
+    report = sfc.save(project, tmp_path, format="twincat", partial=True)
+    assert "task OnEdge" in {item.path for item in report.with_outcome(Outcome.NOT_EXECUTED)}
 
 
 def _read(folder: Path, name: str) -> bytes:
