@@ -174,6 +174,7 @@ class _Walk:
         steps = [{key.name: part for key, part in side.parts.items() if key.kind == "step"} for side in self.sides]
         self.steps = steps[0], steps[1]
         self.met = {name: name for name in self.steps[0] if name in self.steps[1]}
+        self._contents: dict[tuple[str, str], float] = {}
 
     def renamed(self) -> Iterator[Renaming]:
         """The steps that are met at the same place and do the same."""
@@ -189,12 +190,14 @@ class _Walk:
         near += [pair for name in list(self.met) for pair in self._beside(name)]
         while near:
             rated = [(self._rate(*pair), pair) for pair in dict.fromkeys(near)]
-            rate, (one, other) = max(rated, key=lambda each: each[0])
-            if rate < _ENOUGH:
+            best = max(rate for rate, _ in rated)
+            if best < _ENOUGH:
                 break
-            self.met[one] = found[one] = other
-            near = [pair for pair in near if pair[0] != one and pair[1] != other]
-            near += self._beside(one)
+            for rate, (one, other) in rated:
+                if rate == best and one not in found and other not in found.values():
+                    self.met[one] = found[one] = other
+                    near += self._beside(one)
+            near = [pair for pair in near if pair[0] not in found and pair[1] not in found.values()]
         for one in (name for name in self.steps[0] if name in found):
             yield Renaming("step", self.steps[0][one], self.steps[1][found[one]])
 
@@ -221,7 +224,9 @@ class _Walk:
                 if best is not None:
                     free.remove(best)
                     place += 1 if _same(best[1], condition) else 0.6
-        content = _likeness(self.steps[0][one], self.steps[1][other])
+        if (one, other) not in self._contents:
+            self._contents[one, other] = _likeness(self.steps[0][one], self.steps[1][other])
+        content = self._contents[one, other]
         is_initial = _same(*(side[n].aspects["initial"] for side, n in zip(self.steps, (one, other), strict=True)))
         where = place / ways if ways else 1
         return (where + content) / 2 if where >= _ENOUGH and content >= _LEAST and is_initial else 0

@@ -249,10 +249,10 @@ def _starts(step: Part) -> bool:
 
 
 def _changed(change: Change, mine: Meaning | None, theirs: Meaning | None) -> Change:
-    """The change with what was there before and after, of program text with the lines that differ."""
-    before, after = (None if each is None or each.text is None else each.text() for each in (mine, theirs))
-    if before is None and after is None:
-        before, after = (None if each is None else each.show() for each in (mine, theirs))
+    """The change with what was there before and after, of several lines with those that differ."""
+    before, after = (None if each is None else (each.text or each.show)() for each in (mine, theirs))
+    is_program = any(each is not None and each.text is not None for each in (mine, theirs))
+    if not is_program and "\n" not in f"{before}{after}":
         return replace(change, before=before, after=after)
     old, new = ((text or "").strip("\n").splitlines() for text in (before, after))
     lines = tuple(line.rstrip() for line in difflib.unified_diff(old, new, lineterm="", n=1))[2:]
@@ -260,9 +260,10 @@ def _changed(change: Change, mine: Meaning | None, theirs: Meaning | None) -> Ch
 
 
 def _told(part: Part) -> str | None:
-    """A part in one word or two."""
-    words = [part.aspects[each].show() for each in _TOLD if each in part.aspects]
-    return words[0] if words else None
+    """A part in one word or two; of a longer text the beginning."""
+    words = next((part.aspects[each].show() for each in _TOLD if each in part.aspects), "")
+    first, _, others = words.partition("\n")
+    return f"{first} .." if others else first or None
 
 
 def _name_of(part: Part, key: Key) -> str:

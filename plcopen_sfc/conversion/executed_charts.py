@@ -28,8 +28,8 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.body import Body, SfcBody, StBody
-from plcopen_sfc.model.conditions import Condition, Expression, NamedCondition
+from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step, Transition
@@ -368,7 +368,11 @@ class ChartReader:
             return Meaning.of(("named", condition.name.casefold(), condition.negated), _shown_name(condition))
         # names and wires say the same in both, whatever they lead to
         raw = plain(condition) if condition.kind in ("expression", "body") else object()
-        return condition_meaning(_once(lambda: self.condition_of(condition)), raw)
+        meaning = condition_meaning(_once(lambda: self.condition_of(condition)), raw)
+        if isinstance(condition, BodyCondition) and isinstance(condition.body, IlBody):
+            text = condition.body.text
+            return replace(meaning, text=lambda: text)
+        return meaning
 
     # -- around the steps
 

@@ -319,8 +319,12 @@ class _Reader:
         place = f"{around}.{variable.name}" if around and owner is self.whole else variable.name
         path = f"{kind} {place}" if owner is self.whole else f"{owner.path} / {variable.name}"
         part = owner.add(kind.removesuffix(" of a function"), variable.name, path, variable)
-        part.tell("type", self._type(variable.type))
-        part.tell("initial value", self.starts.meaning(variable))
+        is_listed = bool(self.detail) and isinstance(variable.type, StructType)
+        part.tell("type", Meaning.of("STRUCT") if is_listed else self._type(variable.type))
+        for member in variable.type.members if self.detail and isinstance(variable.type, StructType) else ():
+            self._variable(part, "member", member, VariableSection(), "")
+        if not is_listed or variable.initial is not None:
+            part.tell("initial value", self.starts.meaning(variable))
         unread = [each for each in _carried_elements(variable) if "<StartValue" in each]
         if unread and variable.initial is None:
             part.tell("start values", Meaning.of(tuple(unread), "in a form that is not read"))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from plcopen_sfc.languages.declarations.declaration_writing import write_type
@@ -92,7 +93,7 @@ def condition_meaning(read: Callable[[], NetworkExpression], raw: Hashable) -> M
         named = _with_helpers(found, lambda node: node)
         return tuple(print_node(transform(normal_form(each), named)) for each in (*found.before, found.tree))
 
-    return Meaning(lambda: _shown_condition(read), raw, form, read)
+    return Meaning(lambda: _shown_condition(read), raw, cache(form), read)
 
 
 def _shown_condition(read: Callable[[], NetworkExpression]) -> str:
@@ -139,7 +140,7 @@ def _text_meaning(text: str, dialect: Dialect, named: Renaming) -> Meaning:
             return " ".join(text.split())
         return print_node(transform(normal_form(parsed.tree), named))
 
-    return Meaning(lambda: " ".join(text.split()), text, form, text=lambda: text)
+    return Meaning(lambda: " ".join(text.split()), text, cache(form), text=lambda: text)
 
 
 def _network_form(body: FbdBody | LdBody, dialect: Dialect, named: Renaming) -> Hashable:

@@ -10,6 +10,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import ChangeKind
 from plcopen_sfc.errors import ArgumentError
+from plcopen_sfc.model import StructType
 from tests.corpus import corpus_files
 from tests.samples import FIXTURES
 from tests.sweeps import some_of
@@ -127,6 +128,27 @@ class TestChart:
             f"POU Ablauf / step N{number}0: renamed, was S{number}" for number in range(1, 5)
         ]
 
+    def test_renumbered_steps_of_a_selection_are_not_confused(self):
+        def built(name):
+            chart = sfc.SfcNetwork()
+            first, last = chart.add_step(name(0), initial=True), chart.add_step(name(99))
+            for branch in range(1, 13):
+                step = chart.add_step(name(branch))
+                step.actions.append(sfc.ActionAssociation(id=chart.new_id(), target=f"q{branch % 3}"))
+                chart.add_transition(first, step, f"x = {branch}")
+                chart.add_transition(step, last, f"y = {branch % 5}")
+            chart.add_transition(last, first, "TRUE")
+            return sfc.Project(pous=[sfc.Pou(name="Main", kind="program", bodies=[sfc.SfcBody(chart=chart)])])
+
+        before, after = built(lambda number: f"S{number}"), built(lambda number: f"N{number * 10}")
+        after.pou("Main").chart.step("N70").max_time = "T#7s"
+        diff = sfc.diff(before, after)
+        renamed = {change.before: change.after for change in diff.changes if change.kind is ChangeKind.RENAMED}
+        assert renamed == {f"S{number}": f"N{number * 10}" for number in (*range(13), 99)}
+        assert [str(change) for change in diff.changes if change.kind is not ChangeKind.RENAMED] == [
+            "POU Main / step N70: maximum time T#7s added"
+        ]
+
     def test_names_that_were_exchanged_are_changes_of_the_steps(self, sides):
         before, after = sides
         after.rename_many({"Ablauf.S2": "S4", "Ablauf.S4": "S2"})
@@ -196,6 +218,17 @@ class TestChart:
             "POU Ablauf / step S1: order of actions Q1, Q2 -> Q2, Q1",
         ]
 
+    def test_a_condition_in_instruction_list_is_shown_as_lines(self, sides):
+        before, after = sides
+        for project, text in zip(sides, ("LD B1\nAND B2", "LD B1\nOR B2"), strict=True):
+            condition = {"kind": "body", "body": {"language": "IL", "text": text}}
+            project.pou("Ablauf").chart.transitions[0].condition = condition
+        (change,) = sfc.diff(before, after).changes
+        assert [line for line in change.lines if line[0] in "+-"] == ["-AND B2", "+OR B2"]
+        before.pou("Ablauf").chart.transitions[0].condition = "B1"
+        (change,) = sfc.diff(before, after).changes
+        assert (change.before, change.after) == ("B1", "LD B1\nOR B2")
+
     def test_what_means_the_same_is_layout(self, sides):
         before, after = sides
         for project, text in zip(sides, ("B1 AND NOT B5", "(NOT (B5)) and B1"), strict=True):
@@ -243,6 +276,29 @@ class TestProject:
             "POU FB_Pusher / variable uiJams: type UINT -> UDINT",
             "POU FB_Pusher / variable xQuit: address %IX4.1 added",
             "type ST_Part / member iColour: removed (INT)",
+        ]
+
+    def test_structures_that_are_declared_in_place(self, sides):
+        for project in sides:
+            one, other = (
+                StructType(members=[sfc.Variable(name=name, type="INT") for name in ("x", "y")]) for _ in range(2)
+            )
+            array = {"kind": "array", "dimensions": [{"lower": "0", "upper": "3"}], "base": other}
+            kinds = {"Point": one, "Line": array}
+            section = project.pou("FB_Pusher").interface.sections[-1]
+            section.variables += [sfc.Variable(name=name, type=kind) for name, kind in kinds.items()]
+        before, after = sides
+        point, line = section.variables[-2:]
+        point.type.members[0].initial = "7"
+        line.type.base.members[1].type = "DINT"
+        lines = [str(change) for change in sfc.diff(before, after).changes]
+        assert lines[0] == "POU FB_Pusher / Point / member x: start value 7 added"
+        assert lines[1].startswith("POU FB_Pusher / variable Line: type\n")
+        assert [line for line in lines[1].splitlines() if "y :" in line] == ["    -    y : INT;", "    +    y : DINT;"]
+        del section.variables[-2:]
+        assert told(sfc.diff(before, after)) == [
+            "POU FB_Pusher / variable Line: removed (ARRAY [0..3] OF STRUCT ..)",
+            "POU FB_Pusher / variable Point: removed (STRUCT)",
         ]
 
     def test_tasks(self):
