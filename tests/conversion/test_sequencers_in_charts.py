@@ -119,3 +119,38 @@ def test_events_and_acknowledgements_run_as_in_the_source(number: int, fields: d
         assert verdict is not None
         assert verdict.proven, verdict
         assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_variables_are_computed_as_long_as_an_edited_condition_reads_them(target: str) -> None:
+    data, _ = sfc.convert(sequencer(acknowledge=True, inputs=("ACK_EF",)), target)
+    edited = data.replace(b"b AND NOT (g OR", b"b AND c AND NOT (g OR")
+    assert edited != data
+    project = sfc.loads(edited, format=target)
+    pou = project.pou("Main")
+    assert "Work_VA" in [variable.name for variable in pou.variables()]
+    assert project.pou("Main").chart is not None
+    same = same_behaviour(project, sfc.loads(edited, format=target, as_tool=True), operated=("ACK_EF",))
+    assert same is not None
+    assert same.proven
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_the_data_of_tia_portal_for_steps_are_left_out_and_come_back(target: str) -> None:
+    source = sequencer(condition="#Work.T > T#1s")
+    kinds = {"RT_DATA": "G7_RTDataPlus_V6", "Trans1": "G7_TransitionPlus_V6", "Work": "G7_StepPlus_V6"}
+    interface = source.pou("Main").interface
+    assert interface is not None
+    own = [m.Variable.model_validate({"name": name, "type": kind}) for name, kind in kinds.items()]
+    own.insert(1, m.Variable(name="mine", type="INT"))
+    interface.sections.append(m.VariableSection(kind=m.SectionKind.LOCAL, variables=own))
+    source = as_file(source)
+    data, report = sfc.convert(source, target)
+    assert report.losses == []
+    assert {item.path for item in report.items if item.what == "variable" and item.outcome is Outcome.TRANSLATED} == {
+        f"POU Main / {name}" for name in kinds
+    }
+    declared = {each.name for each in sfc.loads(data, format=target, as_tool=True).pou("Main").variables()}
+    assert "mine" in declared
+    assert declared.isdisjoint(kinds)
+    assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []

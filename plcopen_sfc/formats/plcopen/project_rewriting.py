@@ -29,7 +29,13 @@ from plcopen_sfc.formats.plcopen.global_variables import (
     report_types,
 )
 from plcopen_sfc.formats.plcopen.permanent_rewriting import PermanentRewriter
-from plcopen_sfc.formats.plcopen.source_marks import NO_RESULT_FIELD, REWRITTEN_FIELD, SourceMarks, rewritten_transition
+from plcopen_sfc.formats.plcopen.source_marks import (
+    NO_RESULT_FIELD,
+    REWRITTEN_FIELD,
+    SYSTEM_DATA_FIELD,
+    SourceMarks,
+    rewritten_transition,
+)
 from plcopen_sfc.formats.plcopen.step_checks import ACKNOWLEDGING, StepChecks
 from plcopen_sfc.formats.plcopen.step_rewriting import (
     StepRewriter,
@@ -45,8 +51,10 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
 from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
+from plcopen_sfc.model.types import DerivedType, Variable
 from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -71,6 +79,7 @@ def rewrite_project(
     if (
         not lists
         and not any(_without_result(project))
+        and not any(_with_system_data(project))
         and not has_globals(project)
         and not any(needs_rewriting(chart, host, options) for chart in project.charts())
     ):
@@ -85,7 +94,34 @@ def rewrite_project(
         place, section = next((i, section) for i, section in enumerate(interface.sections) if is_void(section))
         marks[id(interface)] = {NO_RESULT_FIELD: [place, section.model_dump(mode="json", exclude_none=True)]}
         interface.sections = [other for other in interface.sections if other is not section]
+    for pou in _with_system_data(copy):
+        _leave_out_system_data(pou, host, report, marks)
     return copy, marks
+
+
+def _with_system_data(project: Project) -> Iterator[Pou]:
+    """Yield the blocks with variables that TIA Portal declares for a sequencer, its steps and its transitions."""
+    for pou in project.pous:
+        if any(_is_system_data(variable) for variable in pou.variables()):
+            yield pou
+
+
+def _is_system_data(variable: Variable) -> bool:
+    return isinstance(variable.type, DerivedType) and variable.type.name.strip('"').upper().startswith("G7_")
+
+
+def _leave_out_system_data(pou: Pou, host: ChartHost, report: ConversionReport, marks: SourceMarks) -> None:
+    """Leave out the variables of TIA Portal: other tools have data of steps of their own, and not these types."""
+    left_out: list[tuple[int, int, dict[str, object]]] = []
+    assert pou.interface is not None  # noqa: S101  # it has variables
+    for number, section in enumerate(pou.interface.sections):
+        for place, variable in enumerate(section.variables):
+            if _is_system_data(variable):
+                left_out.append((number, place, variable.model_dump(mode="json", exclude_none=True)))
+                why = f"left out: {host.title} has data of steps of its own"
+                report.add(Outcome.TRANSLATED, "variable", f"{pou.report_path} / {variable.name}", why)
+        section.variables = [variable for variable in section.variables if not _is_system_data(variable)]
+    marks.setdefault(id(pou.interface), {})[SYSTEM_DATA_FIELD] = left_out
 
 
 def _report_flags(project: Project, report: ConversionReport) -> None:
@@ -120,7 +156,11 @@ def is_rewritten(project: Project, content: bytes, host: ChartHost) -> bool:
     """True if the file `content` holds what was rewritten, or an edit of `project` made that necessary."""
     if f'"{REWRITTEN_FIELD}"'.encode() in content or has_globals(project):
         return True
-    if any(_without_result(project)) or (not host.is_codesys and project.global_variables):
+    if (
+        any(_without_result(project))
+        or any(_with_system_data(project))
+        or (not host.is_codesys and project.global_variables)
+    ):
         return True
     charts = (chart for chart in project.charts() if not is_untouched(chart.chart))
     return any(needs_rewriting(chart, host, WriteOptions()) for chart in charts)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Collection, Container, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 from plcopen_sfc.formats.plcopen.tc6_reading import Fields
@@ -28,6 +28,8 @@ TEXTS_FIELD = "texts"
 """At a body: texts of the source by their fields, each with the digest of what was written for it."""
 NO_RESULT_FIELD = "no_result"
 """At an interface: the section by which a function of S7 has no result, and its place."""
+SYSTEM_DATA_FIELD = "system_data"
+"""At an interface: the variables that TIA Portal declares for a sequencer, with their sections and places there."""
 
 SourceMarks = dict[int, dict[str, Any]]
 """Fields to keep at objects of a project, by their `id()`."""
@@ -103,7 +105,7 @@ def take_marks(chart: Fields) -> dict[int, dict[str, Any]]:
 
 
 def restore_chart(
-    chart: SfcNetwork, marks: Mapping[int, dict[str, Any]], edited: Container[str], warn: Callable[[str], None]
+    chart: SfcNetwork, marks: Mapping[int, dict[str, Any]], edited: Collection[str], warn: Callable[[str], None]
 ) -> set[str]:
     """Put the source back into the elements of `chart` that are as they were written.
 
@@ -113,27 +115,52 @@ def restore_chart(
     `warn` is told of elements for which the source counts no more.
     """
     executed: set[str] = set()
-    for step in chart.steps if marks else ():
-        mark = _fitting(marks.get(step.id), edited)
-        if mark is None or mark.get("digest") != _of_step(step):
-            executed |= _uses(marks.get(step.id))
-            _forget_permanent(chart, marks.get(step.id))
-            if step.id in marks:
-                warn(f"the actions of the step {step.name}")
-        else:
+    outdated = _outdated(chart, marks, edited)
+    for step in chart.steps:
+        mark = marks.get(step.id)
+        if step.id in outdated:
+            executed |= _uses(mark)
+            _forget_permanent(chart, mark)
+            warn(f"the actions of the step {step.name}")
+        elif mark is not None:
             written = [row.id for row in step.actions]
             _put(step, mark, STEP_FIELDS)
             _draw_source(chart, dict(zip(written, [row.id for row in step.actions], strict=False)))
-    for transition in chart.transitions if marks else ():
-        mark = _fitting(marks.get(transition.id), edited)
-        if mark is None or mark.get("digest") != _of_condition(transition.condition):
-            executed |= _uses(marks.get(transition.id))
-            _forget_held(chart, marks.get(transition.id))
-            if transition.id in marks:
-                warn(f"the condition of the transition {chart.label(transition)}")
-        else:
+    for transition in chart.transitions:
+        mark = marks.get(transition.id)
+        if transition.id in outdated:
+            executed |= _uses(mark)
+            _forget_held(chart, mark)
+            warn(f"the condition of the transition {chart.label(transition)}")
+        elif mark is not None:
             _put(transition, mark, ("condition",))
     return executed
+
+
+def _outdated(chart: SfcNetwork, marks: Mapping[int, dict[str, Any]], edited: Collection[str]) -> set[int]:
+    """Return the ids of the elements that are not as they were written, or execute something else that is not.
+
+    Elements with an added variable in common stay together: what an edited condition reads, a step must go on writing.
+    """
+    written = {step.id: _of_step(step) for step in chart.steps if step.id in marks}
+    written |= {each.id: _of_condition(each.condition) for each in chart.transitions if each.id in marks}
+    found: set[int] = set()
+    names = set(edited)
+    while True:
+        more = {
+            number
+            for number, digest in written.items()
+            if number not in found
+            and (
+                not isinstance(marks[number].get("source"), dict)
+                or marks[number].get("digest") != digest
+                or not names.isdisjoint(_uses(marks[number]))
+            )
+        }
+        if not more:
+            return found
+        found |= more
+        names = names.union(*(_uses(marks[number]) for number in more))
 
 
 def _forget_held(chart: SfcNetwork, mark: dict[str, Any] | None) -> None:
@@ -169,12 +196,6 @@ def _draw_source(chart: SfcNetwork, rows: Mapping[int, int]) -> None:
             if entry.association in rows and rows[entry.association] != entry.association:
                 entry.local_id = entry.association if entry.local_id is None else entry.local_id
                 entry.association = rows[entry.association]
-
-
-def _fitting(mark: dict[str, Any] | None, edited: Container[str]) -> dict[str, Any] | None:
-    if mark is None or not isinstance(mark.get("source"), dict) or any(name in edited for name in mark.get("uses", ())):
-        return None
-    return mark
 
 
 def _put(thing: Step | Transition, mark: dict[str, Any], names: Iterable[str]) -> None:
@@ -236,6 +257,15 @@ def restore_no_result(interface: Fields) -> None:
     mark = interface.pop(NO_RESULT_FIELD, None)
     if isinstance(mark, list) and len(mark) == 2 and isinstance(mark[0], int) and "return_type" not in interface:
         interface["sections"].insert(mark[0], mark[1])
+
+
+def restore_system_data(interface: Fields) -> None:
+    """Put the variables of a sequencer of S7 back into an interface that is being read. Takes the mark."""
+    sections = interface["sections"]
+    names = {str(variable["name"]).casefold() for section in sections for variable in section["variables"]}
+    for number, place, variable in interface.pop(SYSTEM_DATA_FIELD, None) or ():
+        if number < len(sections) and str(variable["name"]).casefold() not in names:
+            sections[number]["variables"].insert(place, variable)
 
 
 def is_added_configuration(configuration: Fields) -> bool:
