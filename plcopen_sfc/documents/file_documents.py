@@ -328,6 +328,9 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
             "the edits did not fit into its text; written from the model",
         )
         options = WriteOptions(source.version, same=True, baseline=before)
+        if codec.is_rewritten(project, source.content):
+            project, marks = codec.rewrite(project, options, ConversionReport())
+            options = replace(options, marks=marks)
         prepare(project, style, positions=kind.positions)
         data = codec.write(project, options, report)
     return data

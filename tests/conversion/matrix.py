@@ -92,14 +92,17 @@ def judge(feature: Feature, source: str, target: str) -> Cell:
     return Cell(feature.name, source, target, same, str(verdict), reported, why)
 
 
-def same_behaviour(source: m.Project, result: m.Project, *, operated: Sequence[str] = ()) -> Verdict | None:
+def same_behaviour(
+    source: m.Project, result: m.Project, *, operated: Sequence[str] = (), outputs: Sequence[str] = ()
+) -> Verdict | None:
     """The comparison of both under the rules of their tools; None if the result cannot run.
 
-    `operated`: inputs that only one of the tools knows and that do not rest, besides `OPERATED`.
+    `operated`: inputs that only one of the tools knows and that do not rest, besides `OPERATED`. `outputs` are compared
+    besides `OUTPUTS`.
     """
     profiles = (default_profile(source), default_profile(result))
     inputs = {n: n for n in (*OPERATED, *operated) if any(v.name == n for v in source.pou("Main").variables())}
-    outputs = [name for name in OUTPUTS if any(v.name == name for v in source.pou("Main").variables())]
+    outputs = [name for name in (*OUTPUTS, *outputs) if any(v.name == name for v in source.pou("Main").variables())]
     try:
         return equivalent(
             source.pou("Main"), result.pou("Main"), profiles, delay="auto", outputs=outputs, inputs=inputs, cap=2000

@@ -25,6 +25,7 @@ def sequencer(
     condition: str | None = None,
     acknowledge: bool = False,
     inputs: tuple[str, ...] = (),
+    outputs: tuple[str, ...] = (),
 ) -> m.Project:
     """A sequencer as TIA Portal would read it; its step Work has the conditions that `rows` need."""
 
@@ -41,6 +42,10 @@ def sequencer(
             work.interlock = m.Supervised(condition=m.Expression(text="#g"))
         rig.chart.graph_settings = m.GraphSettings(acknowledge_errors_required=acknowledge)
         rig.declare(m.SectionKind.INPUT, *(m.Variable(name=name, type="BOOL") for name in inputs))
+        kinds = {name: "INT" if name == "S_NO" else "BOOL" for name in outputs}
+        rig.declare(
+            m.SectionKind.OUTPUT, *(m.Variable.model_validate({"name": n, "type": k}) for n, k in kinds.items())
+        )
         for row in rows:
             rig.act(**row)
         if condition is not None:
@@ -154,3 +159,70 @@ def test_the_data_of_tia_portal_for_steps_are_left_out_and_come_back(target: str
     assert "mine" in declared
     assert declared.isdisjoint(kinds)
     assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
+
+
+SHOWN: dict[str, dict[str, Any]] = {
+    "one step": {"outputs": ("S_NO", "S_MORE", "S_ACTIVE", "AUTO_ON", "MAN_ON")},
+    "errors": {"rows": ({**ONCE, "event": "C"}, {**AGAIN, "event": "V1"}), "outputs": ("ERR_FLT",)},
+    "errors until acknowledged": {"acknowledge": True, "inputs": ("ACK_EF",), "outputs": ("ERR_FLT",)},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("fields", SHOWN.values(), ids=[*SHOWN])
+def test_outputs_show_the_state_of_the_sequence(fields: dict[str, Any], target: str) -> None:
+    source = sequencer(**fields)
+    data, report = sfc.convert(source, target)
+    assert report.losses == []
+    result = sfc.loads(data, format=target, as_tool=True)
+    verdict = same_behaviour(source, result, operated=fields.get("inputs", ()), outputs=fields["outputs"])
+    assert verdict is not None
+    assert verdict.proven, verdict
+    assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", TARGETS)
+def test_the_step_displayed_stays_while_it_is_active(target: str) -> None:
+    def build(rig: Rig) -> None:
+        chart = rig.chart
+        side = chart.add_step("Side")
+        chart.transitions[0].targets = [chart.step("Work").id, side.id]
+        chart.add_transition(side, chart.step("Side"), "#g")
+        chart.transitions[-1].targets = []
+        chart.graph_settings = m.GraphSettings(acknowledge_errors_required=False)
+        kinds = {"S_NO": "INT", "S_MORE": "BOOL", "S_ACTIVE": "BOOL"}
+        rig.declare(
+            m.SectionKind.OUTPUT, *(m.Variable.model_validate({"name": n, "type": k}) for n, k in kinds.items())
+        )
+        rig.act("Side", "q")
+
+    source = as_file(feature_project(Feature("display", ("simaticml",), build), "simaticml"))
+    data, _ = sfc.convert(source, target)
+    result = sfc.loads(data, format=target, as_tool=True)
+    verdict = same_behaviour(source, result, outputs=("S_NO", "S_MORE", "S_ACTIVE"))
+    assert verdict is not None
+    assert verdict.equal, verdict
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fits", [True, False], ids=["patched", "written from the model"])
+@pytest.mark.parametrize("target", TARGETS)
+def test_an_edit_of_the_source_keeps_what_is_executed(target: str, fits: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = ({**ONCE, "event": "L1"}, {**AGAIN, "event": "V1"})
+    source = sequencer(before="#n := 3;", rows=rows, acknowledge=True, inputs=("ACK_EF",), outputs=("S_NO", "ERR_FLT"))
+    data, _ = sfc.convert(source, target)
+    project = sfc.loads(data, format=target)
+    chart = project.pou("Main").chart
+    assert chart is not None
+    chart.rename_step("Done", "Ready")
+    if not fits:
+        monkeypatch.setattr("plcopen_sfc.formats.xml.source_patch.patch_xml", lambda content, *_: content)
+    edited = sfc.dumps(project, format=target)
+    if fits:
+        assert len(set(edited.splitlines()) - set(data.splitlines())) < 20
+    result = sfc.loads(edited, format=target, as_tool=True)
+    verdict = same_behaviour(source, result, operated=("ACK_EF",), outputs=("S_NO", "ERR_FLT"))
+    assert verdict is not None
+    assert verdict.proven, verdict

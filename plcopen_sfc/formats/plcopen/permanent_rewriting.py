@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, does_something
+from plcopen_sfc.formats.plcopen.shown_state import ShownState
 from plcopen_sfc.formats.plcopen.step_checks import StepChecks
 from plcopen_sfc.formats.plcopen.step_rewriting import StepRewriter
 from plcopen_sfc.languages.networks import body_statements
@@ -23,18 +24,22 @@ from plcopen_sfc.report import Outcome
 
 _UNKNOWN = Effects(frozenset({ANYTHING}), frozenset({ANYTHING}))
 _NAMES = {
+    "shown": ("state_of_sequence", "X_state_of_sequence", "ZY_state_of_sequence"),
     "edges": ("edges_of_inputs", "A_edges_of_inputs", "AAA_edges_of_inputs"),
     "before": ("before_sequence", "A_before_sequence", "AAA_before_sequence"),
     "after": ("sequence_after", "Z_after_sequence", "ZZZ_after_sequence"),
 }
 """Names of the actions: CODESYS executes actions in the order of their names."""
 
+_FIRST = frozenset({"edges", "before"})
+"""What is executed before the actions of the steps."""
+
 
 class PermanentRewriter:
     """Rewrites the permanent instructions of a chart whose steps and transitions are rewritten already."""
 
-    def __init__(self, rewriting: ChartRewriting, steps: StepRewriter, checks: StepChecks) -> None:
-        self._rewriting, self._steps, self._checks = rewriting, steps, checks
+    def __init__(self, rewriting: ChartRewriting, steps: StepRewriter, checks: StepChecks, shown: ShownState) -> None:
+        self._rewriting, self._steps, self._checks, self._shown = rewriting, steps, checks, shown
         self._chart, self._pou, self._host = rewriting.chart.chart, rewriting.chart.pou, rewriting.host
         self._standard = frozenset(
             (variable.name.casefold(),)
@@ -45,6 +50,10 @@ class PermanentRewriter:
     def rewrite(self) -> None:
         """Change the chart; what is not executed, or at another time, is in the report."""
         chart = self._chart
+        initial = next((step for step in chart.steps if step.initial), None)
+        if self._shown.lines and initial is not None:
+            body = StBody(text="\n".join(self._shown.lines))
+            self._steps.store(initial, self._name("shown"), body, first=False, instead_of=None)
         for when, operations in (("after", chart.permanent_post), ("before", chart.permanent_pre)):
             found = [operation for operation in operations if does_something(operation.body)]
             if found:
@@ -166,7 +175,7 @@ class PermanentRewriter:
         """Return a name by which CODESYS executes an action before, or after, all others of the chart."""
         others = [row.target for _, row in self._chart.associations() if row.target is not None]
         wishes = _NAMES[when]
-        fits = (wish for wish in wishes if all(_sorts(wish, name) is (when != "after") for name in others))
+        fits = (wish for wish in wishes if all(_sorts(wish, name) is (when in _FIRST) for name in others))
         return next(fits, wishes[-1])
 
 

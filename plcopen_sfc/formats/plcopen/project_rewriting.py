@@ -29,6 +29,7 @@ from plcopen_sfc.formats.plcopen.global_variables import (
     report_types,
 )
 from plcopen_sfc.formats.plcopen.permanent_rewriting import PermanentRewriter
+from plcopen_sfc.formats.plcopen.shown_state import ShownState
 from plcopen_sfc.formats.plcopen.source_marks import (
     NO_RESULT_FIELD,
     REWRITTEN_FIELD,
@@ -310,11 +311,12 @@ class _ChartRewriter:
         steps = {step.id: step for step in self._chart.steps}
         for transition in self._chart.transitions:
             self._transition(transition, [steps[i] for i in transition.sources if i in steps])
+        shown = ShownState(self._rewriting, self._checks)
         rewriter = StepRewriter(self._rewriting, self._checks)
         for step in self._chart.steps:
             rewriter.rewrite(step)
-        PermanentRewriter(self._rewriting, rewriter, self._checks).rewrite()
-        self._report_graph()
+        PermanentRewriter(self._rewriting, rewriter, self._checks, shown).rewrite()
+        self._report_graph(shown.names)
         if not self._host.is_codesys:
             self._report_codesys()
 
@@ -376,7 +378,7 @@ class _ChartRewriter:
         self._note(Outcome.TRANSLATED, "supervision", place, f"NOT {as_term(held)} in the conditions that leave it")
         return _and(text, f"NOT {as_term(held)}")
 
-    def _report_graph(self) -> None:
+    def _report_graph(self, shown: set[str]) -> None:
         """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
         chart, title = self._chart, self._host.title
         if chart.graph_settings is None:
@@ -385,10 +387,13 @@ class _ChartRewriter:
             self._note(Outcome.NOT_EXECUTED, "skip steps", "", f"{title} never skips a step")
         names = [v.name for v in self._rewriting.chart.pou.variables() if v.name in _PARAMETERS]
         done = [name for name in names if name in ACKNOWLEDGING]
-        names = [name for name in names if name not in done]
+        names = [name for name in names if name not in done and name not in shown]
         if done:
             why = f"{', '.join(done)}: statements compute the rising edges where something depends on them"
             self._note(Outcome.TRANSLATED, "operating inputs", "", why)
+        if shown:
+            why = f"{', '.join(sorted(shown))}: statements set them as in the automatic mode"
+            self._note(Outcome.TRANSLATED, "shown state", "", why)
         if names:
             why = f"{', '.join(names)} are variables without effect in {title}"
             self._note(Outcome.NOT_EXECUTED, "operating inputs", "", why)

@@ -88,6 +88,16 @@ class StepChecks:
         edges = [f" AND NOT {edge}" for edge in self._edges(ActionEvent.A1)]
         return f"{as_term(fault)} OR ({self.variable(step, 'VA')}{''.join(edges)})"
 
+    def disturbed(self, step: Step) -> str | None:
+        """Return an expression, for behind the step change, that is TRUE if an active step has an error."""
+        fault = self.fault(step) if is_supervised(step) else "FALSE"
+        if fault in (None, "FALSE") or not self.acknowledged:
+            return fault
+        # right whether the step has computed its variable in this scan already or not
+        edge = self._rising(ActionEvent.A1)
+        known = "" if edge == "FALSE" else f" AND NOT {as_term(edge)}"
+        return f"{as_term(fault)} OR ({self.variable(step, 'VA')}{known})"
+
     def _edges(self, event: ActionEvent) -> Iterator[str]:
         for name in _COMMANDS[event]:
             if name in self._inputs:

@@ -245,7 +245,8 @@ class StepRewriter:
         for symbol in drawing.symbols if drawing is not None else ():
             if any(connection.source == step.id for pin in symbol.inputs for connection in pin.connections):
                 drawn = [entry.association for entry in symbol.entries or () if entry.step_action is None]
-                yield from (number for number in drawn if number not in used)
+                # in the order in which they were given: stored actions may be drawn before others
+                yield from sorted(number for number in drawn if number not in used)
         yield max([self._chart.new_id(), *(number + 1 for number in used)])
 
     # -- steps in terms of CODESYS and of TC6
@@ -345,7 +346,8 @@ class StepRewriter:
         needed = self._needed(step, row) or "TRUE"
         where = "while the step is active"
         if _is_coil(row):
-            rows.coils.append(f"{row.target} := {self._driven(row)};")
+            driven = f"{row.target} := {self._driven(row)};"
+            rows.coils += [driven] if driven not in rows.coils else []
         else:
             lines = guarded(needed, _statements(row))
             late = self._host.is_codesys and _key(row) in self._mixed  # its entry and exit actions precede coils
