@@ -102,6 +102,7 @@ EVENTS: dict[str, dict[str, Any]] = {
     "stored": {"rows": ({**ONCE, "qualifier": "S", "event": "L1"}, {**ONCE, "qualifier": "R", "event": "L0"})},
     "coils of one operand": {"rows": tuple({**ONCE, "event": event} for event in ("S1", "L1", "V0"))},
     "coils of two steps": {"rows": ({**ONCE, "event": "S1"}, {**ONCE, "step": "Done"})},
+    "a coil that is never TRUE": {"rows": ({**ONCE, "qualifier": "S"}, {**ONCE, "step": "Done", "event": "L1"})},
     "C and V1": {"rows": ({**ONCE, "event": "V1", "interlock": True}, {**AGAIN, "event": "C"})},
     "a value": {"rows": ({"step": "Work", "target": "n", "value": "5", "event": "V1"},)},
     "held until acknowledged": {"rows": ({**ONCE, "event": "V1"},), "acknowledge": True, "inputs": ("ACK_EF",)},

@@ -25,8 +25,8 @@ from plcopen_sfc.report import Outcome
 _UNKNOWN = Effects(frozenset({ANYTHING}), frozenset({ANYTHING}))
 _NAMES = {
     "shown": ("state_of_sequence", "X_state_of_sequence", "ZY_state_of_sequence"),
-    "edges": ("edges_of_inputs", "A_edges_of_inputs", "AAA_edges_of_inputs"),
-    "before": ("before_sequence", "A_before_sequence", "AAA_before_sequence"),
+    "edges": ("edges_of_inputs", "A_edges_of_inputs", "A0_edges_of_inputs"),
+    "before": ("before_sequence", "A_before_sequence", "A0_before_sequence"),
     "after": ("sequence_after", "Z_after_sequence", "ZZZ_after_sequence"),
 }
 """Names of the actions: CODESYS executes actions in the order of their names."""

@@ -381,6 +381,10 @@ class _ChartRewriter:
     def _report_graph(self, shown: set[str]) -> None:
         """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
         chart, title = self._chart, self._host.title
+        for step in chart.steps:
+            if self._rewriting.interlock(step) not in (None, "TRUE"):
+                why = "rows and outputs that depend on it are statements; it does nothing else"
+                self._note(Outcome.TRANSLATED, "interlock", f"step {step.name}", why)
         if chart.graph_settings is None:
             return
         if chart.graph_settings.skip_steps:

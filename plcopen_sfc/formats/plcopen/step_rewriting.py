@@ -323,7 +323,7 @@ class StepRewriter:
             row = row.model_copy(update={"qualifier": Qualifier.R})
             self._note_action(Outcome.TRANSLATED, step, row.target, "R0 is another name for R")
         event = None if row.event is ActionEvent.C else row.event
-        if event in COMPUTED and not self._checks.happens(step, event):
+        if event in COMPUTED and not self._checks.happens(step, event) and not _is_coil(row):
             why = f"`{_called(row)}` is left out: the event {event} never happens in this step"
             self._note_action(Outcome.TRANSLATED, step, row.target, why)
             return
@@ -418,7 +418,9 @@ class StepRewriter:
     def _event(self, step: Step, row: ActionAssociation) -> str | None:
         """Return the variable of the event of a row: TRUE where its place says when it happens, None where none can."""
         event = row.event
-        if event is None or event not in COMPUTED or (event is ActionEvent.S1 and not _is_coil(row)):
+        if event is None or event not in COMPUTED or not self._checks.happens(step, event):
+            return "TRUE"
+        if event is ActionEvent.S1 and not _is_coil(row):
             return "TRUE"
         return self._checks.variable(step, event.value) if self._checks.can_tell(step, event) else None
 
@@ -430,7 +432,7 @@ class StepRewriter:
             if row.target is None or _key(row) != _key(coil) or not _is_coil(row):
                 continue
             if row.event is ActionEvent.S0 or (row.event in COMPUTED and not self._checks.happens(step, row.event)):
-                continue  # left out, and reported
+                continue  # it is left out, and reported, or never TRUE
             parts = [self._host.active(step)]
             if row.qualifier in (Qualifier.D, Qualifier.L):
                 sign = ">=" if row.qualifier is Qualifier.D else "<"
@@ -439,7 +441,7 @@ class StepRewriter:
             if needed is None:
                 return None
             terms.append(" AND ".join([*parts, *([as_term(needed)] if needed != "TRUE" else [])]))
-        return " OR ".join(terms)
+        return " OR ".join(terms) or "FALSE"
 
     def _leave_out(self, step: Step, row: ActionAssociation, why: str) -> None:
         event = f" (event {row.event})" if row.event is not None else ""
