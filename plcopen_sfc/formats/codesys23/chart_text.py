@@ -20,7 +20,7 @@ of a step as actions of the POU, ``Fill_entry`` and ``Fill_exit``.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import takewhile
 
@@ -29,7 +29,7 @@ from plcopen_sfc.formats.declared_blocks import Place, block_span, plain_lines
 from plcopen_sfc.formats.text_patch import Key, WrittenBlock
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.il import is_il
+from plcopen_sfc.languages.il import OPERATORS, is_il
 from plcopen_sfc.languages.networks import shown_body, shown_condition
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.parsing import parse_expression
@@ -64,6 +64,7 @@ _CALL = re.compile(r"([\w.]+)\(\);")
 """Call of an action: of the POU, or of an instance, which has no methods in CoDeSys 2.3."""
 _STEP_PRAGMAS = {"SFCMAXTIME": "max_time", "SFCMINTIME": "min_time", "SFCCOMMENT": "comment"}
 _STEP_PRAGMA = re.compile(r"\s*(\(\*[ \t]*@(SFC\w+)[ \t]*:=[ \t]*'(.*?)'[ \t]*\*\))", re.DOTALL)
+_FIRST_WORD = re.compile(r"(?:\w+\s*:\s*)?(\w+)")
 _MARKED = re.compile(r"\s*_[A-Z]+_BODY\b")
 
 
@@ -79,9 +80,18 @@ def read_text_body(text: str, span: Span) -> Body | None:
         return None
     if _MARKED.match(content):
         return OpaqueBody(source=SOURCE, content=content)
-    if is_il(tokenize(content, Dialect.CODESYS).tokens):
+    first = _FIRST_WORD.match(content, after_comments(content, 0, len(content)))
+    # a look at the first word: most bodies are in ST, and to find the tokens of all costs as much as reading the rest
+    may_be_il = first is not None and first[1].upper() in OPERATORS
+    if may_be_il and is_il(tokenize(content, Dialect.CODESYS).tokens):
         return IlBody(text=content)
     return StBody(text=content)
+
+
+def called_alone(text: str, span: Span) -> str:
+    """Return the action that the text in `span` calls and nothing else; empty where it does something else."""
+    found = _CALL.fullmatch(text, *span)
+    return found[1] if found is not None else ""
 
 
 def body_text(body: Body | None) -> str:
@@ -108,20 +118,37 @@ class ChartText:
     places: list[Place] = field(default_factory=list)
 
 
-def read_chart(text: str, span: Span, actions: frozenset[str], variables: frozenset[str], note: Note) -> ChartText:
-    """Read the chart in `span`.
+@dataclass(frozen=True, slots=True)
+class PouNames:
+    """Names in a POU, in lower case, that tell step actions, and associations from calls.
 
-    `actions` and `variables` of the POU, in lower case, tell step actions, and associations from calls.
+    `booleans` are its variables of type BOOL, and the global ones. `stand_ins` are actions that do nothing but to call
+    another, with the name of that; steps put those into `replaced` that they have as entry or exit action.
     """
-    return _ChartReader(text, span, actions, variables, note).run()
+
+    actions: frozenset[str]
+    variables: frozenset[str]
+    booleans: frozenset[str]
+    stand_ins: Mapping[str, str]
+    replaced: set[str] = field(default_factory=set)
+
+    def are_associated(self, target: str, qualifier: str) -> bool:
+        """True if ``target(qualifier);`` is an association, and no call of a function with a variable."""
+        name = target.casefold()
+        executed = "." in name or name in self.actions or name in self.booleans
+        return executed or qualifier.casefold() not in self.variables
+
+
+def read_chart(text: str, span: Span, names: PouNames, note: Note) -> ChartText:
+    """Read the chart in `span`."""
+    return _ChartReader(text, span, names, note).run()
 
 
 class _ChartReader:
-    def __init__(self, text: str, span: Span, actions: frozenset[str], variables: frozenset[str], note: Note) -> None:
+    def __init__(self, text: str, span: Span, names: PouNames, note: Note) -> None:
         self.text = text
         self.span = span
-        self.actions = actions
-        self.variables = variables
+        self.names = names
         self.note = note
         self.chart = SfcNetwork()
         self.found = ChartText(SfcBody(chart=self.chart))
@@ -183,9 +210,9 @@ class _ChartReader:
             step.actions = associations
             places.append((("associations", ""), inside, ()))
         elif inside[0] < inside[1]:
-            called = _CALL.fullmatch(self.text, *inside)
-            if called is not None and ("." in called[1] or called[1].casefold() in self.actions):
-                step.main_action = called[1]
+            called = called_alone(self.text, inside)
+            if "." in called or called.casefold() in self.names.actions:
+                step.main_action = called
             else:
                 step.main_action = read_text_body(self.text, inside)
             places.append((("body", ""), inside, ()))
@@ -202,8 +229,12 @@ class _ChartReader:
             position = pragma.end(1)
         step.carried = keep({"pragmas": "\n".join(others)} if others else {})
         for ending, attribute in ((ENTRY, "entry_action"), (EXIT, "exit_action")):
-            if f"{name}{ending}".casefold() in self.actions:
-                setattr(step, attribute, f"{name}{ending}")
+            own = f"{name}{ending}"
+            if own.casefold() in self.names.stand_ins:
+                self.names.replaced.add(own.casefold())
+                setattr(step, attribute, self.names.stand_ins[own.casefold()])
+            elif own.casefold() in self.names.actions:
+                setattr(step, attribute, own)
         self.chart.steps.append(step)
         key: Key = ("step", name)
         self.found.places.append((key, (start, position), block_span(key, (start, position), places).spans))
@@ -212,11 +243,11 @@ class _ChartReader:
     def _associations(self, inside: Span) -> list[ActionAssociation]:
         """Return the associations that a step consists of; empty where it has an action in place."""
         found: list[ActionAssociation] = []
-        position, names = inside[0], self.next_id
+        position, first = inside[0], self.next_id
         while position < inside[1]:
             one = _ASSOCIATION.match(self.text, position, inside[1])
-            if one is None or one[2].casefold() in self.variables:  # a call that gets a variable
-                self.next_id = names
+            if one is None or not self.names.are_associated(one[1], one[2]):
+                self.next_id = first
                 return []
             qualifier = _QUALIFIERS[one[2].upper()]
             found.append(ActionAssociation(id=self._number(), qualifier=qualifier, target=one[1], duration=one[3]))
@@ -299,6 +330,11 @@ class ChartNames:
             self._report.add(Outcome.NOT_EXECUTED, "step action", path, f"{wish} is another action of the POU")
         return name
 
+    def leave_out(self, association: ActionAssociation, path: str) -> None:
+        """Report an association that the text does not have."""
+        why = f"CoDeSys 2.3 has no qualifier {association.qualifier}: it is not executed"
+        self._report.add(Outcome.NOT_EXECUTED, "action", f"{path} / action {association.target or 'in place'}", why)
+
     def note(self, what: str, path: str) -> None:
         """Report something in a form that no export was seen to have."""
         self._report.add(
@@ -361,6 +397,7 @@ def _associations(step: Step, names: ChartNames, path: str) -> Iterator[str]:
     """Yield the associations of a step, the last its main action if it has both."""
     for number, each in enumerate(step.actions, 1):
         if each.qualifier not in _QUALIFIERS.values() and each.qualifier is not Qualifier.NONE:
+            names.leave_out(each, path)
             continue
         target = each.target or names.action(f"{step.name}_action{number}", each.body, path)
         qualifier = Qualifier.N if each.qualifier is Qualifier.NONE else each.qualifier

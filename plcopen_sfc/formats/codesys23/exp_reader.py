@@ -8,7 +8,15 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
-from plcopen_sfc.formats.codesys23.chart_text import is_chart, read_chart, read_text_body
+from plcopen_sfc.formats.codesys23.chart_text import (
+    ENTRY,
+    EXIT,
+    PouNames,
+    called_alone,
+    is_chart,
+    read_chart,
+    read_text_body,
+)
 from plcopen_sfc.formats.codesys23.exp_outline import (
     GLOBALS,
     OTHER,
@@ -35,6 +43,7 @@ from plcopen_sfc.languages.st.parsing import parse_statements
 from plcopen_sfc.model.body import Body, StBody
 from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import Elementary, ElementaryType
 
 KINDS = {
     "PROGRAM": PouKind.PROGRAM,
@@ -63,6 +72,7 @@ def footer_of(name: str) -> str:
 
 _SECTIONS = frozenset("LIBRARY RESOURCE PLC_CONFIGURATION TASK_CONFIGURATION VISUALISATION VAR_CONFIG".split())
 """Words that begin sections of other kinds; those that begin with an underscore are such, too."""
+_BOOL = ElementaryType(name=Elementary.BOOL)
 _MANY = 20
 """Problems of one body that are reported; the rest mostly follows from these."""
 
@@ -103,14 +113,15 @@ class _Reader:
         for problem in outline.problems:
             self._note("EXP101", Severity.ERROR, problem.message, problem.span[0])
         for one in outline.objects:
-            if one.kind in KINDS:
-                self._pou(one)
-            elif one.kind == "TYPE":
+            if one.kind == "TYPE":
                 self._types(one)
             elif one.kind == GLOBALS:
                 self._globals(one)
-            else:
+            elif one.kind not in KINDS:
                 self._other(one)
+        for one in outline.objects:  # last: charts ask for global variables
+            if one.kind in KINDS:
+                self._pou(one)
         self._tail(outline)
         project = self._with_remainder()
         spans = block_span(("file", ""), (0, len(self.text)), self.places)
@@ -123,8 +134,14 @@ class _Reader:
         declared = self._declarations(one)
         head = declared.heads[0] if declared.heads else None
         interface = read_interface(declared)
-        variables = frozenset(v.name.casefold() for v in interface.variables())
-        names = frozenset(action.name.casefold() for action in one.actions)
+        variables = interface.variables()
+        globals_ = [variable for section in self.project.global_variables for variable in section.variables]
+        names = PouNames(
+            frozenset(action.name.casefold() for action in one.actions),
+            frozenset(variable.name.casefold() for variable in variables),
+            frozenset(variable.name.casefold() for variable in (*variables, *globals_) if variable.type == _BOOL),
+            self._stand_ins(one),
+        )
         pou = Pou(
             name=one.name,
             kind=KINDS[one.kind],
@@ -140,27 +157,37 @@ class _Reader:
             places.append((("divider", ""), one.divider, ()))
         path = f"POU {one.name}"
         if one.body is not None:
-            body, inside = self._body(one.body, path, names, variables)
+            body, inside = self._body(one.body, path, names)
             pou.bodies = [body if body is not None else StBody()]
             places += [*inside, (("end", ""), one.body.end, ())]
         for action in one.actions:
-            pou.actions.append(self._action(action, path, names, variables, places))
+            pou.actions.append(self._action(action, path, names, places))
+        pou.actions = [action for action in pou.actions if action.name.casefold() not in names.replaced]
         self.project.pous.append(pou)
         self.places.append((("POU", one.name), one.span, block_span(("POU", one.name), one.span, places).spans))
 
-    def _action(
-        self, one: ExpAction, path: str, names: frozenset[str], variables: frozenset[str], places: list[Place]
-    ) -> Action:
-        body, inside = self._body(one.body, f"{path} / action {one.name}", names, variables)
+    def _stand_ins(self, one: ExpObject) -> dict[str, str]:
+        """Return the entry and exit actions that only call an action, which nothing else of the POU names."""
+        found: dict[str, str] = {}
+        known = {action.name.casefold(): action.name for action in one.actions}
+        for action in one.actions:
+            if not action.name.casefold().endswith((ENTRY, EXIT)):
+                continue
+            called = called_alone(self.text, core(self.text, action.body.span))
+            word = re.compile(rf"\b{action.name}\b", re.IGNORECASE)
+            if ("." in called or called.casefold() in known) and len(word.findall(self.text, *one.span)) == 1:
+                found[action.name.casefold()] = called
+        return found
+
+    def _action(self, one: ExpAction, path: str, names: PouNames, places: list[Place]) -> Action:
+        body, inside = self._body(one.body, f"{path} / action {one.name}", names)
         pragmas = "\n".join(found.group() for found in self._pragmas(one.body.span))
         span = (one.head[0], one.body.end[1])
         inside = [(("head", ""), one.head, ()), *inside, (("end", ""), one.body.end, ())]
         places.append((("action", one.name), span, block_span(("action", one.name), span, inside).spans))
         return Action(name=one.name, body=body or StBody(), carried=keep({"pragmas": pragmas} if pragmas else {}))
 
-    def _body(
-        self, one: ExpBody, path: str, actions: frozenset[str], variables: frozenset[str]
-    ) -> tuple[Body | None, list[Place]]:
+    def _body(self, one: ExpBody, path: str, names: PouNames) -> tuple[Body | None, list[Place]]:
         pragmas = self._pragmas(one.span)
         places: list[Place] = [(("pragma", found["name"]), found.span(), ()) for found in pragmas]
         span = core(self.text, (pragmas[-1].end() if pragmas else one.span[0], one.span[1]))
@@ -169,7 +196,7 @@ class _Reader:
             def note(code: str, message: str, offset: int) -> None:
                 self._note(code, Severity.ERROR, message, offset, path)
 
-            chart = read_chart(self.text, span, actions, variables, note)
+            chart = read_chart(self.text, span, names, note)
             return chart.body, places + chart.places
         body = read_text_body(self.text, span)
         if isinstance(body, StBody):

@@ -107,11 +107,11 @@ def _objects(project: Project, report: ConversionReport) -> Iterator[WrittenBloc
 def _data_type(declaration: DataTypeDeclaration) -> WrittenBlock:
     texts = kept(declaration.carried)
     initial = write_value(declaration.initial, _DIALECT) if declaration.initial is not None else ""
-    type_ = _block_comments(write_type(declaration.type, _DIALECT))
+    type_ = _bare_lists(_block_comments(write_type(declaration.type, _DIALECT)))
     is_struct = isinstance(declaration.type, StructType)
     lines = [_comments(declaration.comment)] if plain(declaration.comment) else []
     lines += [f"TYPE {declaration.name} :", type_] if is_struct else [f"TYPE {declaration.name} : {type_}"]
-    value = f" := {initial};" if initial else "" if is_struct else ";"
+    value = _bare_lists(f" := {initial};") if initial else "" if is_struct else ";"
     text = _tabs("\n".join(lines)) + value
     blocks = [*_header(texts), WrittenBlock(("type", ""), f"{text}\nEND_TYPE")]
     if "undivided" not in texts:
@@ -207,13 +207,28 @@ def _section(section: VariableSection) -> WrittenBlock:
 
 
 def _each_text(block: WrittenBlock) -> WrittenBlock:
-    """Return a block of declarations with comments that CoDeSys 2.3 knows, at the start of the line as it has them."""
-    text = _block_comments(block.text)
+    """Return a block of declarations in the terms of CoDeSys 2.3, at the start of the line as it has them."""
+    text = _bare_lists(_block_comments(block.text))
     if block.key[0] in ("head", "end"):
         text = "\n".join(line.lstrip() for line in text.split("\n"))
     else:
         text = re.sub(r"^\t", "", _tabs(text), flags=re.MULTILINE)
     return replace(block, text=text, blocks=tuple(map(_each_text, block.blocks)))
+
+
+def _bare_lists(text: str) -> str:
+    """Return declarations with the initial values of arrays as CoDeSys 2.3 has them: ``:= 1, 2, 3(7)``."""
+    tokens = tokenize(text, _DIALECT).tokens if "[" in text else []
+    edits: list[Edit] = []
+    for index, token in enumerate(tokens[:-1]):
+        if token.type != "ASSIGN" or tokens[index + 1].type != "LSQB":
+            continue
+        end = next((at for at in range(index + 2, len(tokens)) if tokens[at].type in ("LSQB", "RSQB")), index)
+        inside = {each.type for each in tokens[index + 2 : end]}
+        # the list of an array in an array would not be told from its elements, and one value not from a list
+        if end > index and tokens[end].type == "RSQB" and inside & {"COMMA", "LPAR"}:
+            edits += [Edit(*tokens[index + 1].span, ""), Edit(*tokens[end].span, "")]
+    return apply_edits(text, edits)
 
 
 def _tabs(text: str) -> str:

@@ -90,10 +90,11 @@ def test_steps_with_associations() -> None:
         ("Valve", m.Qualifier.D, "t#2s"),
     ]
     assert read.transitions[1].condition == Expression(text="Done")
-    # a call that gets a variable
-    called = chart(text, "N : INT;").pous[0].chart
-    assert called is not None
-    assert called.step("Run").actions == []
+    # a call that gets a variable, unless its name is one of an action or of a BOOL
+    for declarations, count in (("n : INT;", 0), ("n : INT; pump, valve : BOOL;", 2)):
+        other = chart(text, declarations).pous[0].chart
+        assert other is not None
+        assert len(other.step("Run").actions) == count
 
 
 def test_actions_of_steps_and_conditions_in_other_languages() -> None:
@@ -114,6 +115,14 @@ def test_actions_of_steps_and_conditions_in_other_languages() -> None:
     assert (read.transitions[1].name, len(read.transitions[1].sources)) == ("Back", 2)
     a, b = read.step("A"), read.step("B")
     assert (a.entry_action, a.exit_action, b.entry_action, b.exit_action) == ("A_entry", None, None, "B_exit")
+    # one that only calls another is that one, unless something else names it
+    actions = "ACTION A_entry:\nB_work();\nEND_ACTION\nACTION B_work:\ny;\nEND_ACTION\n"
+    project = chart(text, actions=actions)
+    other = project.pous[0].chart
+    assert other is not None
+    assert other.step("A").entry_action == "B_work"
+    assert [action.name for action in project.pous[0].actions] == ["B_work"]
+    assert chart(text, actions=actions.replace("y;", "A_entry();")).pous[0].actions[0].name == "A_entry"
     assert isinstance(a.main_action, StBody)
     assert a.main_action.text.startswith("(* END_STEP")
     assert b.main_action == "B_work"

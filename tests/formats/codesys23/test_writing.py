@@ -97,3 +97,30 @@ def test_flags_of_simple_steps_are_members_elsewhere(to: str) -> None:
     # and flags again on the way back
     back = sfc.dumps(sfc.loads(data), format="codesys23", partial=True).decode()
     assert all(each in back for each in ("Lamp := Idle;", "LD Run\r\n", "Run AND NOT Go", "Lamp := Main.Run;"))
+
+
+def test_declarations_are_in_terms_of_codesys_2_3() -> None:
+    source = """
+    {plcopen_sfc project.dialect := 'codesys'}
+    TYPE Pair : STRUCT a : ARRAY [0..1] OF INT := [1, 2]; // both
+      b : BOOL; END_STRUCT; END_TYPE
+    PROGRAM Main
+    VAR
+      x : ARRAY [1..5] OF INT := [1, 2, 3(7)]; // five
+      y : ARRAY [1..1] OF INT := [4];
+      z : ARRAY [0..1, 0..1] OF INT := [[1, 2], [3, 4]];
+    END_VAR
+    x[1] := 2; // two
+    END_PROGRAM
+    """
+    project = sfc.loads(source.encode(), format="iec-text")
+    data, report = sfc.convert(project, "codesys23")
+    text = data.decode("cp1252").replace("\r\n", "\n")
+    assert (
+        "TYPE Pair :\nSTRUCT\n\ta : ARRAY [0..1] OF INT := 1, 2; (* both *)\n\tb : BOOL;\nEND_STRUCT\nEND_TYPE\n"
+        in text
+    )
+    assert "\tx : ARRAY [1..5] OF INT := 1, 2, 3(7); (* five *)\n\ty : ARRAY [1..1] OF INT := [4];\n" in text
+    assert "x[1] := 2; (* two *)\n" in text
+    assert [item.what for item in report.with_outcome(Outcome.TRANSLATED)] == ["comments"]
+    assert sfc.loads(data).pous[0].variables() == project.pous[0].variables()
