@@ -94,7 +94,10 @@ class _Comparison:
         own: dict[int, Declaration] = {}
         for listed_one, declaration in zip(listed, names.declarations(), strict=True):
             own |= {id(holder): names.resolver.original(declaration) for holder in listed_one.holders}
-        table = {own[id(pair.old.subject)]: pair for pair in pairs if id(pair.old.subject) in own}
+        table: dict[Declaration, Renaming] = {}
+        for pair in pairs:
+            if id(pair.old.subject) in own:  # the first is the thing itself, others are what repeats it: VAR_EXTERNAL
+                table.setdefault(own[id(pair.old.subject)], pair)
         for declaration, old_name in self._with_new_names(table):
             kind, _, new = table[declaration]
             change = Change(ChangeKind.RENAMED, new.path, word_of(kind), before=old_name, after=declaration.name)

@@ -33,7 +33,7 @@ class Renaming(NamedTuple):
 
 _OUTER = ("POU", "type")
 _LISTS = ("list of global variables", "data block")
-_MEMBERS = frozenset({"variable", "global variable", "member", "action of the POU", "named transition"})
+_MEMBERS = ("global variable", "variable", "member", "action of the POU", "named transition")
 _CHARTS = frozenset({"chart", "partial chart", "macro-step"})
 _ENOUGH = 0.5
 """How much of a thing must be the same."""

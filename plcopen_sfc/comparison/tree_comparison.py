@@ -39,7 +39,7 @@ _TOLD = ("trigger", "condition", "type", "program", "kind")
 _WANDER = frozenset({"action", "variable", "global variable", "program instance"})
 """Kinds of parts that are recognised at another place."""
 _CONDITION = ("condition",)
-_IN_ORDER = frozenset({"input", "output", "inOut"})
+_IN_ORDER = ("input", "output", "inOut")
 """Sections of variables whose order counts: that of the arguments of a call."""
 _PLACES = frozenset({"section", "list", "number"})
 

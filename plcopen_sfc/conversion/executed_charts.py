@@ -368,11 +368,12 @@ class ChartReader:
             return Meaning.of(("named", condition.name.casefold(), condition.negated), _shown_name(condition))
         # names and wires say the same in both, whatever they lead to
         raw = plain(condition) if condition.kind in ("expression", "body") else object()
-        meaning = condition_meaning(_once(lambda: self.condition_of(condition)), raw)
-        if isinstance(condition, BodyCondition) and isinstance(condition.body, IlBody):
-            text = condition.body.text
-            return replace(meaning, text=lambda: text)
-        return meaning
+        read = _once(lambda: self.condition_of(condition))
+        meaning = condition_meaning(read, raw)
+        if not self.owner.detail or not isinstance(condition, BodyCondition) or not isinstance(condition.body, IlBody):
+            return meaning
+        text = condition.body.text.strip()
+        return replace(meaning, show=lambda: meaning.show() if read().tree is not None else text)
 
     # -- around the steps
 

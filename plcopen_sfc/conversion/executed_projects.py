@@ -337,6 +337,8 @@ class _Reader:
         if self.detail is Detail.WRITTEN:
             part.tell("list", Meaning.of(plain_name(around), around) if around else None)
             part.tell("persistent", Meaning.of(True, "PERSISTENT") if section.persistent else None)
+            for name, value in variable.attributes.items():
+                part.tell(name, Meaning.of(value))
         self.tell_comment(part, variable)
         edge = kept(variable.carried).get("edge")
         part.tell("edge", Meaning.of(edge) if edge else None)

@@ -101,7 +101,12 @@ def edits(project: sfc.Project, at: Places) -> Iterator[str]:
     yield "POU Zz9_Pou: added (program)"
 
 
-@pytest.mark.parametrize("at", PLACES, ids=lambda at: at.file)
+QUICK = ("iectext/mixing_plant.st", "codesys23/distribution_belt.EXP")
+
+
+@pytest.mark.parametrize(
+    "at", [pytest.param(at, id=at.file, marks=() if at.file in QUICK else pytest.mark.slow) for at in PLACES]
+)
 def test_every_edit_is_found_and_nothing_else(at):
     before, after = loaded(at.file), loaded(at.file)
     expected = sorted(edits(after, at))
@@ -218,16 +223,18 @@ class TestChart:
             "POU Ablauf / step S1: order of actions Q1, Q2 -> Q2, Q1",
         ]
 
-    def test_a_condition_in_instruction_list_is_shown_as_lines(self, sides):
-        before, after = sides
-        for project, text in zip(sides, ("LD B1\nAND B2", "LD B1\nOR B2"), strict=True):
+    def test_conditions_in_instruction_list(self, sides):
+        def put(project, text):
             condition = {"kind": "body", "body": {"language": "IL", "text": text}}
             project.pou("Ablauf").chart.transitions[0].condition = condition
+
+        before, after = sides
+        put(after, "LD B1\nAND B2")  # an expression
+        assert told(sfc.diff(before, after)) == ["POU Ablauf / transition S1 -> S2: condition B1 -> B1 AND B2"]
+        put(before, "LD B1\nJMPC Done\nLD B2\nDone:")  # no expression
+        put(after, "LD B1\nJMPC Done\nLD B3\nDone:")
         (change,) = sfc.diff(before, after).changes
-        assert [line for line in change.lines if line[0] in "+-"] == ["-AND B2", "+OR B2"]
-        before.pou("Ablauf").chart.transitions[0].condition = "B1"
-        (change,) = sfc.diff(before, after).changes
-        assert (change.before, change.after) == ("B1", "LD B1\nOR B2")
+        assert [line for line in change.lines if line[0] in "+-"] == ["-LD B2", "+LD B3"]
 
     def test_what_means_the_same_is_layout(self, sides):
         before, after = sides
@@ -355,6 +362,17 @@ class TestProject:
         assert (change.place, change.aspect) == ("POU FillingStation / chart", "drawn logic")
         assert any("Zz9" in line for line in change.lines)
 
+    def test_a_global_variable_that_a_pou_repeats_is_renamed_once(self):
+        before, after = (loaded("plcopen/every_element_2.01.xml") for _ in range(2))
+        after.rename("Constants.PowderTarget", "Zz9")
+        assert told(sfc.diff(before, after)) == ["global variable Constants.Zz9: renamed, was PowderTarget"]
+
+    def test_properties_that_tia_gives_a_variable(self):
+        before, after = loaded("simaticml-plc"), loaded("simaticml-plc")
+        for project, value in ((before, "true"), (after, "false")):
+            project.pou("FB_Drilling").variables()[3].attributes["ExternalAccessible"] = value
+        assert told(sfc.diff(before, after)) == ["POU FB_Drilling / variable start: ExternalAccessible true -> false"]
+
     def test_two_projects_are_needed(self, sides):
         with pytest.raises(ArgumentError, match="two projects"):
             sfc.diff(sides[0], "codesys/sorting_conveyor.xml")
@@ -372,6 +390,23 @@ class TestFormats:
     )
     def test_the_same_chart_in_two_formats(self, one, other):
         assert sfc.diff(loaded(f"training-chain/{one}"), loaded(f"training-chain/{other}")).changes == ()
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize(
+        ("file", "target"),
+        [
+            ("twincat/press_station.xml", "codesys"),
+            ("codesys/distribution_belt.xml", "codesys23"),
+            ("plcopen/every_element_2.01.xml", "plcopen-1.01"),
+            ("simaticml-plc", "scl"),
+        ],
+    )
+    def test_a_converted_file_is_the_same_project(self, file, target):
+        """Extension data is read, too: what the target cannot express is no difference."""
+        before = loaded(file)
+        before.accept_errors()
+        after = sfc.loads(sfc.dumps(before, format=target, partial=True))
+        assert sfc.diff(before, after).changes == ()
 
     def test_an_edit_is_found_in_another_format_too(self):
         before, after = loaded("training-chain/plcopen_2.01.xml"), loaded("training-chain/codesys.xml")
