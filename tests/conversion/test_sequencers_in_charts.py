@@ -112,6 +112,17 @@ EVENTS: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.parametrize("target", TARGETS)
+def test_what_a_step_does_at_its_end_is_reported_where_the_next_one_is_first(target: str) -> None:
+    last = {"step": "Done", "target": "n", "value": "3", "event": "S0"}
+    source = sequencer(rows=(last, {"step": "Idle", "target": "n", "value": "n + 1"}))
+    data, report = sfc.convert(source, target)
+    verdict = same_behaviour(source, sfc.loads(data, format=target, as_tool=True))
+    assert verdict is not None
+    assert verdict.different is (target != "codesys")
+    assert [item.outcome for item in report.losses] == [Outcome.APPROXIMATED] * verdict.different
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("number", "fields"), [*enumerate(EVENTS.values())], ids=[*EVENTS])
 def test_events_and_acknowledgements_run_as_in_the_source(number: int, fields: dict[str, Any]) -> None:

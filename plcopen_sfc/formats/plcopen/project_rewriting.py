@@ -388,7 +388,7 @@ class _ChartRewriter:
         if chart.graph_settings is None:
             return
         if chart.graph_settings.skip_steps:
-            self._note(Outcome.NOT_EXECUTED, "skip steps", "", f"{title} never skips a step")
+            self._note(Outcome.NOT_EXECUTED, "skip steps", "", f"each step is active for a scan at least in {title}")
         names = [v.name for v in self._rewriting.chart.pou.variables() if v.name in _PARAMETERS]
         done = [name for name in names if name in ACKNOWLEDGING]
         names = [name for name in names if name not in done and name not in shown]
@@ -400,6 +400,10 @@ class _ChartRewriter:
             self._note(Outcome.TRANSLATED, "shown state", "", why)
         if names:
             why = f"{', '.join(names)} are variables without effect in {title}"
+            if "INIT_SQ" in names and self._host.is_codesys:
+                why += ": SFCReset is close to INIT_SQ, but ends stored actions too, and leaves out exit actions"
+            elif "INIT_SQ" in names:
+                why += ": nothing starts a chart of IEC 61131-3 again, or ends it"
             self._note(Outcome.NOT_EXECUTED, "operating inputs", "", why)
 
     def _report_codesys(self) -> None:

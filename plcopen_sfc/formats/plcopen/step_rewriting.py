@@ -363,6 +363,10 @@ class StepRewriter:
             why = f"`{_called(row)}` (event S0) is executed before the next step drives {row.target}"
             self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after that")
             return
+        if event is ActionEvent.S0 and self._is_written_before(step, row):
+            why = f"`{_called(row)}` (event S0) is executed after the next step has written {row.target}"
+            self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it before that")
+            return
         needs = f", under the condition {needed}" if needed != "TRUE" else ""
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is a statement {where}{needs}")
 
@@ -374,8 +378,11 @@ class StepRewriter:
             return f"it depends on a condition of the step, and {_NO_TEXT}"
         if row.forcing is not None or row.kind not in _KINDS:
             return f"{title} has no such action of IEC 60848"
+        if row.qualifier in (Qualifier.ON, Qualifier.OFF):
+            return f"nothing but transitions activates and deactivates steps in {title}"
         if row.qualifier not in _COILS | _STORING.keys() | {Qualifier.CALL}:
-            return f"{title} has no action {row.qualifier.value}"
+            of_s5 = ", which acts on counters and timers of S5" if row.qualifier.value in _OF_GRAPH else ""
+            return f"{title} has no action {row.qualifier.value}{of_s5}"
         if row.negated:
             return "it acts while its step is not active"
         if row.body is not None and not isinstance(row.body, StBody):
@@ -402,9 +409,24 @@ class StepRewriter:
 
     def _is_driven_next(self, step: Step, row: ActionAssociation) -> bool:
         """True if a following step may drive the operand of a row otherwise in the cycle in which its step is left."""
-        following = {i for t in self._rewriting.source.transitions if step.id in t.sources for i in t.targets}
-        coils = [r for s, r in self._rows if s.id in following and _is_coil(r) and _key(r) == _key(row)]
+        coils = [r for _, r in self._next_rows(step, row) if _is_coil(r)]
         return any(row.qualifier is not Qualifier.S or r.duration is not None or r.interlock for r in coils)
+
+    def _is_written_before(self, step: Step, row: ActionAssociation) -> bool:
+        """True if a following step writes the operand of a row in an action that comes before those of its step.
+
+        CODESYS executes exit actions before all others, IEC 61131-3 gives no order but that of the chart.
+        """
+        if self._host.is_codesys:
+            return False
+        order = [each.id for each in self._chart.steps]
+        others = [s for s, r in self._next_rows(step, row) if not _is_coil(r)]
+        return any(order.index(other.id) < order.index(step.id) for other in others)
+
+    def _next_rows(self, step: Step, row: ActionAssociation) -> Iterator[tuple[Step, ActionAssociation]]:
+        """Yield the rows of following steps that have the operand of a row."""
+        following = {i for t in self._rewriting.source.transitions if step.id in t.sources for i in t.targets}
+        yield from ((s, r) for s, r in self._rows if s.id in following and r.target and _key(r) == _key(row))
 
     def _needed(self, step: Step, row: ActionAssociation) -> str | None:
         """Return the condition of a row besides its active step; None where it is no expression."""
