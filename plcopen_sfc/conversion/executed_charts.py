@@ -96,6 +96,7 @@ class ChartReader:
 
     def read(self, part: Part) -> None:
         """Note in `part` what is executed of the chart."""
+        self.owner.tell_comment(part, self.chart)
         for step in self.chart.steps:
             if not step.exclude or self.owner.detail:
                 self._step(part, step)
