@@ -68,8 +68,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         _forget_direct_text(copy)
     if _has_flags(kind) is not _has_flags(project):
         _put_into_notation(copy, kind, report)
-    if not kind.il_conditions and not options.same:
-        _without_il_conditions(copy, report)
+    if not options.same:
+        _without_il(copy, kind, report)
     if dialect is not None:
         _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour))
     if options.flavour:
@@ -130,11 +130,17 @@ def _put_into_notation(project: Project, kind: Format, report: ConversionReport)
         report.add(Outcome.TRANSLATED, "step flag", path, why)
 
 
-def _without_il_conditions(project: Project, report: ConversionReport) -> None:
-    from plcopen_sfc.refactor.il_conditions import write_conditions_as_expressions  # noqa: PLC0415
+def _without_il(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Write instruction list as structured text, where the target has none."""
+    from plcopen_sfc.refactor.il_texts import (  # noqa: PLC0415
+        write_bodies_as_statements,
+        write_conditions_as_expressions,
+    )
 
-    for path in write_conditions_as_expressions(project):
+    for path in write_conditions_as_expressions(project) if not kind.il_conditions else ():
         report.add(Outcome.TRANSLATED, "condition", path, "from instruction list into an expression")
+    for path in write_bodies_as_statements(project) if not kind.il_bodies else ():
+        report.add(Outcome.TRANSLATED, "body", path, "from instruction list into structured text")
 
 
 def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionReport, *, wholly: bool) -> None:

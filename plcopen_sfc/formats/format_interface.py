@@ -198,8 +198,8 @@ class Format:
     format in its own terms. `dialect` is that of the structured text in its files; None: a file may hold any and names
     it. `xml`, `text`, `folders`: the codec is an `XmlCodec`, a `TextCodec`, a `FolderCodec`. `ids`: its files keep the
     ids of steps, transitions and elements of networks. `positions`: they keep positions. `networks` is the form of
-    networks in its files, `one_sheet`: all networks of a body are on one. `il_conditions`: the conditions of its charts
-    may be in IL. `standard` is what its versions are of.
+    networks in its files, `one_sheet`: all networks of a body are on one. `il_conditions`, `il_bodies`: the conditions
+    of its charts, and bodies, may be in IL. `standard` is what its versions are of.
     """
 
     name: str
@@ -221,6 +221,7 @@ class Format:
     networks: NetworkForm = NetworkForm.DRAWN
     one_sheet: bool = False
     il_conditions: bool = True
+    il_bodies: bool = True
     standard: str = ""
 
     def codec(self) -> Codec:

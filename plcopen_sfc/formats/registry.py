@@ -150,6 +150,7 @@ FORMATS: tuple[Format, ...] = (
         ids=False,
         folders=True,
         il_conditions=False,
+        il_bodies=False,
     ),
     Format(
         name="twincat",
@@ -165,6 +166,8 @@ FORMATS: tuple[Format, ...] = (
         networks=NetworkForm.STATEMENTS,
         folders=True,
         one_sheet=True,
+        il_conditions=False,
+        il_bodies=False,
     ),
     Format(
         name="json",
@@ -208,6 +211,7 @@ FORMATS: tuple[Format, ...] = (
         dialect=Dialect.SCL,
         networks=NetworkForm.COMMENTS,
         il_conditions=False,
+        il_bodies=False,
     ),
     Format(
         name="iec-text",

@@ -31,7 +31,7 @@ def result_expression(text: str, dialect: Dialect, *, stored_in: str = "") -> n.
 
     `stored_in`: the last instruction may store the result in this.
     """
-    found = _Result(text)
+    found = CurrentResult(text)
     *most, last = list(instructions(text, dialect)) or [Instruction("", (0, 0))]
     if last.operator.upper() != "ST" or not _names(last, stored_in):
         most.append(last)
@@ -43,7 +43,9 @@ def _names(store: Instruction, name: str) -> bool:
     return len(trees) == 1 and isinstance(trees[0], n.Name) and trees[0].identifier.casefold() == name.casefold()
 
 
-class _Result:
+class CurrentResult:
+    """The current result of instructions, and the operations whose operands in parentheses are not closed yet."""
+
     def __init__(self, text: str) -> None:
         self.current: n.Expression | None = None
         self.waiting: list[tuple[str, n.Expression]] = []
@@ -56,12 +58,12 @@ class _Result:
         if instruction.label or any(operand.parsed.problems for operand in instruction.operands):
             return False
         if word in ("LD", "LDN") and len(trees) == 1:
-            self.current = _negated(trees[0]) if word == "LDN" else trees[0]
+            self.current = negated(trees[0]) if word == "LDN" else trees[0]
             return True
         if self.current is None:
             return False
         if word == "NOT" and not trees:
-            self.current = _negated(self.current)
+            self.current = negated(self.current)
         elif word == ")" and self.waiting:
             operator, before = self.waiting.pop()
             self.current = _combined(operator, before, self.current)
@@ -82,9 +84,10 @@ class _Result:
 
 def _combined(word: str, left: n.Expression, right: n.Expression) -> n.Expression:
     if word not in _OPERATORS:
-        word, right = word.removesuffix("N"), _negated(right)
+        word, right = word.removesuffix("N"), negated(right)
     return n.Operation(_OPERATORS[word], (left, right))
 
 
-def _negated(tree: n.Expression) -> n.Expression:
+def negated(tree: n.Expression) -> n.Expression:
+    """Return ``NOT tree``."""
     return n.Unary(Operator.NOT, tree)

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from tempfile import TemporaryDirectory
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, equivalent
 from plcopen_sfc.conversion import executed
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import default_profile
 from tests.conversion.features import FEATURES, Feature, feature_project
 
@@ -24,6 +25,8 @@ __all__ = ["TARGETS", "Cell", "cells", "judge", "table"]
 CAUTIOUS = {
     ("qualifier P1", "codesys"): _IMPORT,
     ("qualifier P0", "codesys"): _IMPORT,
+    ("qualifier P1", "twincat"): _IMPORT,
+    ("qualifier P0", "twincat"): _IMPORT,
     ("retain", "codesys"): _IMPORT,
     ("condition: wired", "codesys"): _IMPORT,
     ("macro-step", "codesys"): _IMPORT,
@@ -31,13 +34,14 @@ CAUTIOUS = {
     ("two sequences", "codesys"): _IMPORT,
     ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",
     ("enumeration", "simaticml"): _FINAL,
+    ("counter", "twincat"): "nothing in the chart reads the counter",
     ("counter", "codesys"): "nothing in the chart reads the counter",
     ("counter", "plcopen"): "nothing in the chart reads the counter",
     ("counter", "codesys23"): "nothing in the chart reads the counter",
     ("event S1", "codesys23"): "S acts in every scan of the step there, and nothing else of the chart writes q",
 }
 """Where the report says less than that all is executed although both run the same here, and why."""
-TARGETS = ("codesys", "plcopen-2.01", "iec-text", "simaticml", "scl", "codesys23")
+TARGETS = ("codesys", "twincat", "plcopen-2.01", "iec-text", "simaticml", "scl", "codesys23")
 
 
 @dataclass(frozen=True)
@@ -82,16 +86,25 @@ def judge(feature: Feature, source: str, target: str) -> Cell:
     """Convert the chart of a feature and run both."""
     original = sfc.loads(sfc.dumps(feature_project(feature, source), format=source, partial=True), format=source)
     try:
-        data, report = sfc.convert(original, target, partial=True)
+        result, report = converted(original, target)
     except sfc.SfcError as error:
         return Cell(feature.name, source, target, False, "", "refused", error.message)
     losses = report.losses
     reported = losses[0].outcome.value if losses else "executed"
-    result = sfc.loads(data, format=target, as_tool=True)
     verdict = same_behaviour(original, result) if not undeclared(original, result) else None
     why = "; ".join(dict.fromkeys(item.why for item in losses))
     same = verdict is not None and verdict.equal
     return Cell(feature.name, source, target, same, str(verdict), reported, why)
+
+
+def converted(original: m.Project, target: str) -> tuple[m.Project, ConversionReport]:
+    """Return what the target tool reads of the converted project, and the report."""
+    if target != "twincat":
+        data, report = sfc.convert(original, target, partial=True)
+        return sfc.loads(data, format=target, as_tool=True), report
+    with TemporaryDirectory() as folder:  # a file holds one object
+        report = sfc.save(original, folder, format=target, partial=True)
+        return sfc.load(folder, format=target, as_tool=True), report
 
 
 def same_behaviour(

@@ -13,6 +13,7 @@ from typing import Any
 
 from lxml import etree
 
+from plcopen_sfc.formats.codesys.codesys_codec import LACKS
 from plcopen_sfc.formats.twincat.chart_elements import (
     ASSOCIATION,
     BRANCH,
@@ -290,8 +291,10 @@ class ChartWriter:
         place = f"step {step.name} / action {association.target or 'inline'}"
         lacking = [name for name in ("body", "value", "event", "forcing") if getattr(association, name) is not None]
         lacking += [name for name in ("negated", "interlock") if getattr(association, name)]
-        if qualifier not in _QUALIFIERS:
-            lacking.insert(0, f"qualifier {qualifier}")
+        if f"qualifier {qualifier}" in LACKS:
+            why = f"TwinCAT offers {_OFFERED}, and may not read this"
+            outcome = Outcome.APPROXIMATED if qualifier in _PULSES else Outcome.NOT_EXECUTED
+            self._note(outcome, f"qualifier {qualifier}", place, why)
         for what in lacking:
             self._note(Outcome.NOT_EXECUTED, what, place, "associations of actions in TwinCAT have none")
         self._note(Outcome.KEPT, "action", place, "")
@@ -337,7 +340,9 @@ class ChartWriter:
         return written
 
 
-_QUALIFIERS = frozenset("N R S L D P SD DS SL".split())
+_OFFERED = "N R S L D P SD DS SL"
+_PULSES = frozenset({"P0", "P1", "DL"})
+"""Qualifiers of IEC 61131-3 and TC6 that an archive can hold; no file shows one."""
 
 
 def _values(thing: Step | Transition | ActionAssociation, kind: str) -> dict[str, Any]:

@@ -1,0 +1,54 @@
+"""Conditions and bodies in instruction list as expressions and statements, for tools that have no others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from plcopen_sfc.languages.binding.name_uses import dialect_of
+from plcopen_sfc.languages.il_expressions import result_expression
+from plcopen_sfc.languages.il_statements import statements
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.model.body import IlBody, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Expression
+from plcopen_sfc.model.pou import Action, Method, Pou
+from plcopen_sfc.model.project import Project
+
+
+def write_conditions_as_expressions(project: Project) -> Iterator[str]:
+    """Write the conditions in IL that only compute a value as expressions, and yield the paths of the transitions."""
+    dialect = dialect_of(project)
+    for chart in project.charts():
+        for transition in chart.chart.transitions:
+            condition = transition.condition
+            if not isinstance(condition, BodyCondition) or not isinstance(condition.body, IlBody):
+                continue
+            tree = result_expression(condition.body.text, dialect, stored_in=condition.name)
+            if tree is not None:
+                transition.condition = Expression(text=print_node(tree, dialect), negated=condition.negated)
+                yield f"{chart.report_path} / transition {chart.chart.label(transition)}"
+
+
+def write_bodies_as_statements(project: Project) -> Iterator[str]:
+    """Write the bodies in IL without jumps as structured text, and yield the paths of what they are the bodies of."""
+    dialect = dialect_of(project)
+
+    def written(body: IlBody) -> StBody | None:
+        tree = statements(body.text, dialect)
+        return StBody(text=print_node(tree, dialect), worksheet=body.worksheet) if tree is not None else None
+
+    for pou in project.pous:
+        for place, body in enumerate(pou.bodies):
+            found = written(body) if isinstance(body, IlBody) else None
+            if found is not None:
+                pou.bodies[place] = found
+                yield pou.report_path
+        yield from _parts(pou, written)
+
+
+def _parts(pou: Pou, written: Callable[[IlBody], StBody | None]) -> Iterator[str]:
+    parts: list[Action | Method] = [*pou.actions, *pou.methods]
+    for part in parts:
+        found = written(part.body) if isinstance(part.body, IlBody) else None
+        if found is not None:
+            part.body = found
+            yield pou.report_path_of(f"{pou.name}.{part.name}")

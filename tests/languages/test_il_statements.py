@@ -1,0 +1,73 @@
+"""Instruction list as statements: what they say, and that they do the same."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.il_statements import statements
+from plcopen_sfc.languages.st import print_node
+
+
+def shown(text: str) -> str | None:
+    tree = statements(text, Dialect.CODESYS)
+    return None if tree is None else print_node(tree, Dialect.CODESYS)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("LD a\nAND b\nST q\nSTN r", "q := a AND b;\nr := NOT (a AND b);"),
+        ("LD n\nADD 1\nST n\nGT 5\nS q", "n := n + 1;\nIF n > 5 THEN\n    q := TRUE;\nEND_IF;"),
+        ("LD a\nR q\nCALCN t(IN := b)", "IF a THEN\n    q := FALSE;\nEND_IF;\nIF NOT a THEN\n    t(IN := b);\nEND_IF;"),
+        ("CAL t(IN := a)\nLD t.Q\nRETC\nLD b\nST q", "t(IN := a);\nIF t.Q THEN\n    RETURN;\nEND_IF;\nq := b;"),
+        ("LD a\nAND( b\nOR c\n)\nST q", "q := a AND (b OR c);"),
+        ("LD a\nAND b\nST a\nSTN b\nST c", "a := a AND b;\nb := NOT a;\nc := a;"),
+    ],
+)
+def test_statements(text: str, expected: str) -> None:
+    assert shown(text) == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "LD a\nJMPC m\nm: LD b",
+        "LD a\nAND b\nSTN a\nST c",  # the result would be computed from what was written
+        "LD t.Q\nCAL t(IN := a)\nST q",
+        "LD a\nAND( b\nST a\n)\nST q",
+        "ST q",
+        "LD a\nCU C1",
+    ],
+)
+def test_what_no_statement_says(text: str) -> None:
+    assert shown(text) is None
+
+
+def test_random_instructions_do_the_same() -> None:
+    chosen = random.Random(7)  # noqa: S311  # the same in every run
+    translated = proven = 0
+    for _ in range(60):
+        lines = ["LD a"]
+        for _ in range(chosen.randint(2, 7)):
+            word = chosen.choice(["LD", "LDN", "AND", "ANDN", "OR", "ORN", "XOR", "ST", "STN", "S", "R", "NOT"])
+            lines.append(word if word == "NOT" else f"{word} {chosen.choice('abqr')}")
+        tree = statements("\n".join(lines), Dialect.IEC)
+        if tree is None:
+            continue
+        translated += 1
+        one, two = (
+            sfc.loads(f"FUNCTION_BLOCK F VAR_INPUT a, b : BOOL; END_VAR VAR_OUTPUT q, r : BOOL; END_VAR\n{body}\n"
+            "END_FUNCTION_BLOCK".encode(), format="iec-text").pous[0]
+            for body in ("\n".join(lines), print_node(tree, Dialect.IEC))
+        )  # fmt: skip
+        assert one.body is not None
+        assert one.body.language == "IL"
+        verdict = sfc.equivalent(one, two, "iec")
+        assert not verdict.different, f"{lines}: {verdict}"
+        proven += verdict.proven
+    assert translated > 30
+    assert proven > 20
