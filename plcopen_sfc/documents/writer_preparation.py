@@ -88,7 +88,10 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     unchanged = copy.model_copy(deep=True)
     behaviour = executed(unchanged, profile, source=project) if kind.tool else None
     if kind.drawing is DrawingNeed.NONE:
-        return Prepared(copy, copy, options, behaviour)
+        written, marks = kind.codec().rewrite(copy, options, report)
+        if written is not copy and _has_flags(kind):
+            _put_into_notation(written, kind, report)
+        return Prepared(written, copy, replace(options, marks=marks), behaviour)
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
     if style.structured and (project.source is None or project.source.format != kind.name):
         _note_limits(copy, report)

@@ -354,7 +354,7 @@ def chart_blocks(body: SfcBody, names: ChartNames, path: str) -> Iterator[Writte
     chart = body.chart
     if plain(body.comment):
         yield WrittenBlock(("comments", ""), plain(body.comment), verbatim=True)
-    waiting = [each for each in chart.transitions if each.sources and each.targets]
+    waiting = [each for each in _in_order(chart) if each.sources and each.targets]
     labels = chart.labels()
     written: set[int] = set()
 
@@ -369,6 +369,17 @@ def chart_blocks(body: SfcBody, names: ChartNames, path: str) -> Iterator[Writte
         yield _step_block(step, names, f"{path} / step {step.name}")
         written.add(step.id)
     yield from transition_blocks(len(waiting))
+
+
+def _in_order(chart: SfcNetwork) -> list[Transition]:
+    """Return the transitions with competing ones in the order in which they are tried, which is that of the text."""
+    found = list(chart.transitions)
+    for step in chart.steps:
+        competing = chart.outgoing(step)
+        places = sorted(index for index, each in enumerate(found) if any(each is other for other in competing))
+        for place, transition in zip(places, competing, strict=True):
+            found[place] = transition
+    return found
 
 
 def _step_block(step: Step, names: ChartNames, path: str) -> WrittenBlock:

@@ -38,22 +38,23 @@ _DIALECT = Dialect.CODESYS
 _KEYWORDS = {kind: word for word, kind in KINDS.items()} | {PouKind.ORGANIZATION_BLOCK: "PROGRAM"}
 
 
-def write_export(project: Project, report: ConversionReport) -> tuple[str, str]:
-    """Return the text of a project, and the code page that has its characters."""
+def write_export(project: Project, meant: Project, report: ConversionReport) -> tuple[str, str]:
+    """Return the text of a project, and the code page that has its characters. `meant` as in `write_blocks`."""
     page = code_page_for("\n".join(block.whole() for block in _objects(project, ConversionReport())))
-    return write_blocks(project, report, page).whole(), page
+    return write_blocks(project, meant, report, page).whole(), page
 
 
-def write_blocks(project: Project, report: ConversionReport, page: str = "") -> WrittenBlock:
+def write_blocks(project: Project, meant: Project, report: ConversionReport, page: str = "") -> WrittenBlock:
     """Return the text of a project, in the blocks that an edit replaces.
 
+    `meant` comes back from it: the project itself, or what it was before it was put into the terms of the tool.
     `page`: characters that this code page does not have are replaced, and are in comments.
     """
     blocks = [_in_page(block, page) if page else block for block in numbered_blocks(_objects(project, report))]
     written = WrittenBlock(("file", ""), blocks=tuple(blocks))
     # the text is read back, and whatever differs goes into comments: no list of what it lacks can be incomplete
     back = read_export(SourceText(written.whole() + "\n", USUAL)).project
-    meant = project.model_copy(deep=True)
+    meant = meant.model_copy(deep=True)
     take_ids(meant, back)
     left = list(changes(plain_fields(back), plain_fields(meant), guarded=True))
     for change in left:
