@@ -123,6 +123,26 @@ def test_what_a_step_does_at_its_end_is_reported_where_the_next_one_is_first(tar
     assert [item.outcome for item in report.losses] == [Outcome.APPROXIMATED] * verdict.different
 
 
+@pytest.mark.parametrize("target", TARGETS)
+def test_an_operand_that_two_active_steps_write_in_another_order_is_reported(target: str) -> None:
+    """S7-GRAPH drives coils before it sets anything; Work comes before Side in TC6, and after it in CODESYS."""
+
+    def build(rig: Rig) -> None:
+        side = rig.chart.add_step("Side")
+        rig.chart.transitions[0].targets.append(side.id)
+        rig.chart.transitions[1].sources.append(side.id)
+        rig.act("Side", "q", event="S1")
+        rig.act("Work", "q", "S")
+        rig.act("Done", "q", "R")
+
+    source = as_file(feature_project(Feature("order", ("simaticml",), build), "simaticml"))
+    data, report = sfc.convert(source, target)
+    verdict = same_behaviour(source, sfc.loads(data, format=target, as_tool=True))
+    assert verdict is not None
+    assert verdict.different is (target != "codesys"), verdict
+    assert [item.outcome for item in report.losses] == [Outcome.APPROXIMATED] * verdict.different
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("number", "fields"), [*enumerate(EVENTS.values())], ids=[*EVENTS])
 def test_events_and_acknowledgements_run_as_in_the_source(number: int, fields: dict[str, Any]) -> None:

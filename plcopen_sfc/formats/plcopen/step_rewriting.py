@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, as_term, guarded
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, rewritten_step
@@ -34,6 +35,7 @@ _MEANT = {
     Qualifier.P: "the statements of the step that are executed at its start, after other rows have written",
     Qualifier.P0: "the statements of the step that are executed once when it was left",
 }
+_MOST_SITUATIONS = 2_000
 _KEPT_ONLY = ("max_time", "warning_time", "interlock", "supervision")
 """Fields of a step that are extension data only: they come back as in the source."""
 _NO_TEXT = "its network cannot be written as an expression"
@@ -367,6 +369,11 @@ class StepRewriter:
             why = f"`{_called(row)}` (event S0) is executed after the next step has written {row.target}"
             self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it before that")
             return
+        driver = self._driven_after(step, row) if not _is_coil(row) else None
+        if driver is not None:
+            why = f"`{_called(row)}` is executed before the step {driver.name}, active too, drives {row.target}"
+            self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after that")
+            return
         needs = f", under the condition {needed}" if needed != "TRUE" else ""
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is a statement {where}{needs}")
 
@@ -394,7 +401,8 @@ class StepRewriter:
         if self._needed(step, row) is None:
             return f"it needs a condition, and {_NO_TEXT}"
         again = row.value is not None or row.body is not None or self._needed(step, row) != "TRUE"
-        if event is ActionEvent.S1 and _key(row) in self._mixed and self._host.is_codesys and again:
+        late = event is ActionEvent.S1 and _key(row) in self._mixed and self._host.is_codesys
+        if late and again and not _is_coil(row):
             return f"another row drives {row.target}, and {title} executes it after entry actions"
         if row.qualifier in (Qualifier.D, Qualifier.L) and (not row.duration or row.condition is not None):
             return "its time depends on its condition" if row.duration else "it has no time"
@@ -422,6 +430,32 @@ class StepRewriter:
         order = [each.id for each in self._chart.steps]
         others = [s for s, r in self._next_rows(step, row) if not _is_coil(r)]
         return any(order.index(other.id) < order.index(step.id) for other in others)
+
+    def _driven_after(self, step: Step, row: ActionAssociation) -> Step | None:
+        """Return a step, active together with `step`, that drives the operand of a row in a later action."""
+        order = [each.id for each in self._chart.steps]
+        for other, coil in self._rows:
+            if other is step or not coil.target or not _is_coil(coil) or _key(coil) != _key(row):
+                continue
+            here, there = step.name.casefold(), other.name.casefold()
+            late = here < there if self._host.is_codesys else order.index(step.id) < order.index(other.id)
+            if late and any({step.id, other.id} <= situation for situation in self._situations):
+                return other
+        return None
+
+    @cached_property
+    def _situations(self) -> set[frozenset[int]]:
+        """The situations that the chart can reach, as far as they are few: steps that are active together."""
+        first = frozenset(step.id for step in self._chart.steps if step.initial)
+        found, waiting = {first}, [first]
+        while waiting and len(found) < _MOST_SITUATIONS:
+            situation = waiting.pop()
+            for transition in self._rewriting.source.transitions:
+                if transition.sources and situation.issuperset(transition.sources):
+                    following = situation.difference(transition.sources).union(transition.targets)
+                    waiting += [following] if following not in found else []
+                    found.add(following)
+        return found
 
     def _next_rows(self, step: Step, row: ActionAssociation) -> Iterator[tuple[Step, ActionAssociation]]:
         """Yield the rows of following steps that have the operand of a row."""
