@@ -68,6 +68,19 @@ def test_calls_in_instruction_list_call_the_action_and_not_the_step_of_its_name(
     assert text_of(made, "Main.Work") == "LD Filling.X\nCALC Fill"
 
 
+def test_an_action_is_the_variable_and_not_the_step_of_its_name() -> None:
+    """Steps are named after what they drive; the variable stays, so the action must name it still."""
+    main = sfc("Main", "Wait Fill", "Fill.X AND NOT Fill", declared="Fill:BOOL")
+    made = project(main)
+    assert main.sfc is not None
+    main.sfc.step("Fill").actions.append(m.ActionAssociation(id=77, qualifier="S", target="Fill"))
+    main.sfc.rename_step("Fill", "Filling")
+    assert main.sfc.step("Filling").actions[0].target == "Fill"
+    assert condition(main) == "Filling.X AND NOT Fill"
+    rename(made, next(iter(main.variables())), "Valve")
+    assert main.sfc.step("Filling").actions[0].target == "Valve"
+
+
 def test_what_nobody_can_tell_is_listed_and_left() -> None:
     main = sfc("Main", "S1 S2")
     made = project(main, pou("Other", "y := somewhere.S1.x;"))

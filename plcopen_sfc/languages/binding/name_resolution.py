@@ -458,6 +458,8 @@ def preferred(found: Sequence[Declaration], role: Role) -> list[Declaration]:
 
 def _is_callable(declaration: Declaration) -> bool:
     holder = declaration.holder
+    if declaration.kind is Kind.STEP:
+        return False  # an action ``S Fill`` sets the variable of that name, in a step Fill too
     if isinstance(holder, Pou):
         return holder.kind is not PouKind.FUNCTION_BLOCK
     return not isinstance(holder, t.Variable) or not isinstance(holder.type, t.ElementaryType | t.StringType)
