@@ -176,3 +176,22 @@ def test_code_pages_are_found_and_kept(comment: str, page: str, found: str) -> N
     assert isinstance(body, StBody)
     body.text = "x := 2;"
     assert sfc.dumps(project) == data.replace(b"x := 1", b"x := 2")
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_damaged_files_are_read_and_come_back(number: int) -> None:
+    """A file that ends early, lacks a line, or has one twice: never an error of Python, and no byte is lost."""
+    data = BELT.read_bytes()
+    lines = data.splitlines(keepends=True)
+    at = (number * 41 + 5) % len(lines)
+    damaged = (
+        data[: len(data) * (number + 1) // 7],
+        b"".join(lines[:at] + lines[at + 1 :]),
+        b"".join([*lines[:at], lines[at], *lines[at:]]),
+    )
+    for each in damaged:
+        project = sfc.loads(each, format="codesys23")
+        assert sfc.dumps(project) == each
+        if project.pous:
+            project.pous[0].comment = "neu"
+            assert sfc.loads(sfc.dumps(project), format="codesys23").pous[0].comment == "neu"
