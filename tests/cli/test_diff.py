@@ -69,6 +69,12 @@ def test_one_of_both_may_be_standard_input(cli, edited, monkeypatch):
     assert "standard input cannot be both files" in outcome.err
 
 
+def test_a_limit_that_is_none_is_an_error(cli, fixtures):
+    outcome = cli("diff", CHAIN, CHAIN, "--prove", "--limit", "soon")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "'soon' is no time limit" in outcome.err
+
+
 def test_a_file_that_cannot_be_read_is_an_error(cli, fixtures):
     assert cli("diff", CHAIN, "broken/truncated.xml").code == 2
     outcome = cli("diff", "broken/jump_to_nowhere.xml", "broken/jump_to_nowhere.xml")
