@@ -271,6 +271,8 @@ class _Reader:
         texts = {} if text == HEADER else {"header": text}
         if one.kind in (*KINDS, "TYPE") and one.divider is None:
             texts["undivided"] = ""
+        if one.kind == GLOBALS and not one.name:
+            texts["unlisted"] = ""
         footer = plain_lines(self.text[slice(*one.footer)]) if one.footer is not None else ""
         if one.kind == GLOBALS and footer != footer_of(one.name):
             texts["footer"] = footer

@@ -125,15 +125,15 @@ def _global_lists(project: Project, report: ConversionReport) -> Iterator[Writte
     lists: list[list[VariableSection]] = []
     for section in _global_sections(project):
         same = lists and lists[-1][0].name == section.name and "header" not in kept(section.carried)
-        if same and section.name:
+        if same and (section.name or "unlisted" in kept(lists[-1][0].carried)):
             lists[-1].append(section)
         else:
             lists.append([section])
     for number, sections in enumerate(lists, 1):
-        name = sections[0].name or f"Globals_{number}"
-        report.add(Outcome.KEPT, "global variables", name)
         texts = kept(sections[0].carried)
-        blocks = _header(texts, f"(* @GLOBAL_VARIABLE_LIST := '{name}' *)")
+        name = sections[0].name or ("" if "unlisted" in texts else f"Globals_{number}")
+        report.add(Outcome.KEPT, "global variables", name)
+        blocks = _header(texts, f"(* @GLOBAL_VARIABLE_LIST := '{name}' *)" if name else "")
         blocks += [_section(section) for section in sections]
         footer = texts.get("footer", footer_of(name))
         if footer:

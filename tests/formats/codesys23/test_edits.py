@@ -145,6 +145,31 @@ def test_an_edit_changes_its_lines(edit: Callable[[m.Project], None], expected: 
     assert differences(BELT, project) == expected
 
 
+PRAGMAS = (
+    "(* @NESTEDCOMMENTS := 'Yes' *)\n(* @PATH := '' *)\n(* @OBJECTFLAGS := '0, 8' *)\n(* @SYMFILEFLAGS := '2048' *)\n"
+)
+VARIABLE = "\tx:INT;\t(* old *)\nEND_VAR\n"
+OBJECTS = (
+    f"VAR_GLOBAL\n{VARIABLE}VAR_GLOBAL CONSTANT\n\tc : INT := 1;\nEND_VAR\n",
+    f"TYPE T :(A,B);\nEND_TYPE\nPROGRAM P\nVAR\n{VARIABLE}x := 1;\nEND_PROGRAM\n",
+    f"FUNCTION F : INT\nVAR_INPUT\n{VARIABLE}(* @END_DECLARATION := '0' *)\nF := a;\nEND_FUNCTION\n",
+    f"(* all *)\nPROGRAM P\nVAR RETAIN\n{VARIABLE}END_PROGRAM\nACTION A:\nEND_ACTION\n_VISU\n_A: 'x\n",
+)
+
+
+@pytest.mark.parametrize("header", ["", PRAGMAS], ids=["bare", "with pragmas"])
+@pytest.mark.parametrize("text", OBJECTS)
+def test_objects_in_other_forms_are_edited_in_place(text: str, header: str) -> None:
+    project = sfc.loads((header + text).encode(), format="codesys23")
+    assert sfc.dumps(project).decode() == header + text
+    variables = [*(v for each in project.global_variables for v in each.variables)]
+    variables += [v for pou in project.pous for v in pou.variables()]
+    for variable in variables:
+        if variable.comment == "old":
+            variable.comment = "new"
+    assert sfc.dumps(project).decode() == (header + text).replace("old", "new")
+
+
 def test_characters_without_a_place_in_the_code_page_are_refused() -> None:
     project = sfc.load(BELT)
     belt(project).step("Zurueck").comment = "→ Platz 1"
