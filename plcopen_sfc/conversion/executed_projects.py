@@ -524,8 +524,9 @@ class _Reader:
 
 
 def _shown_watchdog(watchdog: TaskWatchdog) -> str:
-    time = f"{watchdog.time or ''}{watchdog.time_unit or ''}"
-    return " ".join(filter(None, ("on" if watchdog.enabled else "off", time, watchdog.sensitivity)))
+    time = watchdog.time or ""
+    unit = watchdog.time_unit if time and "#" not in time else None
+    return " ".join(filter(None, ("on" if watchdog.enabled else "off", time + (unit or ""), watchdog.sensitivity)))
 
 
 def _called_alone(node: Node) -> str:

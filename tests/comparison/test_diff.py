@@ -418,6 +418,14 @@ class TestFormats:
             "POU Ablauf / transition S1 -> Zz9: condition B1 -> B1 AND B4",
         ]
 
+    def test_a_project_of_codesys_and_of_twincat(self):
+        """TwinCAT has no watchdog in its tasks."""
+        before, after = loaded("codesys/distribution_belt.xml"), loaded("twincat-belt")
+        assert told(sfc.diff(before, after)) == [
+            "task MainTask: watchdog on t#100ms 1 removed",
+            "task Visu: watchdog off 1 removed",
+        ]
+
     def test_tools_differ_in_interlocks_only(self):
         """S7-GRAPH has an interlock of the step where CODESYS has a condition of the action."""
         before, after = loaded("training-chain/codesys.xml"), loaded("simaticml-training-chain/Ablauf.xml")
