@@ -261,7 +261,11 @@ def _unknown(name: object) -> UnknownFormatError:
 
 _TOOLS = (
     ("tia tiaportal openness step7 s7graph graph siemens", "TIA Portal", "simaticml; program text alone is scl"),
-    ("twincat3 tc3 beckhoff tcpou", "TwinCAT 3", "twincat (the files of its projects), codesys (its PLCopen XML)"),
+    (
+        "twincat twincat3 tc3 beckhoff tcpou",
+        "TwinCAT 3",
+        "twincat (the files of its projects), codesys (its PLCopen XML)",
+    ),
     ("codesys2 codesysv2 twincat2 tc2 exp", "CoDeSys 2.3", "codesys23"),
     ("codesys3 codesysv3 3s", "CODESYS V3", "codesys (its PLCopen XML)"),
     ("beremiz openplc", "Beremiz", 'plcopen, written with --for beremiz (flavour="beremiz")'),

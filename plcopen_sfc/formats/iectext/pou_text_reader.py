@@ -23,7 +23,16 @@ from plcopen_sfc.formats.iectext.chart_text_reader import (
 from plcopen_sfc.formats.iectext.drawings_in_pragmas import put_drawing
 from plcopen_sfc.formats.iectext.text_declarations import read_return_type, read_section
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart
-from plcopen_sfc.formats.iectext.text_source import Annotations, TextBlock, TextSource, is_own, newlines, taken, wrapped
+from plcopen_sfc.formats.iectext.text_source import (
+    Annotations,
+    TextBlock,
+    TextSource,
+    is_own,
+    newlines,
+    taken,
+    unwrapped,
+    wrapped,
+)
 from plcopen_sfc.languages.declarations.kept_texts import Inheritance
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry
 from plcopen_sfc.model.pou import Pou
@@ -307,6 +316,8 @@ def _finished(src: TextSource, container: UnitText) -> Fields:
     """Return the fields of a container; its main body under `body`, the chart of that under `chart`."""
     fields = container.fields
     container.annotations.put_into(fields)
+    if "carried" in fields:
+        fields["carried"].get("data", []).sort(key=_place_in_head)
     around = ChartReferences(container.in_place, src.named)
     if container.body is not None and container.body["language"] == "SFC":
         fields["chart"] = chart_fields(src, container.chart, around, container.path)
@@ -331,6 +342,13 @@ def _finished(src: TextSource, container: UnitText) -> Fields:
     return resolved
 
 
+def _place_in_head(data: Fields) -> int:
+    """Return the rank of what is kept of a unit: pragmas stand before its words, and these before its parts."""
+    kept = unwrapped(data.get("content", ""))
+    return _IN_HEAD.get(kept[0], len(_IN_HEAD)) if kept is not None else len(_IN_HEAD)
+
+
+_IN_HEAD = {"pragma": 0, "modifiers": 1}
 _EDGES = {("layout", edge) for edge in ("margin", "before", "after")}
 
 

@@ -14,7 +14,8 @@ from plcopen_sfc.formats.iectext.iectext_codec import IecTextCodec
 from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.formats.text_patch import patch_text
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -26,6 +27,8 @@ _DIALECT = "{plcopen_sfc project.dialect := 'codesys'} "
 _KEYWORDS = frozenset({"PROGRAM", "FUNCTION_BLOCK", "FUNCTION", "INTERFACE"})
 _HOLDER = "FUNCTION_BLOCK methods\n"
 _END = "\nEND_"
+PROPERTY = "property"
+"""Place of a property in the text that is kept of it."""
 
 
 class Unit(NamedTuple):
@@ -64,12 +67,13 @@ def read(unit: str, file: str | None) -> ReadResult:
 def bare(thing: Pou | Method) -> Project:
     """Return a project that has nothing but the declaration of a POU or a method."""
     if isinstance(thing, Method):
-        method = Method(name=thing.name, interface=_interface(thing), comment=thing.comment)
+        method = Method(name=thing.name, interface=_interface(thing), comment=thing.comment, carried=_declared(thing))
+        method.body = StBody()  # without one a pragma would say so
         pou = Pou(name="methods", kind=PouKind.FUNCTION_BLOCK, methods=[method])
     else:
         pou = Pou(name=thing.name, kind=thing.kind, interface=_interface(thing), comment=thing.comment)
-        modifiers = [data for data in thing.carried.data if _is_modifier(data)] if thing.carried is not None else []
-        pou.carried = Carried(data=modifiers) if modifiers else None
+        pou.carried = _declared(thing)
+    pou.bodies = [StBody()]
     return Project(pous=[pou], dialect=Dialect.CODESYS)
 
 
@@ -77,9 +81,11 @@ def _interface(thing: Pou | Method) -> Interface | None:
     return thing.interface.model_copy(deep=True) if thing.interface is not None else None
 
 
-def _is_modifier(data: ForeignData) -> bool:
-    kept = unwrapped(data.content)
-    return kept is not None and kept[0] == "modifiers"
+def _declared(thing: Pou | Method) -> Carried | None:
+    """Return what is kept of the declaration: pragmas, and words such as ABSTRACT."""
+    kept = [(unwrapped(data.content), data) for data in (thing.carried.data if thing.carried is not None else ())]
+    found = [data for text, data in kept if text is not None and text[0] != PROPERTY]
+    return Carried(data=found) if found else None
 
 
 def declaration_of(declared: Project, source: str | None) -> str:
@@ -93,13 +99,13 @@ def declaration_of(declared: Project, source: str | None) -> str:
     text = _written(declared)
     if method:
         lines = text.splitlines()
-        start, end = (next(i for i, line in enumerate(lines) if line.split()[:1] == [word]) for word in _METHOD_WORDS)
+        start = next(i for i, line in enumerate(lines) if i > 0 and line.strip())  # behind the line of the holder
+        end = next(i for i, line in enumerate(lines) if line.split()[:1] == ["END_METHOD"])
         margin = len(lines[start]) - len(lines[start].lstrip())
         return "\n".join(line[margin:] for line in lines[start:end]) + "\n"
     return _OWN_END.sub("\n", text)
 
 
-_METHOD_WORDS = ("METHOD", "END_METHOD")
 _OWN_END = re.compile(r"\s*\n\s*END_(?:PROGRAM|FUNCTION_BLOCK|FUNCTION)\s*\Z")
 _OWN_HEAD = re.compile(r"\{plcopen_sfc (?:format|project\.dialect)\b[^}]*\}\s*")
 
@@ -120,7 +126,7 @@ def _patched(whole: str, declared: Project) -> str:
 
 
 def _declare(old: Pou | Method, new: Pou | Method) -> None:
-    old.name, old.interface, old.comment = new.name, new.interface, new.comment
+    old.name, old.interface, old.comment, old.carried = new.name, new.interface, new.comment, new.carried
     if isinstance(old, Pou) and isinstance(new, Pou):
         old.kind = new.kind
 

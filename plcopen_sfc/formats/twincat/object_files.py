@@ -22,7 +22,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
 from plcopen_sfc.formats.twincat.chart_reader import ChartReader, read_settings
 from plcopen_sfc.formats.twincat.chart_writer import ChartWriter, write_settings
-from plcopen_sfc.formats.twincat.declaration_texts import METHOD, bare, declaration_of, read, unit_of
+from plcopen_sfc.formats.twincat.declaration_texts import METHOD, PROPERTY, bare, declaration_of, read, unit_of
 from plcopen_sfc.formats.twincat.kept_data import kept_data, kept_in
 from plcopen_sfc.formats.twincat.object_archive import archived, unknown_type
 from plcopen_sfc.formats.twincat.task_files import TASK, read_task, write_task
@@ -42,7 +42,6 @@ _FILE_VERSION = "1.1.0.1"
 _KINDS = ("POU", "GVL", "DUT", "Itf", TASK)
 _Part: TypeAlias = Action | Method | NamedTransition
 _PART_NAMES = {Action: "action", Method: "method", NamedTransition: "transition"}
-_PROPERTY = "property"
 _NOT_SPECIAL = ("SpecialFunc", "None")
 
 
@@ -241,8 +240,8 @@ def _property(element: etree._Element) -> ForeignData:
         if access.tag in ("Get", "Set"):
             body = access.findtext("Implementation/ST") or ""
             lines += [str(access.tag).upper(), _declaration(access) or "", body, f"END_{str(access.tag).upper()}"]
-    text = "\n".join([*(line.strip() for line in lines if line.strip()), "END_PROPERTY"])
-    return ForeignData.model_validate(wrapped(_PROPERTY, text))
+    text = "\n".join([*(line.strip() for line in lines if line.strip()), "ENDPROPERTY"])
+    return ForeignData.model_validate(wrapped(PROPERTY, text))
 
 
 # -- writing ----------------------------------------------------------------------------------------------------------
@@ -418,11 +417,11 @@ class _PouWriter:
         stay = self._source.iterfind("Property") if self._source is not None else ()
         if list(_properties(self._pou)) != [unwrapped(_property(each).content) for each in stay]:
             why = "properties are not written: those of a file stay in it as they are"
-            self._report.add(Outcome.NOT_EXECUTED, _PROPERTY, self._pou.report_path, why)
+            self._report.add(Outcome.NOT_EXECUTED, PROPERTY, self._pou.report_path, why)
 
 
 def _properties(pou: Pou) -> Iterator[tuple[str, str]]:
     for data in pou.carried.data if pou.carried is not None else ():
         kept = unwrapped(data.content)
-        if kept is not None and kept[0] == _PROPERTY:
+        if kept is not None and kept[0] == PROPERTY:
             yield kept

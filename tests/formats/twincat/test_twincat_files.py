@@ -320,6 +320,23 @@ def test_methods_and_properties() -> None:
     assert "property" in {item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)}
 
 
+def test_pragmas_and_modifiers_stay_around_an_edit() -> None:
+    data = METHODS.replace(b"METHOD Start", b"{attribute 'hide'}\nMETHOD PUBLIC ABSTRACT Start")
+    project = sfc.loads(data)
+    project.pous[0].variables()[0].name = "Parts"
+    assert project.pous[0].methods[0].interface is not None
+    project.pous[0].methods[0].interface.variables()[0].name = "Rate"
+    edited = sfc.dumps(project)
+    assert [line for line in changed(data, edited) if line.startswith("+")] == [
+        "+\tParts : ARRAY [*] OF INT; // any number",
+        "+\tRate : INT;",
+    ]
+    fresh = sfc.dumps(project, fresh=True, partial=True)
+    for word in (b"{attribute 'reflection'}", b"{attribute 'hide'}", b"PUBLIC ABSTRACT", b"EXTENDS Base"):
+        assert word in fresh
+    assert b"plcopen_sfc" not in fresh
+
+
 def test_a_text_that_cannot_be_read_is_told_at_its_line() -> None:
     project = sfc.loads(METHODS.replace(b"Speed : INT;", b"Speed : ;"))
     found = [each for each in project.diagnostics if each.severity.value == "error"]
