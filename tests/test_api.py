@@ -88,6 +88,8 @@ def test_an_extension_of_another_format_chooses_it_or_is_refused(tmp_path):
         ("simaticml-V22", "did you mean 'simaticml-V2"),
         ("tia", "TIA Portal uses simaticml"),
         ("TwinCAT", "TwinCAT 3 uses twincat"),
+        ("beckhoff", "TwinCAT 3 uses twincat"),
+        ("TwinCAT2", "CoDeSys 2.3 uses codesys23"),
         ("beremiz", "Beremiz uses plcopen, written with --for beremiz"),
         ("beremis", "did you mean 'beremiz'"),
     ],
