@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.errors import LoweringError
@@ -146,3 +147,37 @@ def test_0_and_1_are_conditions() -> None:
     assert isinstance(code, m.StBody)
     assert "T1_2 := X1;" in code.text
     assert "T3_4 := X3 AND NOT FALSE;" in code.text
+
+
+IN_IL = """PROGRAM Main
+VAR_INPUT a, b : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; n : INT; END_VAR
+INITIAL_STEP One: Count(P1); END_STEP
+STEP Two: Drive(N); END_STEP
+TRANSITION FROM One TO Two := a; END_TRANSITION
+TRANSITION FROM Two TO One := NOT a; END_TRANSITION
+ACTION Count:
+LD n
+ADD 1
+MOD 3
+ST n
+END_ACTION
+ACTION Drive:
+%s
+END_ACTION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("construction", ["case", "bits"])
+def test_actions_in_instruction_list_are_lowered(construction: str) -> None:
+    project = sfc.loads((IN_IL % "LD b\nANDN a\nST q\nLD n\nGE 2\nR q").encode(), format="iec-text")
+    lowered = lower(project, construction)
+    assert lowered.proof is not None
+    assert lowered.proof.proven, str(lowered.proof)
+
+
+def test_instruction_list_with_jumps_is_refused() -> None:
+    project = sfc.loads((IN_IL % "LD b\nJMPC out\nLD a\nST q\nout:\nLD n").encode(), format="iec-text")
+    with pytest.raises(LoweringError, match="instruction list with jumps"):
+        lower(project, "case")

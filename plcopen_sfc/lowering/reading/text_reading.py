@@ -13,6 +13,7 @@ from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.symbols import Kind
 from plcopen_sfc.languages.binding.text_sites import Role, Site
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.il_statements import statements as instruction_statements
 from plcopen_sfc.languages.networks import (
     Helper,
     NetworkExpression,
@@ -24,7 +25,7 @@ from plcopen_sfc.languages.networks import (
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -167,6 +168,11 @@ class TextReader:
             return ()
         if isinstance(body, StBody):
             return self._staying(self.read(body.text, path), path)
+        if isinstance(body, IlBody):
+            tree = instruction_statements(body.text, self.dialect)
+            if tree is None:
+                self.refuse("instruction list with jumps, or whose result is no expression, is not lowered", path)
+            return self._staying(tree.statements, path)
         if not isinstance(body, FbdBody | LdBody):
             self.refuse(f"actions in {body.language} are not lowered", path)
         found = body_statements(body, self.dialect, taken=self._taken)
