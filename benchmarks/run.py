@@ -33,10 +33,11 @@ from benchmarks.measure import Times, process_times, race
 
 LARGEST = "PLCOpenXML_Scenario_24.xml"
 SIZES = (1.0, 3.0, 10.0, 30.0, 100.0)
-TIA_DOCUMENTS = {
+DOCUMENTS = {
     "Export__plcBlock_GRAPH_FB_R134a_GRAPH.xml": "GRAPH block",
     "Export__plcBlock_LAD_FB_R134a_BU_Valves.xml": "LAD block",
     "Export__plcBlock_DB_DB_R134a_1_StepData.xml": "data block",
+    "FB_BMS.TcPOU": "POU of TwinCAT",
 }
 BLOCKS = (250, 500, 1000, 2000)
 ST_SIZES = (1.0, 2.0, 4.0, 8.0)
@@ -203,14 +204,15 @@ class Bench:
             self.rows.append(row)
 
     def documents(self) -> None:
-        """The largest real documents of TIA Portal, one in GRAPH, one in LAD and a data block."""
+        """The largest real documents of TIA Portal, in GRAPH, in LAD and a data block, and of TwinCAT."""
         corpus = corpus_folder()
-        warm = FIXTURES / "FB_Drill.xml"
-        for name, what in TIA_DOCUMENTS.items():
+        for name, what in DOCUMENTS.items():
             path = next(iter(sorted(corpus.rglob(name))), None)
             if path is None:
-                self.notes.append(f"no {what} of TIA Portal measured: {name} is not there")
+                self.notes.append(f"no {what} measured: {name} is not there")
                 continue
+            twincat = FIXTURES.parent / "twincat-belt" / "POUs" / "Eingabe_Anzahl.TcPOU"
+            warm = twincat if name.endswith(".TcPOU") else FIXTURES / "FB_Drill.xml"
             label = f"{what}, {path.stat().st_size / 1e6:.2f} MB"
             self.tell(label)
             times = race(["lxml", "load", "load_all", "save", "tostring"], path, warm)
