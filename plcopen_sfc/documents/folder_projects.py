@@ -62,9 +62,14 @@ Progress = Callable[[Sequence[str]], Iterable[str]]
 
 
 def load_folder(
-    folder: str, *, format: str | None = None, progress: Progress | None = None, as_tool: bool = False
+    folder: str,
+    *,
+    format: str | None = None,
+    progress: Progress | None = None,
+    as_tool: bool = False,
+    listed: Sequence[str] | None = None,
 ) -> Project:
-    """Read all documents below `folder` into one project; `as_tool`: as their tool sees them.
+    """Read all documents below `folder`, or those `listed`, into one project; `as_tool`: as their tool sees them.
 
     A document that cannot be read does not keep the others from it: it is an error in `Project.diagnostics`. Raises
     `FileAccessError` where the folder cannot be read, `UnknownFormatError` where it has no document that can be.
@@ -74,6 +79,8 @@ def load_folder(
     source = FolderSource(kind.name, "", folder, {}, {}, {}, [], [])
     things: list[ProjectObject] = []
     source.unreadable.update(scan.failures)
+    if listed is not None:
+        _keep_listed(scan, listed, kind, source)
     with collecting_rarely():
         for name in progress(scan.files) if progress is not None else scan.files:
             try:
@@ -96,6 +103,23 @@ def load_folder(
     source.own_diagnostics += _findings(source, project)
     project.source = source
     return project
+
+
+def _keep_listed(scan: _Scan, listed: Sequence[str], kind: Format, source: FolderSource) -> None:
+    """Leave only the files `listed` in `scan`; those that are not there are errors."""
+    wanted = {name.casefold(): name for name in listed if PurePosixPath(name).suffix.casefold() in kind.extensions}
+    source.others += [name for name in scan.files if name.casefold() not in wanted]
+    scan.files = [name for name in scan.files if name.casefold() in wanted]
+    for missing in wanted.keys() - {name.casefold() for name in scan.files}:
+        name = wanted[missing]
+        place = Location(str(Path(source.path, name)))
+        source.unreadable[name] = FileAccessError("the project lists this file, and it is not there", location=place)
+
+
+def load_listed(path: str, kind: Format, *, progress: Progress | None = None, as_tool: bool = False) -> Project:
+    """Load the documents that the file at `path` lists, such as a ``.plcproj``; others beside them are left alone."""
+    wanted = cast("FolderCodec", kind.codec()).listed(read_bytes(path), file=path)
+    return load_folder(str(Path(path).parent), format=kind.name, progress=progress, as_tool=as_tool, listed=wanted)
 
 
 def _folder_format(folder: str, format: str | None, files: list[str]) -> Format:

@@ -208,7 +208,7 @@ class SaveOptions(TypedDict, total=False):
 def load_project(
     source: Source, *, format: str | None = None, progress: Progress | None = None, as_tool: bool = False
 ) -> Project:
-    """Load a project from a path, a binary file, or a folder of documents of TIA Portal Openness."""
+    """Load a project from a path, a binary file, or a folder of documents of TIA Portal Openness or TwinCAT."""
     if isinstance(source, str | os.PathLike):
         path = os.fspath(source)
         refuse_empty(path)
@@ -216,6 +216,11 @@ def load_project(
             from plcopen_sfc.documents.folder_projects import load_folder  # noqa: PLC0415  # most projects are files
 
             return load_folder(path, format=format, progress=progress, as_tool=as_tool)
+        listing = _format_of_list(path)
+        if listing is not None and format in (None, listing.name):
+            from plcopen_sfc.documents.folder_projects import load_listed  # noqa: PLC0415
+
+            return load_listed(path, listing, progress=progress, as_tool=as_tool)
         return read_document(read_bytes(path), format=format, path=path, as_tool=as_tool)
     hint = "loads takes bytes." if isinstance(source, bytes | bytearray) else ""
     check_argument(source, _Readable, "load needs a path or a binary file", hint)
@@ -223,6 +228,12 @@ def load_project(
     check_argument(content, bytes, "load needs a file that is opened as binary", 'Open it with open(path, "rb").')
     name = getattr(source, "name", None)
     return read_document(content, format=format, path=name if isinstance(name, str) else None, as_tool=as_tool)
+
+
+def _format_of_list(path: str) -> Format | None:
+    """Return the format of the project whose files the file at `path` lists, by its extension."""
+    extension = Path(path).suffix.casefold()
+    return next((kind for kind in FORMATS if kind.list_extension and kind.list_extension == extension), None)
 
 
 def save_project(

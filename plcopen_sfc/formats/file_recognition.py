@@ -84,7 +84,7 @@ UNREAD: tuple[UnreadFormat, ...] = (
         "a project of TwinCAT",
         _TWINCAT,
         root="TcSmProject",
-        extensions=(".tsproj", ".plcproj", ".tpzip", ".tnzip", ".tsp", ".sln"),
+        extensions=(".tsproj", ".tpzip", ".tnzip", ".tsp", ".sln"),
     ),
     UnreadFormat(
         "a project of CoDeSys V2.3 or TwinCAT 2",

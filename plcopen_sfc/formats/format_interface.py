@@ -196,7 +196,8 @@ class Format:
     `tool` is the name of the tools that execute its files, in reports; empty: none does. `module` is imported when the
     format is used. `recognises` looks at the start of a file. `capabilities` are for people: what charts keep in this
     format in its own terms. `dialect` is that of the structured text in its files; None: a file may hold any and names
-    it. `xml`, `text`, `folders`: the codec is an `XmlCodec`, a `TextCodec`, a `FolderCodec`. `ids`: its files keep the
+    it. `xml`, `text`, `folders`: the codec is an `XmlCodec`, a `TextCodec`, a `FolderCodec`; `list_extension` is that
+    of a file which lists the files of such a folder. `ids`: its files keep the
     ids of steps, transitions and elements of networks. `positions`: they keep positions. `networks` is the form of
     networks in its files, `one_sheet`: all networks of a body are on one. `il_conditions`, `il_bodies`: the conditions
     of its charts, and bodies, may be in IL. `standard` is what its versions are of.
@@ -218,6 +219,7 @@ class Format:
     dialect: Dialect | None = None
     ids: bool = True
     folders: bool = False
+    list_extension: str = ""
     networks: NetworkForm = NetworkForm.DRAWN
     one_sheet: bool = False
     il_conditions: bool = True

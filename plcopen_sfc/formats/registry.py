@@ -165,6 +165,7 @@ FORMATS: tuple[Format, ...] = (
         dialect=Dialect.CODESYS,
         networks=NetworkForm.STATEMENTS,
         folders=True,
+        list_extension=".plcproj",
         one_sheet=True,
         il_conditions=False,
         il_bodies=False,

@@ -10,6 +10,7 @@ from plcopen_sfc.formats.plcopen.project_rewriting import rewrite_project
 from plcopen_sfc.formats.twincat.object_files import read_object, write_object
 from plcopen_sfc.formats.twincat.task_files import adapted_task, task_document
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle, write_xml
+from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 from plcopen_sfc.languages.s7_flip_flops import put_logic
 from plcopen_sfc.languages.syntax_problems import embedded_code
 from plcopen_sfc.model.dialect import Dialect
@@ -58,6 +59,11 @@ class TwincatCodec(FolderCodec):
     def standard_folder(self, thing: ProjectObject) -> str:
         """Return the folder in which TwinCAT puts an object of this kind."""
         return "DUTs" if isinstance(thing, DataTypeDeclaration) else "POUs"
+
+    def listed(self, data: bytes, *, file: str | None = None) -> list[str]:
+        """Return the files that a ``.plcproj`` compiles."""
+        found = parse_xml(data, file=file).iterfind("{*}ItemGroup/{*}Compile")
+        return [str(each.get("Include", "")).replace("\\", "/") for each in found]
 
     def parts(self, project: Project) -> list[ProjectPart]:
         """Return the lists of global variables and the tasks of `project`."""

@@ -74,6 +74,10 @@ class FolderCodec(XmlCodec):
         """Return the extension of the file for a document; empty: that of the format."""
         return ""
 
+    def listed(self, data: bytes, *, file: str | None = None) -> list[str]:
+        """Return the paths, with ``/``, that a file which lists those of a project names. Raises `FormatError`."""
+        return []
+
     def parts(self, project: Project) -> list[ProjectPart] | None:
         """Return what belongs to no object of `project`, in documents of their own; None: one has all of it."""
         return None

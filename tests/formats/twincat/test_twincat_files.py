@@ -189,6 +189,24 @@ def test_a_folder_is_saved_file_by_file(tmp_path: Path) -> None:
     assert sorted(Path(name).name for name in report.removed) == ["GVL_Neu.TcGVL", "Neu.TcPOU"]
 
 
+def test_a_project_file_lists_the_files_of_the_project(tmp_path: Path) -> None:
+    shutil.copytree(BELT, tmp_path / "belt")
+    listing = tmp_path / "belt" / "PLC.plcproj"
+    listing.write_text(
+        '<Project xmlns="http://schemas.microsoft.com/developer/msbuild/2003"><ItemGroup>'
+        '<Compile Include="POUs\\Ablauf_Band.TcPOU"><SubType>Code</SubType></Compile>'
+        '<Compile Include="POUs\\Gone.TcPOU"><SubType>Code</SubType></Compile>'
+        '<Compile Include="gvls\\GVL_EA.TcGVL"><SubType>Code</SubType></Compile></ItemGroup></Project>'
+    )
+    project = sfc.load(listing)
+    assert [pou.name for pou in project.pous] == ["Ablauf_Band"]
+    assert [section.name for section in project.global_variables] == ["GVL_EA"]
+    assert [each.code for each in project.diagnostics if "Gone" in str(each.location.file)] == ["DIR101"]
+    _name(project)
+    assert [Path(name).name for name in sfc.save(project, tmp_path / "belt").written] == ["Ablauf_Band.TcPOU"]
+    assert (tmp_path / "belt" / "MainTask.TcTTO").exists()
+
+
 def test_tasks_are_edited_in_their_files(tmp_path: Path) -> None:
     shutil.copytree(BELT, tmp_path / "belt")
     before = _read(tmp_path, "Visu")
