@@ -148,13 +148,20 @@ class ChartReader:
         return {**association, **fields}, {"output": {}}, str(number) if number is not None else None
 
     def _transition(self, element: etree._Element, fields: Fields, above: int | None) -> int:
-        symbol = self._symbol(element, SymbolKind.TRANSITION, above)
         text = fields.pop("name", "")
-        transition: Fields = {**fields, "symbol_fields": symbol}
+        condition: Fields | None = {"kind": "expression", "text": text} if text else None
+        drawn: Fields = {}
         if text.casefold() in self._conditions:
-            transition["condition"] = {"kind": "named", "name": text}
-        elif text:
-            transition["condition"] = {"kind": "expression", "text": text}
+            condition = {"kind": "named", "name": text}
+        elif text:  # a symbol of its own, as in PLCopen XML
+            expression = self._symbol(element, SymbolKind.EXPRESSION, None, own=False)
+            expression["outputs"] = [{}]
+            drawn["condition"] = {"connections": [{"source": expression["id"]}]}
+        symbol = self._symbol(element, SymbolKind.TRANSITION, above)
+        symbol.update(drawn)
+        transition: Fields = {**fields, "symbol_fields": symbol}
+        if condition is not None:
+            transition["condition"] = condition
         name = text_of(member(element, VARIABLE_NAME))
         if name is not None:
             extension_data(transition)["data"] += kept_data({VARIABLE_NAME: name})
