@@ -106,7 +106,7 @@ class _Reader:
         unit = unit_of(declaration)
         methods = "".join(f"\n{text}\nEND_METHOD" for text in texts[1:])
         found = read(unit.around(f"{declaration}{methods}"), self._file)
-        if len(holders) > 1 and [len(pou.methods) for pou in found.project.pous] != [len(holders) - 1]:
+        if thing.tag == "POU" and [len(pou.methods) for pou in found.project.pous] != [len(holders) - 1]:
             # one that is damaged takes its neighbours along
             return self._declared_apart(thing, declaration)
         lines = [text.count("\n") + 1 for text in texts]

@@ -338,6 +338,25 @@ def test_methods_and_properties() -> None:
     assert "property" in {item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)}
 
 
+INTERFACE = METHODS.replace(b"POU", b"Itf").replace(
+    METHODS[METHODS.index(b"{attribute") : METHODS.index(b"]]>")], b"INTERFACE Pump EXTENDS Base\n"
+)
+
+
+def test_interfaces_are_kept_as_text_with_their_methods(tmp_path: Path) -> None:
+    project = sfc.loads(INTERFACE)
+    assert sfc.dumps(project) == INTERFACE
+    assert project.carried is not None
+    assert "METHOD Start : BOOL" in project.carried.data[0].content
+    shutil.copytree(BELT, tmp_path / "belt")
+    (tmp_path / "belt" / "Pump.TcIO").write_bytes(INTERFACE)
+    folder = sfc.load(tmp_path / "belt")
+    _name(folder)
+    assert [Path(name).name for name in sfc.save(folder, tmp_path / "belt").written] == ["Ablauf_Band.TcPOU"]
+    with pytest.raises(SfcError, match="INTERFACE Pump"):
+        sfc.dumps(folder, format="codesys")
+
+
 def test_pragmas_and_modifiers_stay_around_an_edit() -> None:
     data = METHODS.replace(b"METHOD Start", b"{attribute 'hide'}\nMETHOD PUBLIC ABSTRACT Start")
     project = sfc.loads(data)
