@@ -14,6 +14,7 @@ from plcopen_sfc.model import Project
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import resolve
+from tests.sweeps import some_of
 
 OUTPUT = "VAR_OUTPUT q : BOOL; END_VAR"
 TYPES = """TYPE Pair : STRUCT x : BOOL; w : WORD; n : INT; a : ARRAY[0..1] OF BOOL; END_STRUCT;
@@ -68,7 +69,7 @@ def any_of(name: str, last: int) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("section", ["VAR_INPUT", "VAR_IN_OUT", "VAR_EXTERNAL"])
+@pytest.mark.parametrize("section", some_of(["VAR_INPUT", "VAR_IN_OUT", "VAR_EXTERNAL"], 2))
 @pytest.mark.parametrize(
     ("one", "other"),
     [

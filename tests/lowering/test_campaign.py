@@ -25,8 +25,8 @@ from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.lowering.random_charts import QUALIFIERS, Shape, random_chart
 
-CHARTS = int(os.environ.get("PLCOPEN_SFC_CAMPAIGN") or 8)
-BATCH = 8
+CHARTS = int(os.environ.get("PLCOPEN_SFC_CAMPAIGN") or 4)
+BATCH = 4
 FORMS = [
     (Construction.FLIPFLOP, Language.ST),
     (Construction.FLIPFLOP, Language.FBD),

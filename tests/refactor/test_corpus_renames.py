@@ -55,7 +55,7 @@ def allowed(names: Names, what: Declaration) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", params(6))
+@pytest.mark.parametrize("path", some_of(params(6), 2))
 def test_renames_in_real_files(path: Path) -> None:
     check_renames(path, 2 if WHOLE and path.stat().st_size < SMALL else 1)
 
