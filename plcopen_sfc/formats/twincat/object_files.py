@@ -240,7 +240,7 @@ def _property(element: etree._Element) -> ForeignData:
         if access.tag in ("Get", "Set"):
             body = access.findtext("Implementation/ST") or ""
             lines += [str(access.tag).upper(), _declaration(access) or "", body, f"END_{str(access.tag).upper()}"]
-    text = "\n".join([*(line.strip() for line in lines if line.strip()), "ENDPROPERTY"])
+    text = "\n".join([*(line.strip() for line in lines if line.strip()), "END_PROPERTY"])
     return ForeignData.model_validate(wrapped(PROPERTY, text))
 
 

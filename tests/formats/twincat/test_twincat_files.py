@@ -374,6 +374,14 @@ def test_pragmas_and_modifiers_stay_around_an_edit() -> None:
     assert b"plcopen_sfc" not in fresh
 
 
+def test_properties_are_texts_that_other_formats_have_too() -> None:
+    text = sfc.dumps(sfc.loads(METHODS), format="iec-text").decode()
+    assert [line.strip() for line in text.splitlines() if "PROPERTY" in line] == [
+        "PROPERTY Runs : BOOL",
+        "END_PROPERTY",
+    ]
+
+
 def test_a_text_that_cannot_be_read_is_told_at_its_line() -> None:
     project = sfc.loads(METHODS.replace(b"Speed : INT;", b"Speed : ;"))
     found = [each for each in project.diagnostics if each.severity.value == "error"]
