@@ -93,6 +93,8 @@ def declaration_of(declared: Project, source: str | None) -> str:
     method = bool(declared.pous and declared.pous[0].methods)
     if source is not None:
         unit = METHOD if method else unit_of(source)
+        if _is_declared_by(read(unit.around(source), None).project, declared):
+            return source
         found = unit.inside(_patched(unit.around(source), declared))
         if found is not None and _meaning(unit.around(found)) == _meaning(_DIALECT + _written(declared)):
             return found
@@ -108,6 +110,14 @@ def declaration_of(declared: Project, source: str | None) -> str:
 
 _OWN_END = re.compile(r"\s*\n\s*END_(?:PROGRAM|FUNCTION_BLOCK|FUNCTION)\s*\Z")
 _OWN_HEAD = re.compile(r"\{plcopen_sfc (?:format|project\.dialect)\b[^}]*\}\s*")
+
+
+def _is_declared_by(known: Project, declared: Project) -> bool:
+    """True if a project that was read from a declaration has nothing otherwise than `declared`."""
+    pous = [bare(pou.methods[0] if new.methods else pou) for pou, new in zip(known.pous, declared.pous, strict=False)]
+    if [each.pous for each in pous] != [[pou] for pou in declared.pous]:
+        return False
+    return (known.data_types, known.global_variables) == (declared.data_types, declared.global_variables)
 
 
 def _patched(whole: str, declared: Project) -> str:
