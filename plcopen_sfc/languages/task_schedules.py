@@ -102,7 +102,11 @@ def _with_unit(settings: TaskSettings) -> str | None:
     text = (settings.interval or "").strip()
     if not text.isdigit():
         return text or None
-    microseconds = int(text) * (1 if settings.interval_unit in ("us", "µs") else 1000)
+    return cycle_literal(int(text) * (1 if settings.interval_unit in ("us", "µs") else 1000))
+
+
+def cycle_literal(microseconds: int) -> str:
+    """Return a cycle as a literal of IEC 61131-3: ``T#20ms``, ``T#0.25ms``."""
     milliseconds, rest = divmod(microseconds, 1000)
     return f"T#{milliseconds}" + (f".{rest:03}".rstrip("0") if rest else "") + "ms"
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from plcopen_sfc.languages.task_schedules import nanoseconds, schedule_of
+from plcopen_sfc.languages.task_schedules import cycle_literal, nanoseconds, schedule_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import PouInstance, Project, Resource, Task
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -29,15 +29,10 @@ def read_task(element: etree._Element) -> Project:
     cycle = (element.findtext("CycleTime") or "").strip()
     task = Task(name=element.get("Name", ""))
     task.priority = int(priority) if priority.isdecimal() else 0
-    task.interval = _literal(int(cycle)) if cycle.isdecimal() else None
+    task.interval = cycle_literal(int(cycle)) if cycle.isdecimal() else None
     programs = (name.text or "" for name in element.iterfind("PouCall/Name"))
     task.instances = [PouInstance(name=name.strip(), type_name="") for name in programs]
     return task_document(task)
-
-
-def _literal(microseconds: int) -> str:
-    milliseconds, rest = divmod(microseconds, 1000)
-    return f"T#{microseconds}us" if rest else f"T#{milliseconds}ms"
 
 
 def write_task(task: Task, identity: str) -> etree._Element:
@@ -63,6 +58,6 @@ def adapted_task(task: Task, report: ConversionReport) -> Task | None:
     if task.settings is not None and task.settings.watchdog is not None and task.settings.watchdog.enabled:
         report.add(Outcome.APPROXIMATED, "watchdog", path, "no file of TwinCAT is known to hold it: set it there")
     report.add(Outcome.TRANSLATED, "task", path, "a file of its own: connect it with a real-time task in TwinCAT")
-    adapted = Task(name=task.name, priority=task.priority, interval=_literal(length // _MICROSECOND))
+    adapted = Task(name=task.name, priority=task.priority, interval=cycle_literal(length // _MICROSECOND))
     adapted.instances = [PouInstance(name=each.type_name or each.name, type_name="") for each in task.instances]
     return adapted
