@@ -12,7 +12,7 @@ from itertools import pairwise
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Token, tokenize
-from plcopen_sfc.languages.st.nodes import Expression, Span
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Span
 from plcopen_sfc.languages.st.parsing import Parsed, parse_expression
 
 JUMPS = frozenset({"JMP", "JMPC", "JMPCN"})
@@ -31,6 +31,24 @@ CALLS = frozenset({"CAL", "CALC", "CALCN"})
 
 STORING = frozenset({"ST", "STN", "STQ", "S", "R"})
 """Operators that write their operand."""
+
+LOGIC = {"AND": Operator.AND, "&": Operator.AND, "OR": Operator.OR, "XOR": Operator.XOR}
+ARITHMETIC = {
+    "ADD": Operator.ADD,
+    "SUB": Operator.SUBTRACT,
+    "MUL": Operator.MULTIPLY,
+    "DIV": Operator.DIVIDE,
+    "MOD": Operator.MODULO,
+}
+COMPARISONS = {
+    "GT": Operator.GREATER,
+    "GE": Operator.GREATER_OR_EQUAL,
+    "EQ": Operator.EQUAL,
+    "NE": Operator.UNEQUAL,
+    "LE": Operator.LESS_OR_EQUAL,
+    "LT": Operator.LESS,
+}
+"""What operators with an operand do with it and the current result."""
 
 _SYMBOLS = frozenset({"OPERATOR", "NOT", "RPAR"})
 

@@ -3,27 +3,11 @@
 from __future__ import annotations
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.il import Instruction, instructions, opens_parenthesis
+from plcopen_sfc.languages.il import ARITHMETIC, COMPARISONS, LOGIC, Instruction, instructions, opens_parenthesis
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
 
-_OPERATORS = {
-    "AND": Operator.AND,
-    "&": Operator.AND,
-    "OR": Operator.OR,
-    "XOR": Operator.XOR,
-    "ADD": Operator.ADD,
-    "SUB": Operator.SUBTRACT,
-    "MUL": Operator.MULTIPLY,
-    "DIV": Operator.DIVIDE,
-    "MOD": Operator.MODULO,
-    "GT": Operator.GREATER,
-    "GE": Operator.GREATER_OR_EQUAL,
-    "EQ": Operator.EQUAL,
-    "NE": Operator.UNEQUAL,
-    "LE": Operator.LESS_OR_EQUAL,
-    "LT": Operator.LESS,
-}
+_OPERATORS = {**LOGIC, **ARITHMETIC, **COMPARISONS}
 
 
 def result_expression(text: str, dialect: Dialect, *, stored_in: str = "") -> n.Expression | None:
@@ -67,7 +51,7 @@ class CurrentResult:
         elif word == ")" and self.waiting:
             operator, before = self.waiting.pop()
             self.current = _combined(operator, before, self.current)
-        elif word in _OPERATORS or word.removesuffix("N") in ("AND", "OR", "XOR", "&"):
+        elif word in _OPERATORS or word.removesuffix("N") in LOGIC:
             if opens_parenthesis(self._text, instruction):
                 self.waiting.append((word, self.current))
                 self.current = trees[0] if trees else None

@@ -11,34 +11,17 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.il import Instruction, instructions, opens_parenthesis
+from plcopen_sfc.languages.il import ARITHMETIC, COMPARISONS, LOGIC, Instruction, instructions, opens_parenthesis
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.operators import Operators
 from plcopen_sfc.semantics.programs.statements import StatementTranslator
 from plcopen_sfc.semantics.programs.value_code import Code, ranged, settled, truth
 
-_LOGIC = {"AND": Operator.AND, "&": Operator.AND, "OR": Operator.OR, "XOR": Operator.XOR}
-_ARITHMETIC = {
-    "ADD": Operator.ADD,
-    "SUB": Operator.SUBTRACT,
-    "MUL": Operator.MULTIPLY,
-    "DIV": Operator.DIVIDE,
-    "MOD": Operator.MODULO,
-}
-_COMPARISONS = {
-    "GT": Operator.GREATER,
-    "GE": Operator.GREATER_OR_EQUAL,
-    "EQ": Operator.EQUAL,
-    "NE": Operator.UNEQUAL,
-    "LE": Operator.LESS_OR_EQUAL,
-    "LT": Operator.LESS,
-}
 _RESULT = "_cr"
-_COMBINING = {*_LOGIC, *_ARITHMETIC, *_COMPARISONS}
+_COMBINING = {*LOGIC, *ARITHMETIC, *COMPARISONS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,11 +189,11 @@ class InstructionTranslator:
         self._load(self._combined(opened.operator, opened.before, operand))
 
     def _combined(self, operator: str, left: Code, right: Code) -> Code:
-        if operator in _LOGIC:
-            return self._operators.logic(_LOGIC[operator], [left, right])
-        if operator in _COMPARISONS:
-            return self._operators.comparison(_COMPARISONS[operator], left, right)
-        return self._operators.arithmetic(_ARITHMETIC[operator], left, right)
+        if operator in LOGIC:
+            return self._operators.logic(LOGIC[operator], [left, right])
+        if operator in COMPARISONS:
+            return self._operators.comparison(COMPARISONS[operator], left, right)
+        return self._operators.arithmetic(ARITHMETIC[operator], left, right)
 
     def _when(self, suffix: str, write: Callable[[], None]) -> None:
         """Write what happens always, or only if the current result is TRUE (C) or FALSE (CN)."""
