@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from plcopen_sfc.languages.binding.name_uses import dialect_of
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il_expressions import result_expression
 from plcopen_sfc.languages.il_statements import statements
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.model.body import IlBody, StBody
+from plcopen_sfc.model.body import Body, IlBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression
-from plcopen_sfc.model.pou import Action, Method, Pou
+from plcopen_sfc.model.pou import Action, Method
 from plcopen_sfc.model.project import Project
 
 
@@ -31,24 +32,29 @@ def write_conditions_as_expressions(project: Project) -> Iterator[str]:
 def write_bodies_as_statements(project: Project) -> Iterator[str]:
     """Write the bodies in IL without jumps as structured text, and yield the paths of what they are the bodies of."""
     dialect = dialect_of(project)
-
-    def written(body: IlBody) -> StBody | None:
-        tree = statements(body.text, dialect)
-        return StBody(text=print_node(tree, dialect), worksheet=body.worksheet) if tree is not None else None
-
     for pou in project.pous:
         for place, body in enumerate(pou.bodies):
-            found = written(body) if isinstance(body, IlBody) else None
-            if found is not None:
+            if (found := _as_statements(body, dialect)) is not None:
                 pou.bodies[place] = found
                 yield pou.report_path
-        yield from _parts(pou, written)
+        parts: list[Action | Method] = [*pou.actions, *pou.methods]
+        for part in parts:
+            if (found := _as_statements(part.body, dialect)) is not None:
+                part.body = found
+                yield pou.report_path_of(f"{pou.name}.{part.name}")
+    for chart in project.charts():
+        for step, association in chart.chart.associations():
+            if (found := _as_statements(association.body, dialect)) is not None:
+                association.body = found
+                yield f"{chart.report_path} / step {step.name}"
+        for step in chart.chart.steps:
+            for name in ("entry_action", "main_action", "exit_action"):
+                if (found := _as_statements(getattr(step, name), dialect)) is not None:
+                    setattr(step, name, found)
+                    yield f"{chart.report_path} / step {step.name}"
 
 
-def _parts(pou: Pou, written: Callable[[IlBody], StBody | None]) -> Iterator[str]:
-    parts: list[Action | Method] = [*pou.actions, *pou.methods]
-    for part in parts:
-        found = written(part.body) if isinstance(part.body, IlBody) else None
-        if found is not None:
-            part.body = found
-            yield pou.report_path_of(f"{pou.name}.{part.name}")
+def _as_statements(body: Body | str | None, dialect: Dialect) -> StBody | None:
+    if not isinstance(body, IlBody) or (tree := statements(body.text, dialect)) is None:
+        return None
+    return StBody(text=print_node(tree, dialect), worksheet=body.worksheet)
