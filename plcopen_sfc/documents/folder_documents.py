@@ -287,7 +287,7 @@ def _frames(project: Project, source: FolderSource, kind: Format) -> dict[str | 
     parts = cast("FolderCodec", kind.codec()).parts(project) if edited else None
     if parts is not None:
         _edit_parts(frames, parts, kind)
-        edited = [name for name in edited if not any(getattr(each.document, name) for each in parts)]
+        edited = [name for name in edited if name not in PART_FIELDS]
     for name in edited:
         plain = Project.model_fields[name].get_default(call_default_factory=True)
         owner = next((path for path in frames if _content(frames[path], name) != plain), None)
