@@ -6,14 +6,9 @@ from collections.abc import Set
 from enum import StrEnum
 
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.drawing import Drawing, SymbolKind
+from plcopen_sfc.model.drawing import CONVERGENCES, STEPS, Drawing, SymbolKind
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.model.wiring import Link, trace_drawing
-
-STEPS = frozenset({SymbolKind.STEP, SymbolKind.MACRO_STEP})
-DIVERGENCES = frozenset({SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SIMULTANEOUS_DIVERGENCE})
-CONVERGENCES = frozenset({SymbolKind.SELECTION_CONVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE})
-BARS = DIVERGENCES | CONVERGENCES
 
 
 class DrawingStyle(StrEnum):

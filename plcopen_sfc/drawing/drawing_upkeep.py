@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 from plcopen_sfc.drawing.attached_symbols import draw_step_actions, erase_step_actions
 from plcopen_sfc.drawing.document_order import renumber
-from plcopen_sfc.drawing.drawing_style import STEPS, DrawingStyle, fits
+from plcopen_sfc.drawing.drawing_style import DrawingStyle, fits
 from plcopen_sfc.drawing.new_drawing import draw
 from plcopen_sfc.drawing.redrawing import redraw
 from plcopen_sfc.drawing.symbol_layout import layout
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
-from plcopen_sfc.model.drawing import Places, SymbolKind
+from plcopen_sfc.model.drawing import STEPS, Places, SymbolKind
 from plcopen_sfc.model.network import InputPin, OutputPin
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from plcopen_sfc.drawing.chart_graph import ChartGraph, alike
 from plcopen_sfc.drawing.chart_nesting import ChartSegment, NestedDivergence, NestedJump, NestedNode, nest
 from plcopen_sfc.drawing.document_order import logic_order
-from plcopen_sfc.drawing.drawing_style import DIVERGENCES, DrawingStyle
+from plcopen_sfc.drawing.drawing_style import DrawingStyle
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.drawing import ActionEntry, Drawing, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import DIVERGENCES, ActionEntry, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.network import Connection, InputPin, OutputPin
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.wiring import WiringProblem

@@ -17,20 +17,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from plcopen_sfc.drawing.attached_symbols import AttachedSymbols, block_owner
-from plcopen_sfc.drawing.drawing_style import (
-    BARS,
-    CONVERGENCES,
-    DIVERGENCES,
-    STEPS,
-    DrawingStyle,
-    fits,
-    in_order,
-    link_fits,
-)
+from plcopen_sfc.drawing.drawing_style import DrawingStyle, fits, in_order, link_fits
 from plcopen_sfc.drawing.new_drawing import Pen, draw, highest_id, sketch
 from plcopen_sfc.drawing.symbol_layout import has_positions, place_nearby
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import BARS, CONVERGENCES, DIVERGENCES, STEPS, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.network import InputPin
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.wiring import trace_drawing

@@ -15,10 +15,9 @@ from dataclasses import dataclass, field
 from plcopen_sfc.drawing.attached_symbols import block_owner
 from plcopen_sfc.drawing.chart_graph import ROOT, ForwardEdges
 from plcopen_sfc.drawing.document_order import feeding, input_pins_of
-from plcopen_sfc.drawing.drawing_style import BARS
 from plcopen_sfc.drawing.symbol_wires import SymbolSizes, WireRouting, node_size, text_width
 from plcopen_sfc.model.conditions import WiredCondition
-from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import BARS, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.sfc import SfcNetwork
 

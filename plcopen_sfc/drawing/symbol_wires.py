@@ -6,10 +6,9 @@ Units are those of TC6 editors: about a pixel.
 from __future__ import annotations
 
 from plcopen_sfc.drawing.document_order import input_pins_of
-from plcopen_sfc.drawing.drawing_style import BARS, STEPS
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition
-from plcopen_sfc.model.drawing import ActionEntry, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import BARS, STEPS, ActionEntry, Symbol, SymbolKind
 from plcopen_sfc.model.network import (
     Block,
     Connection,

@@ -25,6 +25,12 @@ class SymbolKind(StrEnum):
     EXPRESSION = "inVariable"
 
 
+STEPS = frozenset({SymbolKind.STEP, SymbolKind.MACRO_STEP})
+DIVERGENCES = frozenset({SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SIMULTANEOUS_DIVERGENCE})
+CONVERGENCES = frozenset({SymbolKind.SELECTION_CONVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE})
+BARS = DIVERGENCES | CONVERGENCES
+
+
 class StepActionKind(StrEnum):
     """The step actions of CODESYS."""
 

@@ -16,17 +16,8 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import NamedTuple
 
-from plcopen_sfc.model.drawing import Drawing, SymbolKind
+from plcopen_sfc.model.drawing import BARS, STEPS, Drawing, SymbolKind
 
-_STEPS = frozenset({SymbolKind.STEP, SymbolKind.MACRO_STEP})
-_BARS = frozenset(
-    {
-        SymbolKind.SELECTION_DIVERGENCE,
-        SymbolKind.SELECTION_CONVERGENCE,
-        SymbolKind.SIMULTANEOUS_DIVERGENCE,
-        SymbolKind.SIMULTANEOUS_CONVERGENCE,
-    }
-)
 _MAX_ALTERNATIVES = 4096
 """A convergence of convergences multiplies alternatives; a chart that needs more than this is damaged."""
 
@@ -98,7 +89,7 @@ class _Tracer:
                 alternatives = self._sources_of(symbol)
                 targets = self._targets_of(symbol)
                 self.wiring.links[symbol] = [Link(sources, targets) for sources in alternatives]
-            elif kind is SymbolKind.JUMP or kind in _STEPS:
+            elif kind is SymbolKind.JUMP or kind in STEPS:
                 self._check_predecessor(symbol)
         return self.wiring
 
@@ -119,9 +110,9 @@ class _Tracer:
 
     def _upstream(self, symbol: int, seen: frozenset[int]) -> list[tuple[int, ...]]:
         kind = self.kinds.get(symbol)
-        if kind in _STEPS:
+        if kind in STEPS:
             return [(symbol,)]
-        if kind not in _BARS or symbol in seen:
+        if kind not in BARS or symbol in seen:
             # A jump is a branch that ended; a transition or an element of logic before a transition leads from no step.
             return []
         seen = seen | {symbol}
@@ -144,11 +135,11 @@ class _Tracer:
         found: list[int] = []
         for consumer in self.consumers.get(symbol, ()):
             kind = self.kinds.get(consumer)
-            if kind in _STEPS:
+            if kind in STEPS:
                 found.append(consumer)
             elif kind is SymbolKind.JUMP:
                 found.extend(self._jump(consumer, seen))
-            elif kind in _BARS and consumer not in seen:
+            elif kind in BARS and consumer not in seen:
                 found.extend(self._downstream(consumer, seen | {consumer}))
         return found
 
@@ -156,13 +147,13 @@ class _Tracer:
         target = self.jumps.get(symbol)
         if target is None:
             return []
-        if self.kinds.get(target) in _STEPS:
+        if self.kinds.get(target) in STEPS:
             return [target]
         return [] if target in seen else self._downstream(target, seen | {target})
 
     def _check_predecessor(self, symbol: int) -> None:
         for source in self.inputs.get(symbol, ()):
-            if self.kinds.get(source) in _STEPS:
+            if self.kinds.get(source) in STEPS:
                 self._problem("SFC106", symbol, "a step leads here without a transition between")
 
     def _problem(self, code: str, symbol: int, detail: str) -> None:

@@ -7,11 +7,10 @@ from collections.abc import Iterator
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, FindingPlace, Sheet
 from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import STEPS, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.sfc import Step, Transition
 
-_STEPS = frozenset({SymbolKind.STEP, SymbolKind.MACRO_STEP})
-_ENDS = _STEPS | {SymbolKind.TRANSITION}
+_ENDS = STEPS | {SymbolKind.TRANSITION}
 _BARS = {
     SymbolKind.SELECTION_DIVERGENCE: "selection divergence",
     SymbolKind.SELECTION_CONVERGENCE: "selection convergence",
@@ -93,7 +92,7 @@ def _alternation(chart: CheckedChart) -> Iterator[Finding]:
                 continue
             for source in wires.direct(symbol):
                 both = symbol.kind is SymbolKind.TRANSITION and source.kind is SymbolKind.TRANSITION
-                if both or (symbol.kind is not SymbolKind.TRANSITION and source.kind in _STEPS):
+                if both or (symbol.kind is not SymbolKind.TRANSITION and source.kind in STEPS):
                     what = "step" if both else "transition"
                     message = f"{_label(sheet, source)} leads to {_label(sheet, symbol)} without a {what} between"
                     yield Finding(_place(sheet, source), message, f"Insert a {what}.")

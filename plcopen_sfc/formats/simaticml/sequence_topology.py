@@ -27,7 +27,7 @@ from plcopen_sfc.formats.simaticml.sequence_rules import (
     read_link,
     without_inserted,
 )
-from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import CONVERGENCES, STEPS, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.wiring import trace
 
@@ -207,8 +207,6 @@ _MOST_PATHS = 255
 
 
 _TYPES = {kind: name for name, kind in BRANCHES.items()}
-_CONVERGENCES = frozenset({SymbolKind.SELECTION_CONVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE})
-_STEPS = frozenset({SymbolKind.STEP, SymbolKind.MACRO_STEP})
 
 
 class TopologyWriter:
@@ -223,7 +221,7 @@ class TopologyWriter:
         """Of each divergence the index of the path to each consumer."""
         self._owners: dict[int, tuple[str, int]] = {}
         for symbol in self.symbols.values():
-            if symbol.kind in _TYPES and symbol.kind not in _CONVERGENCES:
+            if symbol.kind in _TYPES and symbol.kind not in CONVERGENCES:
                 self.paths[symbol.id] = self._paths(symbol)
 
     def _branch_numbers(self) -> dict[int, int]:
@@ -312,14 +310,14 @@ class TopologyWriter:
         if target is None:
             return SequenceLink(origin, None)
         if target.kind == "B":
-            target = ElementRef(target.kind, target.number, index if symbol.kind in _CONVERGENCES else 0)
+            target = ElementRef(target.kind, target.number, index if symbol.kind in CONVERGENCES else 0)
         return SequenceLink(origin, target, is_jump)
 
     def _ref(self, number: int | None) -> ElementRef | None:
         symbol = self.symbols.get(number) if number is not None else None
         if symbol is None:
             return None
-        if symbol.kind in _STEPS:
+        if symbol.kind in STEPS:
             return ElementRef("S", self.steps[symbol.id]) if symbol.id in self.steps else None
         if symbol.kind is SymbolKind.TRANSITION:
             return ElementRef("T", self.transitions[symbol.id]) if symbol.id in self.transitions else None

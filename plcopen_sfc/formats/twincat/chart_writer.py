@@ -14,6 +14,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.codesys.codesys_codec import LACKS
+from plcopen_sfc.formats.codesys.element_data import condition_text
 from plcopen_sfc.formats.twincat.chart_elements import (
     ASSOCIATION,
     BRANCH,
@@ -43,19 +44,17 @@ from plcopen_sfc.formats.twincat.object_archive import (
     type_of,
 )
 from plcopen_sfc.model.actions import ActionAssociation
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
-from plcopen_sfc.model.drawing import Symbol, SymbolKind
+from plcopen_sfc.model.conditions import Expression, NamedCondition
+from plcopen_sfc.model.drawing import CONVERGENCES, DIVERGENCES, STEPS, Symbol, SymbolKind
 from plcopen_sfc.model.sfc import RuntimeLibrary, SfcNetwork, SfcSettings, Step, Transition
+from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import Outcome
 
 Note = Callable[[Outcome, str, str, str], None]
 """Reports what became of something at a place in the chart: outcome, what, place, why."""
 
-_STEPS = frozenset({SymbolKind.STEP, SymbolKind.MACRO_STEP})
-_DIVERGENCES = frozenset({SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SIMULTANEOUS_DIVERGENCE})
-_CONVERGENCES = frozenset({SymbolKind.SELECTION_CONVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE})
-_FLOW = _STEPS | _DIVERGENCES | _CONVERGENCES | {SymbolKind.TRANSITION, SymbolKind.JUMP}
-_NUMBERED = _DIVERGENCES | {SymbolKind.JUMP}
+_FLOW = STEPS | DIVERGENCES | CONVERGENCES | {SymbolKind.TRANSITION, SymbolKind.JUMP}
+_NUMBERED = DIVERGENCES | {SymbolKind.JUMP}
 """The symbols that are elements of the archive, besides steps and transitions."""
 _NO_PLACE = "charts of TwinCAT are nested branches from one start on, and this is in none of them"
 
@@ -156,7 +155,7 @@ class ChartWriter:
 
     def write(self) -> etree._Element:
         """Return the ``XmlArchive`` of the chart."""
-        start = next((symbol for symbol in self._symbols.values() if symbol.kind in _STEPS), None)
+        start = next((symbol for symbol in self._symbols.values() if symbol.kind in STEPS), None)
         root, _ = self._column(start.id if start is not None else None)
         self._report_missing()
         for macro in self._macros():
@@ -188,10 +187,10 @@ class ChartWriter:
         here = start
         while here is not None and here not in self._placed:
             symbol = self._symbols[here]
-            if symbol.kind in _CONVERGENCES:
+            if symbol.kind in CONVERGENCES:
                 return segment, here
             self._placed.add(here)
-            if symbol.kind not in _DIVERGENCES:
+            if symbol.kind not in DIVERGENCES:
                 segment.parts.append(symbol)
                 here = self._below(here)
                 continue
@@ -257,7 +256,7 @@ class ChartWriter:
                 written = new_object(MACRO)
                 written.append(self._segment(segment, number, "Segment"))
                 return self._finished(written, MACRO, number, parent, fields)
-        if part.kind in _STEPS:
+        if part.kind in STEPS:
             return self._step(self._steps[part.id], parent)
         if part.kind is SymbolKind.TRANSITION:
             return self._transition(self._transitions[part.id], parent)
@@ -314,11 +313,13 @@ class ChartWriter:
         add_list(written, "EmbeddedTransitionProperties")
         place = f"transition {self._chart.label(transition)}"
         condition = transition.condition
+        text = condition_text(transition)
         if getattr(condition, "negated", False) or not isinstance(condition, Expression | NamedCondition | None):
+            text = "condition_is_not_written"  # which does not compile
             why = "conditions in TwinCAT are expressions and transition objects; nothing that is right can be written"
             self._note(Outcome.NOT_EXECUTED, "condition", place, why)
         self._note(Outcome.KEPT, "transition", place, "")
-        values = {**_values(transition, TRANSITION), "name": _text(condition)}
+        values = {**_values(transition, TRANSITION), "name": text}
         return self._finished(written, TRANSITION, transition.id, parent, values)
 
     def _finished(
@@ -348,30 +349,11 @@ _PULSES = frozenset({"P0", "P1", "DL"})
 def _values(thing: Step | Transition | ActionAssociation, kind: str) -> dict[str, Any]:
     """Return the values of the fields that an element has in the model."""
     values = {name: getattr(thing, name, None) for name in ELEMENTS[kind]}
-    return {**values, "comment": _comment(thing.comment)}
+    return {**values, "comment": plain(thing.comment)}
 
 
 def _drawn(symbol: Symbol) -> dict[str, Any]:
-    return {"name": symbol.name, "comment": _comment(symbol.comment), "exclude": symbol.exclude}
-
-
-def _comment(comment: object) -> str | None:
-    return comment if isinstance(comment, str) else getattr(comment, "text", None)
-
-
-def _text(condition: Condition | None) -> str:
-    """Return a condition as the editor has it; one that cannot be written is an expression that does not compile."""
-    match condition:
-        case Expression(text=text, negated=False):
-            return text
-        case NamedCondition(name=name, negated=False):
-            return name
-        case BodyCondition(name=name) if name:
-            return f"{name}_is_not_written"
-        case None:
-            return ""
-        case _:
-            return "condition_is_not_written"
+    return {"name": symbol.name, "comment": plain(symbol.comment), "exclude": symbol.exclude}
 
 
 # -- settings ---------------------------------------------------------------------------------------------------------
