@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.diagnostics import Diagnostic
@@ -54,6 +55,7 @@ def save(
     fresh: bool = False,
     normalize: bool = False,
     limit: float = 0,
+    at_rest: Collection[str] = (),
 ) -> ConversionReport:
     """Save a project to a path or a binary file; returns what became of each item.
 
@@ -69,6 +71,9 @@ def save(
 
     With a `limit` in seconds the charts of a conversion are also run in both tools, as `equivalent` does; a difference
     is an approximated item, and `compared` of the report has what was found of each chart.
+
+    `at_rest` names inputs of S7-GRAPH that nobody operates (``INIT_SQ``; ``all``): it is no loss that they have
+    no effect in the target.
 
     Raises `LossError` and writes nothing where the target would not execute something that the source tool executes.
     With `partial` the rest is written, and the report lists what is not executed; with `strict` also what the
@@ -87,6 +92,7 @@ def save(
         "fresh": fresh,
         "normalize": normalize,
         "limit": limit,
+        "at_rest": at_rest,
     }
     if not isinstance(project, Project):
         from plcopen_sfc.documents.lowered import save_lowered  # noqa: PLC0415  # brings the interpreter
@@ -109,6 +115,7 @@ def dumps(
     fresh: bool = False,
     normalize: bool = False,
     limit: float = 0,
+    at_rest: Collection[str] = (),
 ) -> bytes:
     """Return the bytes that `save` would write. Takes the same options, and raises the same errors."""
     return convert(
@@ -121,6 +128,7 @@ def dumps(
         fresh=fresh,
         normalize=normalize,
         limit=limit,
+        at_rest=at_rest,
     ).data
 
 
@@ -135,6 +143,7 @@ def convert(
     fresh: bool = False,
     normalize: bool = False,
     limit: float = 0,
+    at_rest: Collection[str] = (),
 ) -> Converted:
     """Return what `save` would write and what it would return, as `data` and `report`.
 
@@ -152,6 +161,7 @@ def convert(
         fresh=fresh,
         normalize=normalize,
         limit=limit,
+        at_rest=at_rest,
     )
     return Converted(content.getvalue(), report)
 

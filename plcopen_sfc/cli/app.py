@@ -163,6 +163,7 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     fresh: o.Fresh = False,
     normalize: o.Normalize = False,
     limit: o.ConvertLimit = "5",
+    at_rest: o.ConvertAtRest = None,
     as_tool: o.AsTool = False,
     accept_errors: o.AcceptErrors = False,
     accept_untested: o.AcceptUntested = False,
@@ -175,7 +176,8 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
         from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
 
-        how = convert.ConvertOptions(to, flavour, tia, strict, partial, fresh, normalize, convert.seconds_to_run(limit))
+        seconds, resting = convert.seconds_to_run(limit), tuple(at_rest or ())
+        how = convert.ConvertOptions(to, flavour, tia, strict, partial, fresh, normalize, seconds, resting)
         screen.exit_code = convert.run(
             screen,
             source,

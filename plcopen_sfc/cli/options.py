@@ -191,6 +191,10 @@ AtRest = Annotated[
     list[str] | None,
     _option("--at-rest", "Write no code for this input of S7-GRAPH (S_ON), or for all. Repeatable.", "NAME"),
 ]
+ConvertAtRest = Annotated[
+    list[str] | None,
+    _option("--at-rest", "Nobody operates this input of S7-GRAPH (INIT_SQ), or all. Repeatable.", "NAME"),
+]
 TextLanguage = Annotated[str, _option("--lang", "Write titles and comments in en or de.", "LANG")]
 Verify = Annotated[bool, _option("--verify/--no-verify", "Compare the code with the chart, or do not.")]
 SkipRefused = Annotated[bool, _option("--skip-refused", "Leave charts that cannot be lowered as they are.")]

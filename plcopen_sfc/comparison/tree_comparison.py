@@ -9,6 +9,7 @@ from dataclasses import replace
 from plcopen_sfc.comparison.changes import Change, ChangeKind
 from plcopen_sfc.conversion.comparison import alike, ends, matched_actions, renamed_tasks
 from plcopen_sfc.conversion.executed_parts import (
+    OPERATING_KINDS,
     PLAIN_VARIABLES,
     SHOWN_STATE,
     STORED,
@@ -23,7 +24,7 @@ from plcopen_sfc.semantics.system_inputs import PARAMETER_NAMES
 
 __all__ = ["TreeComparison", "matched_transitions", "word_of"]
 
-_DERIVED = frozenset({PLAIN_VARIABLES, SHOWN_STATE, "operating inputs", "order of transitions", "final scan"})
+_DERIVED = frozenset({PLAIN_VARIABLES, SHOWN_STATE, "order of transitions", "final scan"})
 """Aspects that follow from others."""
 _DERIVED_AS_WRITTEN = _DERIVED | {"variables"}
 _WORDS = {
@@ -86,7 +87,7 @@ class TreeComparison:
     def _is_of_tool(self, key: Key) -> bool:
         """True for what is no part of a project, and for the parameters that every chart of S7-GRAPH has."""
         is_parameter = key.kind == "variable" and key.name in PARAMETER_NAMES and not self.is_written
-        return key.kind == UNDECLARED_TYPE or is_parameter
+        return key.kind == UNDECLARED_TYPE or key.kind in OPERATING_KINDS or is_parameter
 
     def _note(self, change: Change, key: Key, part: Part) -> None:
         self._found.append((change, key, part))

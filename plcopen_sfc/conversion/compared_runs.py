@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.analysis.verdict import Counterexample, VerdictKind
-from plcopen_sfc.conversion.executed_parts import SHOWN_STATE, UNDECLARED
+from plcopen_sfc.conversion.executed_parts import OPERATING_KINDS, SHOWN_STATE, UNDECLARED
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.model.project import Chart, Project
@@ -21,7 +21,7 @@ __all__ = ["report_running"]
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
-_APART = frozenset({"operating inputs", SHOWN_STATE, "retain", "address", "interval", "max time", "maximum time"})
+_APART = OPERATING_KINDS | {SHOWN_STATE, "retain", "address", "interval", "max time", "maximum time"}
 """Losses that running a chart does not show: what operates it rests, nothing looks at addresses or times of tasks."""
 
 

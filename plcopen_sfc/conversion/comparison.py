@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.conversion.executed_parts import (
+    OPERATING_KINDS,
     PLAIN_VARIABLES,
     SHOWN_STATE,
     STORED,
@@ -43,12 +44,13 @@ class Difference:
 _OF_NO_EFFECT = frozenset(
     {"type", "POU", "action of the POU", "global variable", "variable", "task", "program instance"}
     | {"unit", "property", "data of the tool"}
+    | OPERATING_KINDS
 )
 """Kinds of parts that may be added: what nothing names does nothing."""
 _OF_EVERY_BLOCK = frozenset({"en", "eno"})
 """Names that nothing declares: a tool has them in every block, or has nothing like them."""
-_AT_REST = frozenset({"operating inputs", SHOWN_STATE, "order of transitions"})
-"""Aspects that may be added: a chart runs as before as long as nobody operates it."""
+_MAY_BE_ADDED = frozenset({SHOWN_STATE, "order of transitions"})
+"""Aspects that may be added: a chart runs as before."""
 
 
 def compare(left: Part, right: Part, *, other_tool: bool = False, has_libraries: bool = False) -> Iterator[Difference]:
@@ -75,7 +77,7 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
             theirs = None if taken else mine
         if aspect.startswith(STORED) and None in (mine, theirs):
             continue  # rows that are missing on one side are told as such
-        if not same(mine, theirs) and not (mine is None and aspect in _AT_REST):
+        if not same(mine, theirs) and not (mine is None and aspect in _MAY_BE_ADDED):
             name, stronger = _name(left, key), aspect == "condition" and is_stronger(theirs, mine)
             yield Difference(left.path, key.kind, name, aspect, _show(mine), _show(theirs), steps, stronger)
     if key.kind in ("chart", "partial chart"):

@@ -61,6 +61,9 @@ class Around(Protocol):
     def target(self, name: str) -> str:
         """Target of an association, as all tools could name it."""
 
+    def operation(self, pou: Pou, name: str) -> str:
+        """The kind of an input that operates the chart of a block: whether anything operates it."""
+
     def tell_comment(self, part: Part, thing: Element) -> None:
         """Note the comment and the title of something, where they are wanted."""
 
@@ -386,9 +389,8 @@ class ChartReader:
         operating = system_inputs(self.pou, self.owner.profile, inputs)
         operating -= {name for name in operating if name.rpartition(".")[2].casefold() in flags}
         if operating and self.owner.profile.graph_parameters:
-            chart.tell(
-                "operating inputs", Meaning.of(frozenset(map(str.casefold, operating)), ", ".join(sorted(operating)))
-            )
+            for name in sorted(operating):
+                chart.add(self.owner.operation(self.pou, name), name, f"{self.pou.report_path} / {name}")
         outputs = [variable.name for variable in self.pou.variables(SectionKind.OUTPUT)]
         named = [name for name in (*inputs, *outputs) if name.casefold() in PARAMETER_NAMES]
         named += [v.name for v in self.pou.variables() if v.name.casefold() in MEMBER_NAMES and v.name not in named]

@@ -16,10 +16,14 @@ from plcopen_sfc.conversion.meaning import Meaning, literal_meaning
 from plcopen_sfc.languages.binding.symbols import NamedObject
 
 __all__ = [
+    "OPERATING_INPUT",
+    "OPERATING_KINDS",
     "PROGRAM_CALL",
+    "RESTING_INPUT",
     "SHOWN_STATE",
     "UNDECLARED",
     "UNDECLARED_TYPE",
+    "UNUSED_INPUT",
     "Detail",
     "Key",
     "Part",
@@ -35,6 +39,13 @@ PLAIN_VARIABLES = "plain variables"
 """The aspect that lists variables of a chart of another tool whose names are parameters of charts of S7-GRAPH."""
 SHOWN_STATE = "shown state"
 """The aspect that lists outputs by which a chart of S7-GRAPH tells its state."""
+OPERATING_INPUT = "operating input"
+"""The kind of parts that are inputs which operate a chart of S7-GRAPH, such as INIT_SQ."""
+UNUSED_INPUT = "unused operating input"
+"""The kind of those that nothing in the project operates, although it has an instance of the block."""
+RESTING_INPUT = "operating input at rest"
+"""The kind of those of which the user says that nobody operates them."""
+OPERATING_KINDS = frozenset({OPERATING_INPUT, UNUSED_INPUT, RESTING_INPUT})
 UNDECLARED_TYPE = "undeclared type"
 """The kind of parts that are names of types which nothing declares."""
 PROGRAM_CALL = "call of a program"

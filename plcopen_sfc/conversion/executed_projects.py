@@ -7,14 +7,17 @@ where two machines may.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import cast
 
 from plcopen_sfc.conversion.compared_start_values import StartValues
 from plcopen_sfc.conversion.executed_charts import ChartReader
 from plcopen_sfc.conversion.executed_parts import (
+    OPERATING_INPUT,
     PROGRAM_CALL,
+    RESTING_INPUT,
     UNDECLARED,
+    UNUSED_INPUT,
     Detail,
     Part,
     duration_meaning,
@@ -65,6 +68,7 @@ from plcopen_sfc.model.types import (
     Variable,
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, operating_inputs
 from plcopen_sfc.semantics.profile import Profile, default_profile
 
 __all__ = ["executed"]
@@ -77,6 +81,7 @@ def executed(
     source: Project | None = None,
     compared_with: Part | None = None,
     detail: Detail = Detail.EXECUTED,
+    at_rest: Collection[str] = (),
 ) -> Part:
     """Everything that a controller executes of a project, under the rules of `profile`.
 
@@ -84,19 +89,31 @@ def executed(
     other terms since: the rules of its tool apply to direct addresses, to tasks and to its own data. `compared_with` is
     the source of a conversion: the project may have structures in place of its lists of global variables, and instance
     data blocks and organization blocks in place of its programs and tasks, and functions in place of its actions.
-    `detail`: whether more is listed than what is executed. Names that nothing declares are left out then.
+    `detail`: whether more is listed than what is executed. Names that nothing declares are left out then. `at_rest` are
+    the inputs of sequencers, in upper case, that nobody operates.
     """
     rules = profile or default_profile(project)
-    return _Reader(project, rules, source or project, compared_with or Part(""), detail).read()
+    resting = operating_inputs(at_rest)
+    return _Reader(project, rules, source or project, compared_with or Part(""), detail=detail, at_rest=resting).read()
 
 
 class _Reader:
     def __init__(
-        self, project: Project, profile: Profile, source: Project, compared_with: Part, detail: Detail
+        self,
+        project: Project,
+        profile: Profile,
+        source: Project,
+        compared_with: Part,
+        *,
+        detail: Detail,
+        at_rest: Collection[str],
     ) -> None:
         self.project = project
         self.profile = profile
         self.detail = detail
+        self.at_rest = at_rest
+        self.names = Names(project)
+        self._operated: set[str] | None = None
         self.dialect = project.dialect
         self.source = source
         self.addresses = source.dialect
@@ -149,7 +166,7 @@ class _Reader:
         self._tasks()
         for pou in self.project.pous:
             self._pou(pou)
-        names = Names(self.project)
+        names = self.names
         add_kept(self.whole, self.project, names.text_sites(), self.addresses)
         drawn = [text_site.text for text_site in names.text_sites() if isinstance(text_site.holder, Block)]
         self.whole.boxes = frozenset(map(plain_name, drawn))
@@ -252,6 +269,21 @@ class _Reader:
         for aspect in ("title", "comment") if self.detail else ():
             words = " ".join(words_of(getattr(thing, aspect, None)).split())
             part.tell(aspect, Meaning.of(words) if words else None)
+
+    def operation(self, pou: Pou, name: str) -> str:
+        """The kind of an input that operates the chart of a block: whether anything operates it."""
+        if name.upper() in self.at_rest:
+            return RESTING_INPUT
+        if self._operated is None:
+            found = self.names.occurrences(*ALL_INPUTS)
+            self._operated = {occurrence.reference.name.casefold() for occurrence in found}
+        return UNUSED_INPUT if self._has_instance(pou) and name.casefold() not in self._operated else OPERATING_INPUT
+
+    def _has_instance(self, pou: Pou) -> bool:
+        blocks = [block.type_name or "" for block in self.project.data_blocks]
+        declared = (v.type for each in self.project.pous for v in each.variables())
+        blocks += [kind.name for kind in declared if isinstance(kind, DerivedType)]
+        return pou.name.casefold() in {name.strip('"').casefold() for name in blocks}
 
     def _type(self, kind: DataType) -> Meaning | None:
         return type_meaning(kind if self.detail is Detail.WRITTEN else self._plain_type(kind), self.dialect)

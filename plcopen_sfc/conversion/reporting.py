@@ -9,12 +9,16 @@ from dataclasses import replace
 
 from plcopen_sfc.conversion.comparison import Difference
 from plcopen_sfc.conversion.executed_parts import (
+    OPERATING_INPUT,
+    OPERATING_KINDS,
     PLAIN_VARIABLES,
     PROGRAM_CALL,
+    RESTING_INPUT,
     SHOWN_STATE,
     STORED,
     UNDECLARED,
     UNDECLARED_TYPE,
+    UNUSED_INPUT,
 )
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.object_path import ObjectPath
@@ -64,6 +68,7 @@ def report_execution(
         what = difference.aspect or difference.kind
         place = in_the_source(difference.path, called)
         names = {(place, each) for each in (what, *_ALSO_CALLED.get(what, ()))}
+        names |= {(place, each) for each in OPERATING_KINDS if what in OPERATING_KINDS}
         if difference.kind == "method":
             names.add((ObjectPath.of(place).around, "methods"))
         if difference.left is None and difference.kind in (UNDECLARED, "action") and difference.name in said:
@@ -277,7 +282,7 @@ _LEFT_TO_THE_READER = frozenset({"static", "arguments", "edge", "extends", "impl
 _OF_THE_CONFIGURATION = frozenset({"task", "program instance", "VAR_CONFIG", PROGRAM_CALL})
 _OF_THE_PROJECT = frozenset({"global variable", "global variables", "type"}) | _OF_THE_CONFIGURATION
 """Kinds of parts of which writers speak as a whole: "data blocks", "configurations"."""
-_KEPT_AS_TEXT = frozenset({"unit", "property", "data of the tool", UNDECLARED_TYPE})
+_KEPT_AS_TEXT = frozenset({"unit", "property", "data of the tool", UNDECLARED_TYPE}) | OPERATING_KINDS
 """Kinds of parts that writers keep without looking into them."""
 
 
@@ -285,6 +290,8 @@ def _outcome(difference: Difference) -> Outcome:
     """Outcome of a difference: approximated if something is executed once more or besides, else not executed."""
     if difference.kind in (UNDECLARED, UNDECLARED_TYPE) and difference.left == "":
         return Outcome.APPROXIMATED
+    if difference.kind in _OPERATED:
+        return _OPERATED[difference.kind]
     if difference.aspect.startswith(STORED):  # the rows are executed, and another one counts
         return Outcome.APPROXIMATED
     if difference.kind not in (UNDECLARED, UNDECLARED_TYPE) and (
@@ -292,6 +299,13 @@ def _outcome(difference: Difference) -> Outcome:
     ):
         return Outcome.APPROXIMATED
     return Outcome.NOT_EXECUTED
+
+
+_OPERATED = {
+    OPERATING_INPUT: Outcome.NOT_EXECUTED,
+    UNUSED_INPUT: Outcome.APPROXIMATED,
+    RESTING_INPUT: Outcome.TRANSLATED,
+}
 
 
 def _is_later(difference: Difference) -> bool:
@@ -347,6 +361,8 @@ def _whole(difference: Difference, tool: str) -> str:
             return f"the {what} `{name}` is declared neither in the source nor in {tool}, which does not compile it"
         origin = "" if difference.left is None else f": it is {difference.left} of the library of its tool"
         return f"the {what} `{name}` is not declared in {tool}{origin}"
+    if kind in OPERATING_KINDS:
+        return f"{name} has no effect in {tool}{_WHY_NOT_OPERATED[kind]}"
     if kind == "data of the tool":
         return f"only the tool of the source reads this: it is NOT executed in {tool}"
     if kind == "property":
@@ -365,6 +381,13 @@ def _whole(difference: Difference, tool: str) -> str:
     if kind in ("global variable", "variable", "type"):
         return f"{kind} `{name}` is not declared in {tool}"
     return f"{kind} `{name}` is NOT executed in {tool}" if name else f"the {kind} is NOT executed in {tool}"
+
+
+_WHY_NOT_OPERATED = {
+    OPERATING_INPUT: ": --at-rest says that nobody operates it",
+    UNUSED_INPUT: ", and nothing in the project operates it; --at-rest says that nothing else does",
+    RESTING_INPUT: ", and nobody operates it, as --at-rest says",
+}
 
 
 def _called(action: str) -> str:
@@ -404,7 +427,6 @@ _MISSING = {
     "address": "`{name}` is not at {left} in {tool}",
     "retain": "`{name}` does not keep its value over a power failure in {tool}",
     "constant": "`{name}` is no constant in {tool}",
-    "operating inputs": "no effect in {tool}: {left}",
     SHOWN_STATE: "nothing sets these outputs in {tool}: {left}",
     PLAIN_VARIABLES: "variables of this name operate the sequence or show its state in {tool}: {left}",
     "code": "the {kind} has no program in {tool}",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
@@ -75,11 +75,11 @@ def fingerprint(project: Project) -> bytes:
 
 
 def encode(
-    project: Project, name: str, *, flavour: str, fresh: bool, limit: float = 0
+    project: Project, name: str, *, flavour: str, fresh: bool, limit: float = 0, at_rest: Collection[str] = ()
 ) -> tuple[bytes, ConversionReport]:
     """Return the bytes of `project` in the format `name` (``simaticml-V16``), and what became of each item.
 
-    `limit`: for so many seconds the charts are run in both tools.
+    `limit`: for so many seconds the charts are run in both tools. `at_rest` is that of `WriteOptions`.
     """
     kind, version = format_named(name)
     if flavour and flavour not in kind.flavours:
@@ -100,7 +100,8 @@ def encode(
     same = source is not None and source.format == kind.name and source.version == version and not flavour
     if not same:
         refuse_reading_errors(project, report)
-    options = WriteOptions(version, flavour, same=same, source=source.content if source is not None and same else b"")
+    content = source.content if source is not None and same else b""
+    options = WriteOptions(version, flavour, same=same, source=content, at_rest=at_rest)
     with collecting_rarely():
         copy, meant, options, behaviour = prepared(project, kind, options, report)
         data = kind.codec().write(copy, options, report)

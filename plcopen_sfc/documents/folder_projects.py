@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, BinaryIO, TypeVar, cast
@@ -289,6 +289,7 @@ def save_folder(
     fresh: bool = False,
     normalize: bool = False,
     limit: float = 0,
+    at_rest: Collection[str] = (),
 ) -> ConversionReport:
     """Save `project` in the format `name` into `folder`, which is made where it is missing.
 
@@ -306,7 +307,7 @@ def save_folder(
     source = _folder_source(project, kind)
     is_own = source is not None and source is project.source and _same_folder(source.path, folder)
     if source is None:
-        planned, contents = _convert(project, kind, version, report, limit)
+        planned, contents = _convert(project, kind, version, report, limit=limit, at_rest=at_rest)
     else:
         planned = plan_like(project, source, kind, is_own=is_own)
         contents = _encode(planned, source, name, report, flavour=flavour, fresh=fresh)
@@ -415,11 +416,17 @@ def _write_each(planned: list[PlannedDocument], write: Callable[[PlannedDocument
 
 
 def _convert(
-    project: Project, kind: Format, version: str, report: ConversionReport, limit: float
+    project: Project,
+    kind: Format,
+    version: str,
+    report: ConversionReport,
+    *,
+    limit: float,
+    at_rest: Collection[str],
 ) -> tuple[list[PlannedDocument], dict[str, bytes]]:
     """Convert a project of another format: adapt it as a whole, write its documents, read it back as a whole."""
     codec = cast("FolderCodec", kind.codec())
-    options = WriteOptions(version)
+    options = WriteOptions(version, at_rest=at_rest)
     copy, _, options, behaviour = prepared(project, kind, options, report)
     if not copy.header.product:
         copy.header = codec.new_document(version).header

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Protocol, TypedDict, runtime_checkable
 
@@ -203,6 +203,7 @@ class SaveOptions(TypedDict, total=False):
     fresh: bool
     normalize: bool
     limit: float
+    at_rest: Collection[str]
 
 
 def load_project(
@@ -248,6 +249,7 @@ def save_project(
     fresh: bool = False,
     normalize: bool = False,
     limit: float = 0,
+    at_rest: Collection[str] = (),
 ) -> ConversionReport:
     """Save a project to a path, a folder or a binary file; returns what became of each item."""
     path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
@@ -268,8 +270,9 @@ def save_project(
             fresh=fresh,
             normalize=normalize,
             limit=limit,
+            at_rest=at_rest,
         )
-    data, report = encode(project, name, flavour=flavour, fresh=fresh, limit=limit)
+    data, report = encode(project, name, flavour=flavour, fresh=fresh, limit=limit, at_rest=at_rest)
     if normalize:
         before, data = data, normalized(data, name)
         report.unchanged = report.unchanged and data == before

@@ -47,7 +47,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
     if kind.drawing is DrawingNeed.NONE and same_dialect and lacks_nothing and not options.flavour and not results:
-        behaviour = executed(project) if kind.tool else None
+        behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None
         return Prepared(project, project, options, behaviour)
     from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
 
@@ -86,7 +86,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         kind.codec().replace_missing(copy, report)
     # the writer changes its copy, and what is executed is looked at when source and result are compared
     unchanged = copy.model_copy(deep=True)
-    behaviour = executed(unchanged, profile, source=project) if kind.tool else None
+    behaviour = executed(unchanged, profile, source=project, at_rest=options.at_rest) if kind.tool else None
     if kind.drawing is DrawingNeed.NONE:
         written, marks = kind.codec().rewrite(copy, options, report)
         if written is not copy and _has_flags(kind):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from importlib import import_module
@@ -111,6 +111,7 @@ class WriteOptions:
     `of_codesys`: it has the semantics of CODESYS, step actions and SFC flags too.
     `of_matiec`: it is of Beremiz or OpenPLC, whose compiler matiec executes charts and FOR loops as they are.
     `final_scan`: actions of the project are executed once more after their step was left (IEC 61131-3, 6.7.4.6).
+    `at_rest` are the inputs of sequencers of S7-GRAPH, in upper case, that nobody operates.
     """
 
     version: str = ""
@@ -126,6 +127,7 @@ class WriteOptions:
     of_codesys: bool = False
     of_matiec: bool = False
     final_scan: bool = True
+    at_rest: Collection[str] = ()
 
 
 class Codec(ABC):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.s7_globals import global_names, local_tags
-from plcopen_sfc.languages.task_schedules import nanoseconds, schedule_of
+from plcopen_sfc.languages.task_schedules import FREEWHEELING, nanoseconds, schedule_of
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import PouInstance, Project, Task
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
@@ -23,7 +23,7 @@ WITHOUT_TASK = "Programs"
 """Name of the organization block for instances of programs that have no task."""
 _FIRST_PROGRAM_CYCLE, _CYCLIC_INTERRUPTS = 123, range(30, 39)
 """Numbers of organization blocks: OB30 to OB38 are cyclic interrupts, from OB123 on all are free (S7-1500)."""
-_EVERY_CYCLE = frozenset({"", "freewheeling"})
+_EVERY_CYCLE = frozenset({"", FREEWHEELING.casefold()})
 
 
 class Caller(NamedTuple):

@@ -20,6 +20,8 @@ from plcopen_sfc.model.project import Task, TaskSettings
 
 CYCLIC = "Cyclic"
 EVENT = "Event"
+FREEWHEELING = "Freewheeling"
+"""The kind of a task that begins again when it has ended."""
 SCHEDULE_FIELDS = ("interval", "single", "settings")
 """The fields of a task with its schedule."""
 

@@ -258,3 +258,46 @@ def test_an_edit_of_the_source_keeps_what_is_executed(target: str, fits: bool, m
     verdict = same_behaviour(source, result, operated=("ACK_EF",), outputs=("S_NO", "ERR_FLT"))
     assert verdict is not None
     assert verdict.proven, verdict
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_inputs_that_operate_a_sequencer_are_lost_unless_nobody_uses_them(target: str) -> None:
+    source = sequencer(inputs=("SW_MAN", "S_ON"))
+    assert _operating(source, target) == {"SW_MAN": "not executed", "S_ON": "not executed"}
+    assert _operating(source, target, "sw_man") == {"SW_MAN": "translated", "S_ON": "not executed"}
+    assert _operating(source, target, "all") == {"SW_MAN": "translated", "S_ON": "translated"}
+    with pytest.raises(sfc.ModelError, match="Q does not operate sequencers"):
+        sfc.convert(source, target, partial=True, at_rest=["q"])
+
+
+def test_inputs_that_nothing_in_a_project_operates_are_approximated() -> None:
+    source = sequencer(inputs=("SW_MAN", "S_ON"))
+    (block,) = source.pous
+    source.data_blocks.append(m.DataBlock(name="Line_DB", kind=m.DataBlockKind.INSTANCE, type_name=f'"{block.name}"'))
+    assert _operating(source, "codesys") == {"SW_MAN": "approximated", "S_ON": "approximated"}
+    text = '"Line_DB"(S_ON := TRUE);'
+    source.pous.append(m.Pou(name="Main", kind=m.PouKind.ORGANIZATION_BLOCK, number=1, bodies=[m.StBody(text=text)]))
+    assert _operating(source, "codesys") == {"SW_MAN": "approximated", "S_ON": "not executed"}
+
+
+def _operating(project: m.Project, target: str, *at_rest: str) -> dict[str, str]:
+    """What a report says of each operating input, by its name."""
+    report = sfc.convert(project, target, partial=True, at_rest=at_rest).report
+    return {item.path.split(" / ")[-1]: item.outcome.value for item in report.items if "operating" in item.what}
+
+
+def test_the_cyclic_organization_block_is_called_by_a_task_and_comes_back() -> None:
+    text = b"FUNCTION_BLOCK Lamp VAR n : INT; END_VAR n := n + 1; END_FUNCTION_BLOCK"
+    source = sfc.loads(text, format="iec-text")
+    source = as_file(source)
+    source.pous.append(
+        m.Pou(name="Main", kind=m.PouKind.ORGANIZATION_BLOCK, number=1, bodies=[m.StBody(text="#x := TRUE;")])
+    )
+    data, report = sfc.convert(source, "codesys", partial=True)
+    assert [item.path for item in report.items if item.what == "program"] == ["POU Main"]
+    seen = sfc.loads(data, as_tool=True)
+    tasks = [(task.name, [each.name for each in task.instances]) for res in seen.resources() for task in res.tasks]
+    assert tasks == [("MainTask", ["Main"])]
+    assert not list(sfc.loads(data).resources())
+    edited = sfc.loads(data.replace(b'name="MainTask"', b'name="Fast"'))
+    assert [task.name for resource in edited.resources() for task in resource.tasks] == ["Fast"]

@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.errors import LoweringError, ModelError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering import Construction, LoweredPou
 from plcopen_sfc.lowering.proof import prove
@@ -336,7 +336,7 @@ def test_what_only_one_command_shows_is_found() -> None:
 
 
 def test_only_what_operates_a_sequencer_can_be_at_rest() -> None:
-    with pytest.raises(LoweringError, match="C1 does not operate sequencers"):
+    with pytest.raises(ModelError, match="C1 does not operate sequencers"):
         sfc.lower(block(ring()), profile="s7graph", at_rest=["c1"])
     with pytest.raises(LoweringError, match="only blocks of S7-GRAPH"):
         sfc.lower(block(ring()), profile="codesys", at_rest=["INIT_SQ"])

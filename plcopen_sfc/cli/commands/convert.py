@@ -41,6 +41,7 @@ class ConvertOptions:
     fresh: bool = False
     normalize: bool = False
     limit: float = 0
+    at_rest: tuple[str, ...] = ()
 
 
 def seconds_to_run(limit: str) -> float:

@@ -26,11 +26,12 @@ class ChartHost:
 
     `title` is what reports call it. `is_codesys`: associations take an action of the POU by its name, steps have entry,
     main and exit actions and minimum times, conditions are expressions or names of transition objects and never
-    negated. Other tools take bodies in place, with the qualifiers P1 and P0.
+    negated. Other tools take bodies in place, with the qualifiers P1 and P0. `has_tasks`: its files hold tasks.
     """
 
     title: str
     is_codesys: bool
+    has_tasks: bool = True
 
     @property
     def dialect(self) -> Dialect:

@@ -17,7 +17,13 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost
-from plcopen_sfc.formats.plcopen.source_marks import ADDED_FIELD, TEXTS_FIELD, SourceMarks, added_section, text_digest
+from plcopen_sfc.formats.plcopen.source_marks import (
+    TEXTS_FIELD,
+    SourceMarks,
+    added_configuration,
+    added_section,
+    text_digest,
+)
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.dialects import Dialect
@@ -29,12 +35,13 @@ from plcopen_sfc.languages.st.rendering import render
 from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES
 from plcopen_sfc.languages.start_values import filled
+from plcopen_sfc.languages.task_schedules import FREEWHEELING
 from plcopen_sfc.languages.translation import NameScope, Renames
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.renames import identifier, kept_names
 from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
-from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, TagTable
+from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, TagTable, Task, TaskSettings
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, MemberValue, StructType, StructValue, Variable
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -62,27 +69,34 @@ def add_globals(project: Project, host: ChartHost, report: ConversionReport, mar
     cyclic = _cyclic_blocks(project, host, report)
     if host.is_codesys:
         project.global_variables = [*project.global_variables, *sections]
+        if cyclic:
+            called = [PouInstance(name=name, type_name="") for name in cyclic]
+            task = Task(name="MainTask", settings=TaskSettings(kind=FREEWHEELING), instances=called)
+            resource = Resource(name="Application", tasks=[task])
+            project.configurations = [Configuration(name="Device", resources=[resource])]
+            marks[id(project.configurations[0])] = added_configuration(project.configurations[0])
         return
     if not project.configurations and (sections or cyclic):
         instances = [PouInstance(name=f"{name}_instance", type_name=name) for name in cyclic]
         resource = Resource(name="Resource", instances=instances)
         project.configurations = [Configuration(name="Configuration", resources=[resource])]
-        marks[id(project.configurations[0])] = {ADDED_FIELD: [instance.name for instance in instances]}
+        marks[id(project.configurations[0])] = added_configuration(project.configurations[0])
     if sections:
         target = project.configurations[0]
         target.global_variables = [*target.global_variables, *sections]
 
 
 def _cyclic_blocks(project: Project, host: ChartHost, report: ConversionReport) -> list[str]:
-    """Return the organization blocks that a resource of TC6 executes in every cycle; the others are in the report."""
+    """Return the organization blocks that are executed in every cycle; the others are in the report."""
     found: list[str] = []
     for pou in project.pous:
         if pou.kind is not PouKind.ORGANIZATION_BLOCK:
             continue
-        # OB1 is the cyclic one; others start at events that TC6 cannot name.
-        if pou.number in (None, 1) and not host.is_codesys and not project.configurations:
+        # OB1 is the cyclic one; others start at events that no file names.
+        if pou.number in (None, 1) and host.has_tasks and not any(project.resources()):
             found.append(pou.name)
-            report.add(Outcome.TRANSLATED, "program", pou.report_path, "a program of the resource")
+            why = "a program of a task without a cycle time" if host.is_codesys else "a program of the resource"
+            report.add(Outcome.TRANSLATED, "program", pou.report_path, why)
         else:
             why = f"a program that no task of {host.title} calls: give it one"
             report.add(Outcome.NOT_EXECUTED, "program", pou.report_path, why)
@@ -344,7 +358,7 @@ def declare_lists(project: Project, report: ConversionReport, marks: SourceMarks
     if moved:
         if not project.configurations and not project.applications:
             project.configurations = [Configuration(name="Configuration", resources=[Resource(name="Resource")])]
-            marks[id(project.configurations[0])] = {ADDED_FIELD: []}
+            marks[id(project.configurations[0])] = added_configuration(project.configurations[0])
         target = project.configurations[0] if project.configurations else project.applications[0]
         target.global_variables = [*target.global_variables, *moved]
 

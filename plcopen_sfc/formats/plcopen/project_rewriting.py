@@ -232,16 +232,6 @@ def _output(node: Node) -> Node:
     return OutputVariable.model_validate({**shared, "kind": "output", "expression": node.variable})
 
 
-_PARAMETERS = frozenset(
-    """OFF_SQ INIT_SQ ACK_EF REG_EF ACK_S REG_S HALT_SQ HALT_TM ZERO_OP EN_IL EN_SV EN_ACKREQ EN_SSKIP DISP_SACT
-    DISP_SEF DISP_SALL S_PREV S_NEXT SW_AUTO SW_TAP SW_TOP SW_MAN S_SEL S_SELOK S_ON S_OFF T_PREV T_NEXT T_PUSH
-    S_NO S_MORE S_ACTIVE S_TIME S_TIMEOK S_CRITLOC S_CRITLOCERR S_CRITSUP S_STATE T_NO T_MORE T_CRIT T_CRITOLD
-    T_CRITFLT ERROR FAULT ERR_FLT SQ_ISOFF SQ_HALTED TM_HALTED OP_ZEROED IL_ENABLED SV_ENABLED ACKREQ_ENABLED
-    SSKIP_ENABLED SACT_DISP SEF_DISP SALL_DISP AUTO_ON TAP_ON TOP_ON MAN_ON""".split()
-)
-"""Parameters by which S7-GRAPH controls a sequencer and reports on it (S7-GRAPH V6)."""
-
-
 def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> bool:
     """True if `rewrite_charts` would change a chart, or report something of it."""
     chart = place.chart
@@ -389,22 +379,13 @@ class _ChartRewriter:
             return
         if chart.graph_settings.skip_steps:
             self._note(Outcome.NOT_EXECUTED, "skip steps", "", f"each step is active for a scan at least in {title}")
-        names = [v.name for v in self._rewriting.chart.pou.variables() if v.name in _PARAMETERS]
-        done = [name for name in names if name in ACKNOWLEDGING]
-        names = [name for name in names if name not in done and name not in shown]
-        if done:
-            why = f"{', '.join(done)}: statements compute the rising edges where something depends on them"
-            self._note(Outcome.TRANSLATED, "operating inputs", "", why)
+        for variable in self._rewriting.chart.pou.variables():
+            if variable.name in ACKNOWLEDGING:
+                why = "statements compute its rising edges where something depends on them"
+                self._note(Outcome.TRANSLATED, "operating input", variable.name, why)
         if shown:
             why = f"{', '.join(sorted(shown))}: statements set them as in the automatic mode"
             self._note(Outcome.TRANSLATED, "shown state", "", why)
-        if names:
-            why = f"{', '.join(names)} are variables without effect in {title}"
-            if "INIT_SQ" in names and self._host.is_codesys:
-                why += ": SFCReset is close to INIT_SQ, but ends stored actions too, and leaves out exit actions"
-            elif "INIT_SQ" in names:
-                why += ": nothing starts a chart of IEC 61131-3 again, or ends it"
-            self._note(Outcome.NOT_EXECUTED, "operating inputs", "", why)
 
     def _report_codesys(self) -> None:
         """Report what controls and watches a chart of CODESYS and has no counterpart in TC6."""

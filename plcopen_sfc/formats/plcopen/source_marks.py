@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from plcopen_sfc.formats.plcopen.tc6_reading import Fields
@@ -17,6 +17,7 @@ from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.project import Configuration
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.variables import VariableSection
 
@@ -268,13 +269,27 @@ def restore_system_data(interface: Fields) -> None:
             sections[number]["variables"].insert(place, variable)
 
 
+def added_configuration(configuration: Configuration) -> dict[str, Any]:
+    """Return the mark of a configuration that the source does not have."""
+    return {ADDED_FIELD: list(_executed(configuration))}
+
+
 def is_added_configuration(configuration: Fields) -> bool:
-    """True if a configuration was added for lists of variables, and has nothing else. Takes its mark."""
+    """True if a configuration is as it was added, and has nothing else but lists of variables. Takes its mark."""
     added = configuration.pop(ADDED_FIELD, None)
-    used = [configuration["global_variables"], configuration.get("access_variables")]
-    used += [resource["tasks"] for resource in configuration["resources"]]
-    instances = [instance["name"] for resource in configuration["resources"] for instance in resource["instances"]]
-    return added == instances and not any(used)
+    used = configuration["global_variables"], configuration.get("access_variables")
+    return added is not None and added == list(_executed(Configuration.model_validate(configuration))) and not any(used)
+
+
+def _executed(configuration: Configuration) -> Iterator[str]:
+    """Yield what resources execute, in a form for a mark."""
+    for resource in configuration.resources:
+        yield from (instance.name for instance in resource.instances)
+        for task in resource.tasks:
+            settings = task.settings
+            kind = (settings.kind, settings.interval, settings.event) if settings is not None else ()
+            words = (task.name, task.priority, task.interval, *kind, *(instance.name for instance in task.instances))
+            yield " ".join(str(word) for word in words if word is not None)
 
 
 def text_digest(text: str) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from plcopen_sfc.languages.task_schedules import cycle_literal, nanoseconds, schedule_of
+from plcopen_sfc.languages.task_schedules import FREEWHEELING, cycle_literal, nanoseconds, schedule_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import PouInstance, Project, Resource, Task
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -15,6 +15,7 @@ from plcopen_sfc.report import ConversionReport, Outcome
 TASK = "Task"
 _APPLICATION = "PLC"
 _MICROSECOND = 1000
+_USUAL_CYCLE = 10_000_000
 
 
 def task_document(*tasks: Task) -> Project:
@@ -52,7 +53,11 @@ def adapted_task(task: Task, report: ConversionReport) -> Task | None:
     path = f"task {task.name}"
     schedule = schedule_of(task)
     length = nanoseconds(schedule.interval)
-    if length is None or schedule.event is not None or schedule.kind:
+    if schedule.kind == FREEWHEELING:
+        length = _USUAL_CYCLE
+        why = "it begins again when it has ended, and tasks of TwinCAT are cyclic: here every 10 ms"
+        report.add(Outcome.APPROXIMATED, "interval", path, why)
+    elif length is None or schedule.event is not None or schedule.kind:
         report.add(Outcome.NOT_EXECUTED, "task", path, "tasks of TwinCAT are cyclic, with a cycle that is a constant")
         return None
     if task.settings is not None and task.settings.watchdog is not None and task.settings.watchdog.enabled:

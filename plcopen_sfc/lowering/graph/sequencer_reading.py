@@ -34,7 +34,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, StructType, Variable
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING, PARAMETERS
+from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS, operating_inputs
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import programmed
 from plcopen_sfc.semantics.net import Net, NetStep
 from plcopen_sfc.semantics.profile import Profile
@@ -115,7 +115,6 @@ _NEED_EVENT = (SWITCHES | COUNTERS | TIMERS) - {Qualifier.TF}
 _WITHOUT_EVENT = frozenset({Qualifier.D, Qualifier.L, Qualifier.TF})
 _NEED_TIME = frozenset({Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF})
 _ALL_STEPS = "s_all"
-_ALL = "ALL"
 _NOT_KNOWN = frozenset(
     """HALT_SQ HALT_TM ZERO_OP EN_IL EN_SV EN_ACKREQ EN_SSKIP DISP_SACT DISP_SEF DISP_SALL S_SELOK ACK_S T_PREV T_NEXT
     S_TIME S_TIMEOK S_CRITLOC S_CRITLOCERR S_CRITSUP S_STATE T_NO T_MORE T_CRIT T_CRITOLD T_CRITFLT SQ_ISOFF SQ_HALTED
@@ -137,18 +136,12 @@ def read_sequencer(
 
 
 def _at_rest(source: GraphSource, wanted: Collection[str]) -> GraphSource:
-    """Return the same without the inactive inputs. Raises `LoweringError` for a name that no such input has."""
-    names = {name.upper() for name in wanted}
-    unknown = sorted(names - {*OPERATING, _ALL})
-    if unknown:
-        raise LoweringError(
-            f"{unknown[0]} does not operate sequencers, so it cannot be an inactive input",
-            hint=f"These do: {', '.join(OPERATING)}.",
-        )
+    """Return the same without the inactive inputs. Raises `ModelError` for a name that no such input has."""
+    names = operating_inputs(wanted)
     resting = {
         variable.name.upper(): variable.name
         for variable in source.pou.variables(SectionKind.INPUT)
-        if variable.name.upper() in OPERATING and not names.isdisjoint({variable.name.upper(), _ALL})
+        if variable.name.upper() in names
     }
     parameters = {name: own for name, own in source.parameters.items() if name not in resting}
     return replace(source, parameters=parameters, at_rest=tuple(resting.values()))

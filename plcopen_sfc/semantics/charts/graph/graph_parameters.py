@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, Frame
@@ -53,6 +54,19 @@ ALL_OUTPUTS = (
 """All outputs by which a sequencer tells its state, those of the maximum parameter set included (S7-GRAPH V6)."""
 PARAMETERS = (*_COMMANDS, *MODES, "S_SEL", *_OUTPUTS, *(lamp for _, lamp in MODES.values()))
 """All parameters that are known."""
+
+
+def operating_inputs(wanted: Iterable[str]) -> frozenset[str]:
+    """Return the inputs that `wanted` names, in upper case; ``all`` are all of `OPERATING`.
+
+    Raises `ModelError` for a name that no such input has.
+    """
+    names = {name.upper() for name in ([wanted] if isinstance(wanted, str) else wanted)}
+    unknown = sorted(names - {*OPERATING, "ALL"})
+    if unknown:
+        hint = f"These do: {', '.join(OPERATING)}."
+        raise ModelError(f"{unknown[0]} does not operate sequencers, so it cannot be an inactive input", hint=hint)
+    return frozenset(OPERATING if "ALL" in names else names)
 
 
 class Commands(NamedTuple):
