@@ -74,6 +74,7 @@ from plcopen_sfc.model import (
     Variable as Variable,
     VariableSection as VariableSection,
 )
+from plcopen_sfc.pages import page as page
 from plcopen_sfc.report import (
     ConversionReport as ConversionReport,
     Converted as Converted,

@@ -43,6 +43,7 @@ def _app() -> typer.Typer:
         _simulate,
         _lower,
         _draw,
+        _page,
         _git_setup,
         _schema,
     ):
@@ -352,6 +353,25 @@ def _draw(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import draw  # noqa: PLC0415
 
         screen.exit_code = draw.run(screen, file, target, pou=pou, style=style, theme=theme, format=to)
+
+
+def _page(  # noqa: PLR0917  # typer calls it by name
+    file: o.File,
+    target: o.Target = None,
+    lang: o.PageLanguage = "en",
+    report: o.Report = None,
+    as_json: o.AsJson = False,
+    quiet: o.Quiet = False,
+    verbose: o.Verbose = 0,
+) -> None:
+    """Write a project as one HTML page: charts, texts, findings.
+
+    The page needs no network: charts, declarations, cross references and the findings of `check` are in it.
+    """
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
+        from plcopen_sfc.cli.commands import page  # noqa: PLC0415
+
+        screen.exit_code = page.run(screen, file, target, lang=lang)
 
 
 def _git_setup(

@@ -105,6 +105,7 @@ PictureFormat = Annotated[
     str | None,
     _option("--to", "Write svg, png, pdf, mermaid or dot. The default is the extension of DST, else svg.", "FORMAT"),
 ]
+PageLanguage = Annotated[str, _option("--lang", "Write headings of the page in en or de.", "LANG")]
 Theme = Annotated[str, _option("--theme", "Draw in light or dark colours, or in black on white: print.", "THEME")]
 
 # -- rules ------------------------------------------------------------------------------------------------------------

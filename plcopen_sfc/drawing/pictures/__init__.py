@@ -7,9 +7,21 @@
 * `svg_canvas`: shapes, texts and themes; `text_measures`: widths of texts, wrapped texts
 """
 
-from plcopen_sfc.drawing.pictures.chart_picture import chart_svg
+from plcopen_sfc.drawing.pictures.chart_picture import chart_figure, chart_svg, charts_in, part_prefix
 from plcopen_sfc.drawing.pictures.graph_texts import dot_text, mermaid_text
-from plcopen_sfc.drawing.pictures.svg_canvas import Theme
+from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, escape, style_rules
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle
 
-__all__ = ["PictureStyle", "Theme", "chart_svg", "dot_text", "mermaid_text"]
+__all__ = [
+    "Canvas",
+    "PictureStyle",
+    "Theme",
+    "chart_figure",
+    "chart_svg",
+    "charts_in",
+    "dot_text",
+    "escape",
+    "mermaid_text",
+    "part_prefix",
+    "style_rules",
+]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeVar
@@ -34,8 +34,20 @@ def chart_svg(chart: SfcNetwork, style: str | None = None, theme: str = Theme.LI
     `style` is a `PictureStyle`; None: that of the standard or tool that the chart is of. `theme` is a `Theme`. The
     text is the same for the same chart in every run. Raises `ModelError` for a style or theme that does not exist.
     """
-    look = _choice(PictureStyle, style, "style") if style is not None else usual_style(chart)
     colours = _choice(Theme, theme, "theme")
+    look = _choice(PictureStyle, style, "style") if style is not None else usual_style(chart)
+    return _picture(chart, look, colours, "", {})
+
+
+def chart_figure(chart: SfcNetwork, prefix: str, marks: Mapping[str, str]) -> str:
+    """Return a picture of `chart` as a part of a page with several: all ids in it begin with `prefix`.
+
+    It has no colours of its own, see `Canvas.document`. `marks` are further classes of elements, by their ids.
+    """
+    return _picture(chart, usual_style(chart), None, prefix, marks)
+
+
+def _picture(chart: SfcNetwork, look: PictureStyle, theme: Theme | None, prefix: str, marks: Mapping[str, str]) -> str:
     dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
     parts = list(charts_in(chart))
     activated = {
@@ -46,12 +58,16 @@ def chart_svg(chart: SfcNetwork, style: str | None = None, theme: str = Theme.LI
     }
     for number, part in enumerate(parts):
         starred = activated.get(part.name, frozenset()) if number else frozenset()
-        prefix = f"part-{number}-" if number else ""
-        part.arrangement = Arrangement(Sheet(part.chart, look, Wording(part.chart, dialect), prefix, starred))
-    canvas = Canvas()
-    width, height = _place(canvas, parts)
-    name = _name_of(chart)
-    return canvas.document(width, height, colours, name, _description(chart))
+        sheet = Sheet(part.chart, look, Wording(part.chart, dialect), prefix + part_prefix(number), starred)
+        part.arrangement = Arrangement(sheet)
+    canvas = Canvas(marks)
+    width, height = _place(canvas, parts, prefix)
+    return canvas.document(width, height, theme, _name_of(chart), _description(chart))
+
+
+def part_prefix(number: int) -> str:
+    """Return what ids of elements of the chart of this number in `charts_in` begin with."""
+    return f"part-{number}-" if number else ""
 
 
 def usual_style(chart: SfcNetwork) -> PictureStyle:
@@ -108,7 +124,7 @@ def _inner_bodies(step: Step) -> Iterator[tuple[str, SfcBody]]:
     yield from ((what, body) for what, body in bodies if isinstance(body, SfcBody))
 
 
-def _place(canvas: Canvas, parts: list[ChartPart]) -> tuple[int, int]:
+def _place(canvas: Canvas, parts: list[ChartPart], prefix: str) -> tuple[int, int]:
     """Draw the parts in rows from left to right; return the size of the picture."""
     x = y = _MARGIN
     right = row = 0
@@ -124,7 +140,7 @@ def _place(canvas: Canvas, parts: list[ChartPart]) -> tuple[int, int]:
         if x > _MARGIN and x + width > max(_LONGEST_ROW, right):
             x, y, row = _MARGIN, y + row + _GAP, 0
         if framed:
-            with canvas.element("part", f"part-{number}", part.heading, (x, y, width, height)):
+            with canvas.element("part", f"{prefix}part-{number}", part.heading, (x, y, width, height)):
                 canvas.box("frame", x, y, width, height)
                 canvas.text("name", x + 10, y + 20, part.heading)
             arrangement.draw(canvas, x + _FRAME, y + _HEADING)

@@ -7,9 +7,10 @@ reference, so the picture survives any encoding, and characters that XML forbids
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from enum import StrEnum
+from types import MappingProxyType
 
 _FONTS = "Arial, Helvetica, 'Liberation Sans', sans-serif"
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -99,10 +100,20 @@ def escape(text: str) -> str:
     return clean.encode("ascii", "xmlcharrefreplace").decode("ascii")
 
 
-class Canvas:
-    """Shapes of a picture. Wires lie below the elements, so that an element covers what ends behind it."""
+def style_rules(theme: Theme, scope: str) -> str:
+    """Return the style sheet of a theme for pictures inside of what the selector `scope` chooses."""
+    colours = _COLOURS[theme]
+    return "".join(f"{scope} {name}{{{rule.format_map(colours)}}}" for name, rule in _RULES.items())
 
-    def __init__(self) -> None:
+
+class Canvas:
+    """Shapes of a picture. Wires lie below the elements, so that an element covers what ends behind it.
+
+    `marks` are further classes of elements, by their ids.
+    """
+
+    def __init__(self, marks: Mapping[str, str] = MappingProxyType({})) -> None:
+        self._marks = marks
         self._wires: list[str] = []
         self._elements: list[str] = []
 
@@ -121,6 +132,8 @@ class Canvas:
         """
         place = " ".join(map(str, area))
         label = f' id="{escape(identifier)}"' if identifier else ""
+        if identifier in self._marks:
+            kind = f"{kind} {self._marks[identifier]}"
         self._elements.append(f'<g{label} class="{escape(kind)}" data-area="{place}"><title>{escape(title)}</title>')
         yield
         self._elements.append("</g>")
@@ -152,19 +165,20 @@ class Canvas:
         for number, line in enumerate(lines):
             self.text(kind, x, y + number * pitch, line, anchor=anchor)
 
-    def document(self, width: int, height: int, theme: Theme, title: str, description: str) -> str:
-        """Return the whole picture as an SVG document of `width` and `height` pixels."""
-        colours = _COLOURS[theme]
-        scope = f".sfc-{theme}"
-        rules = "".join(f"{scope} {name}{{{rule.format_map(colours)}}}" for name, rule in _RULES.items())
+    def document(self, width: int, height: int, theme: Theme | None, title: str, description: str) -> str:
+        """Return the whole picture as an SVG document of `width` and `height` pixels.
+
+        Without a `theme` it is a part of a page, whose style sheet has `style_rules` for ``.sfc-picture``.
+        """
+        scope = f"sfc-{theme}" if theme is not None else "sfc-picture"
         head = (
-            f'<svg xmlns="http://www.w3.org/2000/svg" class="sfc-{theme}" role="graphics-document" '
+            f'<svg xmlns="http://www.w3.org/2000/svg" class="{scope}" role="graphics-document" '
             f'width="{width}" height="{height}" viewBox="0 0 {width} {height}">'
         )
         parts = [
             head,
             f"<title>{escape(title)}</title><desc>{escape(description)}</desc>",
-            f"<style>{rules}</style>",
+            *([f"<style>{style_rules(theme, f'.{scope}')}</style>"] if theme is not None else ()),
             f'<rect class="paper" width="{width}" height="{height}"/>',
             *self._wires,
             *self._elements,

@@ -1,0 +1,62 @@
+"use strict";
+const all = (selector, root = document) => [...root.querySelectorAll(selector)];
+const byId = (id) => document.getElementById(id);
+
+/* search: names first, then whatever has the words in its text */
+const field = byId("search"), found = byId("found");
+field.parentElement.hidden = false;
+let entries = null;
+function look() {
+  entries ??= all("[data-name]").filter((each) => each.dataset.name).map((each) => {
+    const target = each.id ? each : each.closest("[id]");
+    const owner = each.closest("section");
+    const name = each.dataset.name, around = owner && owner !== each ? owner.dataset.name : "";
+    const text = each.localName === "tr" ? each.textContent.toLowerCase() : "";
+    return { id: target.id, label: around ? `${name} \u2013 ${around}` : name, name: name.toLowerCase(), text };
+  });
+  const wanted = field.value.trim().toLowerCase();
+  found.replaceChildren();
+  if (!wanted) return;
+  const named = entries.filter((each) => each.name.includes(wanted));
+  const hits = [...named, ...entries.filter((each) => !each.name.includes(wanted) && each.text.includes(wanted))];
+  for (const hit of hits.slice(0, 60)) {
+    const link = document.createElement("a");
+    link.href = `#${hit.id}`;
+    link.textContent = hit.label;
+    found.appendChild(document.createElement("li")).appendChild(link);
+  }
+  if (!hits.length) {
+    found.appendChild(document.createElement("li")).appendChild(document.createElement("span")).textContent =
+      found.dataset.nothing;
+  }
+}
+field.addEventListener("input", look);
+found.addEventListener("click", () => found.replaceChildren());
+document.addEventListener("keydown", (event) => {
+  const links = all("a", found), at = links.indexOf(document.activeElement);
+  const typing = /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName);
+  if (event.key === "/" && !typing) {
+    event.preventDefault();
+    field.select();
+  } else if (event.key === "Escape") {
+    found.replaceChildren();
+    field.blur();
+  } else if (links.length && (event.target === field || at >= 0) && /^Arrow(Up|Down)$/.test(event.key)) {
+    event.preventDefault();
+    const next = at + (event.key === "ArrowDown" ? 1 : -1);
+    (next < 0 ? field : links[Math.min(next, links.length - 1)]).focus();
+  } else if (links.length && event.target === field && event.key === "Enter") {
+    links[0].click();
+  }
+});
+
+/* pictures: a step leads to its row; a button fits the picture into the page */
+document.addEventListener("click", (event) => {
+  const step = event.target.closest("g.step[id]");
+  if (step && !event.target.closest("a") && byId(`${step.id}-row`)) location.hash = `${step.id}-row`;
+});
+for (const button of all("button.fit")) {
+  button.hidden = false;
+  button.addEventListener("click", () => button.closest("figure").classList.toggle("fitted"));
+}
+if (matchMedia("(max-width: 48rem)").matches) byId("contents").open = false;

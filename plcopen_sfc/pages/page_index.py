@@ -1,0 +1,157 @@
+"""Anchors and cross references of a page: where each object of a project is in it, and what names it.
+
+Program text becomes HTML in which every name that means an object of the page is a link to it, and each object knows
+the places that name it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from plcopen_sfc.drawing.pictures import charts_in, part_prefix
+from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.binding.text_sites import SiteKind
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.pou import Action, Method, NamedBody, NamedTransition, Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.types import StructType, Variable
+from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.pages.html_text import Html, joined, link
+
+
+class DrawnPart(NamedTuple):
+    """A chart of a picture, and what the ids of its elements begin with. `path` is that of the whole chart."""
+
+    chart: SfcNetwork
+    prefix: str
+    path: str
+
+
+class PlacedBody(NamedTuple):
+    """A body of a POU, its anchor, and its place in the words of reports: ``POU Main / action Fill``."""
+
+    found: NamedBody
+    anchor: str
+    path: str
+
+
+class PageIndex:
+    """Anchors of the objects of a project. `prefix` begins them where a page has several projects."""
+
+    def __init__(self, project: Project, prefix: str = "", *, references: bool = True) -> None:
+        project.read_all()
+        self.project = project
+        self.prefix = prefix
+        self.bodies: dict[int, list[PlacedBody]] = {}
+        self.parts: dict[str, list[DrawnPart]] = {}
+        self._anchors: dict[int, str] = {}
+        self._paths: dict[str, str] = {}
+        self._links: dict[tuple[int, str | int], list[tuple[int, int, str]]] = {}
+        self._uses: dict[str, dict[str, None]] = {}
+        for number, pou in enumerate(project.pous):
+            self._place_pou(pou, f"{prefix}pou-{number}")
+        self._place_others()
+        if references:
+            self._find_references()
+
+    def anchor(self, thing: Any) -> str:
+        """Return the anchor of an object; empty where the page does not show it."""
+        return self._anchors.get(id(thing), "")
+
+    def anchor_at(self, path: str) -> str:
+        """Return the anchor of the object at a path of a report, or of the nearest one around it; empty: none."""
+        outwards = ObjectPath.of(path).outwards()
+        return next((self._paths[each] for each in outwards if each in self._paths), "")
+
+    def linked(self, holder: Any, key: str) -> Html:
+        """Return the text in the field `key` of `holder`, with links for the names in it."""
+        text: str = getattr(holder, key) or ""
+        pieces: list[str] = []
+        done = 0
+        for start, end, anchor in sorted(self._links.get((id(holder), key), ())):
+            if start >= done:
+                pieces += [text[done:start], link(anchor, text[start:end])]
+                done = end
+        return joined(*pieces, text[done:])
+
+    def uses(self, anchor: str) -> list[str]:
+        """Return the paths of the places that name the object at an anchor."""
+        return list(self._uses.get(anchor, ()))
+
+    def _place(self, thing: Any, anchor: str, path: str) -> None:
+        self._anchors[id(thing)] = anchor
+        self._paths.setdefault(path, anchor)
+
+    def _place_pou(self, pou: Pou, anchor: str) -> None:
+        self._place(pou, anchor, pou.report_path)
+        self._place_variables(pou.variables(), anchor, pou.report_path)
+        parts: list[Action | NamedTransition | Method] = [*pou.actions, *pou.transitions, *pou.methods]
+        owners = {f"{pou.name}.{part.name}": part for part in parts}
+        placed = self.bodies.setdefault(id(pou), [])
+        for number, found in enumerate(pou.named_bodies()):
+            place, path = f"{anchor}-body-{number}", pou.report_path_of(found.name)
+            placed.append(PlacedBody(found, place, path))
+            self._place(found.body, place, path)
+            if found.name in owners:
+                self._anchors[id(owners[found.name])] = place
+            if isinstance(found.body, SfcBody):
+                self._place_chart(found.body.chart, f"{place}-", path)
+        for method in pou.methods:
+            self._place_variables(method.interface.variables() if method.interface else [], anchor, pou.report_path)
+
+    def _place_chart(self, chart: SfcNetwork, prefix: str, path: str) -> None:
+        drawn = self.parts.setdefault(prefix, [])
+        for number, part in enumerate(charts_in(chart)):
+            begin = prefix + part_prefix(number)
+            drawn.append(DrawnPart(part.chart, begin, path))
+            labels = part.chart.labels()
+            for step in part.chart.steps:
+                self._place(step, f"{begin}step-{step.id}", f"{path} / step {step.name}")
+            for transition in part.chart.transitions:
+                label = labels[transition.id]
+                self._place(transition, f"{begin}transition-{transition.id}", f"{path} / transition {label}")
+
+    def _place_variables(self, variables: list[Variable], anchor: str, path: str) -> None:
+        for number, variable in enumerate(variables):
+            self._place(variable, f"{anchor}-variable-{number}", f"{path} / {variable.name}")
+
+    def _place_others(self) -> None:
+        project = self.project
+        for number, section in enumerate(project.global_sections()):
+            anchor, path = f"{self.prefix}globals-{number}", section.name or ""
+            self._place(section, anchor, path)
+            self._place_variables(section.variables, anchor, path)
+        for number, declaration in enumerate(project.data_types):
+            self._place(declaration, f"{self.prefix}type-{number}", declaration.report_path)
+            if isinstance(declaration.type, StructType):
+                for member in declaration.type.members:
+                    self._anchors[id(member)] = f"{self.prefix}type-{number}"
+        for number, block in enumerate(project.data_blocks):
+            anchor = f"{self.prefix}block-{number}"
+            self._place(block, anchor, block.report_path)
+            self._place_variables(block.interface.variables() if block.interface else [], anchor, block.report_path)
+        for number, table in enumerate(project.tag_tables):
+            anchor = f"{self.prefix}tags-{number}"
+            self._place(table, anchor, table.report_path)
+            self._place_variables(table.constants, anchor, table.report_path)
+            for position, tag in enumerate(table.tags):
+                self._place(tag, f"{anchor}-tag-{position}", f"{table.report_path} / {tag.name}")
+
+    def _find_references(self) -> None:
+        names = Names(self.project)
+        for occurrence in names.everything():
+            site, declaration = occurrence.text_site, occurrence.meaning.declaration
+            if declaration is None or site.reading in (SiteKind.FOREIGN, SiteKind.DECLARATIONS):
+                continue
+            anchor = next(filter(None, map(self.anchor, names.resolver.original(declaration).holders)), "")
+            if anchor and site.path != "project tree":
+                start, end = occurrence.reference.span
+                self._links.setdefault((id(site.holder), site.key), []).append((start, end, anchor))
+                self._uses.setdefault(anchor, {})[site.report_path or site.path] = None
+
+    def drawn(self) -> Iterator[DrawnPart]:
+        """Yield every chart of every picture."""
+        for parts in self.parts.values():
+            yield from parts

@@ -1,0 +1,382 @@
+"""A project as one HTML page: tree, charts, declarations, program text, cross references and findings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import PurePath
+
+from plcopen_sfc.checking import check
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.drawing.pictures import chart_figure
+from plcopen_sfc.drawing.wording import Wording, association_words
+from plcopen_sfc.errors import check_argument
+from plcopen_sfc.languages.declarations.declaration_writing import write_data_type, write_type, write_value
+from plcopen_sfc.languages.networks import shown_body
+from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.conditions import Condition, Expression, NamedCondition
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project, Task
+from plcopen_sfc.model.sfc import Step, Transition
+from plcopen_sfc.model.text import plain
+from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.pages.html_text import Html, document, element, joined, link
+from plcopen_sfc.pages.page_index import DrawnPart, PageIndex, PlacedBody
+from plcopen_sfc.pages.page_words import Words
+
+__all__ = ["page"]
+
+_MOST_USES = 60
+_SEVERITIES = (Severity.ERROR, Severity.WARNING, Severity.INFO)
+_CAMEL = re.compile("(?<=[a-z])(?=[A-Z])")
+
+
+def page(project: Project, *, lang: str = "en") -> str:
+    """Return a project as the text of one HTML file in ASCII, which loads nothing from elsewhere.
+
+    It has the tree of the project, a picture of each chart with a table of its steps, declarations, program text whose
+    names are links, the places that use each object, and the findings of `check` and of the reader at their places.
+    `lang` is the language of its headings, ``en`` or ``de``. The same project gives the same text in every run. What
+    is in the project is text there: nothing of it is executed. Raises `ModelError` for another language.
+    """
+    check_argument(project, Project, "page needs a project", "Load the file first.")
+    words = Words(lang)
+    content = _ProjectContent(PageIndex(project), words)
+    return document(title_of(project), words, content.tree(), *content.sections())
+
+
+def title_of(project: Project) -> str:
+    """Return what a page calls a project: its name, or that of its file."""
+    path = project.source.path if project.source is not None else None
+    return project.name or (PurePath(path).name if path else "") or "plcopen-sfc"
+
+
+class _ProjectContent:
+    """The parts of the page of one project."""
+
+    def __init__(self, index: PageIndex, words: Words) -> None:
+        self.index = index
+        self.project = index.project
+        self.words = words
+        found = [*index.project.diagnostics, *check(index.project)]
+        order = {severity: number for number, severity in enumerate(_SEVERITIES)}
+        self.findings = sorted(dict.fromkeys(found), key=lambda finding: order[finding.severity])
+        self._found_at: dict[str, list[Diagnostic]] = {}
+        for finding in self.findings:
+            self._found_at.setdefault(index.anchor_at(finding.location.path or ""), []).append(finding)
+
+    # -- the tree
+
+    def tree(self) -> Html:
+        """Return the tree of the project as links to the sections."""
+        words, index, project = self.words, self.index, self.project
+        sections = [section for section in project.global_sections() if section.variables]
+        groups = [
+            (words("Data types"), [link(index.anchor(each), each.name) for each in project.data_types]),
+            (words("Global variables"), [link(index.anchor(each), self._section_name(each)) for each in sections]),
+            (words("Tag tables"), [link(index.anchor(each), each.name) for each in project.tag_tables]),
+            (words("data block"), [link(index.anchor(each), each.name) for each in project.data_blocks]),
+        ]
+        items = [element("li", link("project", words("Project")))]
+        if self.findings:
+            items.append(element("li", link("findings", f"{words('Findings')} ({len(self.findings)})")))
+        items += [element("li", self._pou_branch(pou)) for pou in project.pous]
+        for name, links in groups:
+            if links:
+                inner = element("ul", *(element("li", each) for each in links))
+                items.append(element("li", element("details", element("summary", name), inner)))
+        return element("ul", *items)
+
+    def _pou_branch(self, pou: Pou) -> Html:
+        parts = [each for each in self.index.bodies[id(pou)] if each.found.name != pou.name]
+        name = link(self.index.anchor(pou), pou.name)
+        below = [element("li", link(each.anchor, each.found.name.rpartition(".")[2])) for each in parts]
+        return joined(name, element("ul", *below)) if below else name
+
+    # -- the sections
+
+    def sections(self) -> Iterator[Html]:
+        """Yield the sections of the page."""
+        yield self._overview()
+        if self.findings:
+            items = element("ul", *(self._finding(each, linked=True) for each in self.findings), class_="findings")
+            yield element("section", element("h2", self.words("Findings")), items, id="findings")
+        for pou in self.project.pous:
+            yield self._pou(pou)
+        yield from self._others()
+
+    def _overview(self) -> Html:
+        words, project = self.words, self.project
+        charts = [part.chart for parts in self.index.parts.values() for part in parts]
+        facts = [
+            (words("Format"), f"{project.source.format} {project.source.version}" if project.source else ""),
+            (words("Tool"), f"{project.header.product} {project.header.version}"),
+            (words("Charts"), str(len(charts))),
+            (words("Steps"), str(sum(len(chart.steps) for chart in charts))),
+            (words("Transitions"), str(sum(len(chart.transitions) for chart in charts))),
+        ]
+        rows = [element("tr", element("th", name), element("td", text)) for name, text in facts if text.strip()]
+        tasks = [self._task(task) for resource in project.resources() for task in resource.tasks]
+        if tasks:
+            listed = element("ul", *(element("li", task) for task in tasks))
+            rows.append(element("tr", element("th", words("Tasks")), element("td", listed)))
+        comment = plain(project.content_comment or project.comment)
+        remark = element("p", comment, class_="comment") if comment else Html("")
+        return element("section", element("h1", title_of(project)), remark, element("table", *rows), id="project")
+
+    def _task(self, task: Task) -> str:
+        cycle = self.words("every {}", task.interval) if task.interval else ""
+        programs = ", ".join(instance.name for instance in task.instances)
+        return " ".join(filter(None, (task.name, cycle, programs)))
+
+    def _pou(self, pou: Pou) -> Html:
+        kind = self.words(_CAMEL.sub(" ", pou.kind.value).lower())
+        anchor = self.index.anchor(pou)
+        parts = [
+            element("h2", element("small", kind), " ", pou.name),
+            self._comment(pou.title, pou.comment),
+            self._findings_at(anchor),
+            self._declarations(pou.interface.sections if pou.interface is not None else []),
+            *(self._body(placed, is_own=placed.found.name == pou.name) for placed in self.index.bodies[id(pou)]),
+            self._uses(anchor),
+        ]
+        return element("section", *parts, id=anchor, data_name=pou.name, class_="pou")
+
+    def _body(self, placed: PlacedBody, *, is_own: bool) -> Html:
+        body, name = placed.found.body, placed.found.name
+        heading = Html("") if is_own else element("h3", *self._part_name(placed))
+        title = plain(body.title)
+        parts = [heading, element("h4", title) if title else Html(""), self._content(body, placed.anchor)]
+        if not is_own:
+            parts += [self._findings_at(placed.anchor), self._uses(placed.anchor)]
+        return element("div", *parts, id=placed.anchor, data_name="" if is_own else name)
+
+    def _part_name(self, placed: PlacedBody) -> Iterator[str]:
+        kind, _, name = placed.path.rpartition(" / ")[2].partition(" ")
+        yield from (element("small", self.words(kind)), " ", name) if name else (kind,)
+
+    def _content(self, body: Body | None, anchor: str) -> Html:
+        if isinstance(body, SfcBody) and anchor:
+            return self._chart(body, f"{anchor}-")
+        if isinstance(body, StBody | IlBody):
+            return element("pre", element("code", self.index.linked(body, "text"))) if body.text else Html("")
+        if isinstance(body, FbdBody | LdBody):
+            text = shown_body(body, self.project.dialect)
+            return element("pre", element("code", text if text is not None else f"({body.language})"))
+        if isinstance(body, OpaqueBody):
+            note = self.words("a body in a form that is kept but not read")
+            return element("details", element("summary", note), element("pre", body.content))
+        return Html("")
+
+    # -- charts
+
+    def _chart(self, body: SfcBody, prefix: str) -> Html:
+        marks = {anchor: f"found-{found[0].severity}" for anchor, found in self._found_at.items()}
+        picture = Html(chart_figure(body.chart, prefix, marks))
+        wide = element("button", self.words("the whole width"), type="button", class_="fit", hidden=True)
+        figure = element("figure", wide, element("div", picture, class_="scroll", tabindex="0"))
+        parts = self.index.parts[prefix]
+        return joined(figure, *(self._permanent(part) for part in parts), *(self._steps(part) for part in parts))
+
+    def _permanent(self, part: DrawnPart) -> Html:
+        operations = [*part.chart.permanent_pre, *part.chart.permanent_post]
+        items = [element("li", self._comment(each.title), self._content(each.body, "")) for each in operations]
+        return joined(element("h4", self.words("Permanent instructions")), element("ul", *items)) if items else Html("")
+
+    def _steps(self, part: DrawnPart) -> Html:
+        wording = Wording(part.chart, self.project.dialect)
+        leaving: dict[int, list[Transition]] = {}
+        for transition in part.chart.transitions:
+            for source in transition.sources or [-1]:
+                leaving.setdefault(source, []).append(transition)
+        names = {step.id: step for step in part.chart.steps}
+        rows = [self._step(step, leaving.get(step.id, []), names, wording) for step in part.chart.steps]
+        titles = (self.words("Step"), self.words("Actions"), self.words("Transitions"))
+        return _table(titles, rows, "steps") if rows else Html("")
+
+    def _step(self, step: Step, leaving: Sequence[Transition], names: dict[int, Step], wording: Wording) -> Html:
+        anchor, words = self.index.anchor(step), self.words
+        times = (("minimum time", "min_time"), ("maximum time", "max_time"), ("warning time", "warning_time"))
+        told = [
+            element("div", f"{words(label)} ", self.index.linked(step, key))
+            for label, key in times
+            if getattr(step, key)
+        ]
+        head = element(
+            "th",
+            link(anchor, *([element("small", str(step.number)), " "] if step.number is not None else []), step.name),
+            *told,
+            *self._supervised(step, wording),
+            self._comment(step.title, step.comment),
+            self._findings_at(anchor),
+            self._uses(anchor),
+        )
+        done = [element("li", each) for each in self._actions(step, wording)]
+        ordered = sorted(leaving, key=lambda each: (each.priority is None, each.priority or 0))
+        going = [
+            element("li", self._transition(each, names, wording, many=len(leaving) > 1), data_name=each.name)
+            for each in ordered
+        ]
+        cells = [element("td", element("ul", *items)) if items else element("td") for items in (done, going)]
+        return element("tr", head, *cells, id=f"{anchor}-row", data_name=step.name)
+
+    def _supervised(self, step: Step, wording: Wording) -> Iterator[Html]:
+        for label, part in (("interlock", step.interlock), ("supervision", step.supervision)):
+            if part is not None and part.condition is not None:
+                told = element("div", f"{self.words(label)} ", self._condition(part.condition, wording))
+                yield joined(told, self._comment(part.title, part.alarm))
+
+    def _actions(self, step: Step, wording: Wording) -> Iterator[Html]:
+        named = {"entry": "entry_action", "main": "main_action", "exit": "exit_action"}
+        for label, key in named.items():
+            action = getattr(step, key)
+            if isinstance(action, str) and action:
+                yield joined(element("b", label), " ", self.index.linked(step, key))
+            elif action:
+                yield joined(element("b", label), " ", self._content(action, ""))
+        for association in step.actions:
+            yield self._association(association, wording)
+
+    def _association(self, association: ActionAssociation, wording: Wording) -> Html:
+        line = association_words(association)
+        parts: list[str] = [element("b", " ".join(filter(None, (line.event, line.qualifier, line.duration)))), " "]
+        if association.target and association.forcing is None:
+            parts += ["NOT " if association.negated else "", self.index.linked(association, "target")]
+            if association.value is not None:
+                parts += [" := ", self.index.linked(association, "value")]
+        elif isinstance(association.body, StBody | IlBody):
+            parts.append(self._content(association.body, ""))
+        else:
+            parts.append(line.what)
+        if association.condition is not None:
+            parts += [" [", self._condition(association.condition, wording), "]"]
+        if association.indicator:
+            parts += [" (", self.index.linked(association, "indicator"), ")"]
+        return joined(*parts, self._comment(association.comment))
+
+    def _transition(self, transition: Transition, names: dict[int, Step], wording: Wording, *, many: bool) -> Html:
+        anchor = self.index.anchor(transition)
+        condition = self._condition(transition.condition, wording)
+        targets: list[str] = []
+        for target in transition.targets:
+            step = names.get(target)
+            if step is not None:
+                targets += [" \u2192 " if not targets else ", ", link(self.index.anchor(step), step.name)]
+        number = f"{transition.number} " if transition.number is not None else ""
+        head = link(anchor, f"{number}{transition.name}".strip() or "\u22a2")
+        order = f" ({self.words('priority {}', transition.priority)})" if many and transition.priority else ""
+        return joined(
+            head, f"{order} ", condition, *targets, self._comment(transition.comment), self._findings_at(anchor)
+        )
+
+    def _condition(self, condition: Condition | None, wording: Wording) -> Html:
+        if isinstance(condition, Expression | NamedCondition):
+            text = self.index.linked(condition, "text" if isinstance(condition, Expression) else "name")
+            return element("code", *(["NOT (", text, ")"] if condition.negated else [text]))
+        told = wording.condition(condition)
+        return element("code", told) if told else element("em", self.words("condition missing"))
+
+    # -- declarations
+
+    def _declarations(self, sections: Iterable[VariableSection]) -> Html:
+        rows = [row for section in sections for row in self._variables(section.variables, self._section_name(section))]
+        return self._variable_table(rows)
+
+    def _variable_table(self, rows: list[Html]) -> Html:
+        titles = ("Section", "Name", "Type", "Initial value", "Address", "Comment", "Used in")
+        return _table([self.words(title) for title in titles], rows, "variables") if rows else Html("")
+
+    def _variables(self, variables: Iterable[Variable], section: str) -> Iterator[Html]:
+        dialect = self.project.dialect
+        for variable in variables:
+            anchor = self.index.anchor(variable)
+            type_ = write_type(variable.type, dialect)
+            target = next((self.index.anchor(each) for each in self._type_owners(type_)), "")
+            cells = [
+                element("td", section),
+                element("th", variable.name),
+                element("td", element("code", link(target, type_))),
+                element(
+                    "td", element("code", write_value(variable.initial, dialect)) if variable.initial else Html("")
+                ),
+                element("td", variable.address or ""),
+                element("td", plain(variable.comment)),
+                element("td", self._uses(anchor)),
+            ]
+            yield element("tr", *cells, id=anchor, data_name=variable.name)
+
+    def _type_owners(self, name: str) -> Iterator[object]:
+        wanted = name.strip('"').casefold()
+        yield from (each for each in (*self.project.data_types, *self.project.pous) if each.name.casefold() == wanted)
+
+    @staticmethod
+    def _section_name(section: VariableSection) -> str:
+        flags = ("constant", "retain", "persistent")
+        names = [section.name or f"VAR_{_CAMEL.sub('_', section.kind.value)}".upper()]
+        names = ["VAR" if name == "VAR_LOCAL" else name for name in names]
+        return " ".join([*names, *(flag.upper() for flag in flags if getattr(section, flag))])
+
+    def _others(self) -> Iterator[Html]:
+        project, index = self.project, self.index
+        for section in project.global_sections():
+            if section.variables:
+                yield self._other(section, self._section_name(section), self._declarations([section]))
+        for declaration in project.data_types:
+            text = element("pre", element("code", write_data_type(declaration, project.dialect)))
+            yield self._other(declaration, declaration.name, joined(text, self._uses(index.anchor(declaration))))
+        for block in project.data_blocks:
+            content = self._declarations(block.interface.sections if block.interface is not None else [])
+            kind = element("p", block.type_name) if block.type_name else Html("")
+            yield self._other(block, block.name, joined(kind, content, self._uses(index.anchor(block))))
+        for table in project.tag_tables:
+            rows = [*self._variables(table.constants, "VAR_CONSTANT")]
+            for tag in table.tags:
+                anchor = index.anchor(tag)
+                texts = ("", tag.name, tag.type, "", tag.address or "", plain(tag.comment))
+                cells = [*(element("td", text) for text in texts), element("td", self._uses(anchor))]
+                rows.append(element("tr", *cells, id=anchor, data_name=tag.name))
+            yield self._other(table, table.name, self._variable_table(rows))
+
+    def _other(self, thing: object, name: str, content: Html) -> Html:
+        anchor = self.index.anchor(thing)
+        return element("section", element("h2", name), self._findings_at(anchor), content, id=anchor, data_name=name)
+
+    # -- what is said about objects
+
+    @staticmethod
+    def _comment(*texts: object) -> Html:
+        told = [plain(text) for text in texts]  # type: ignore[arg-type]  # titles and comments, which may be None
+        return joined(*(element("div", text, class_="comment") for text in told if text))
+
+    def _uses(self, anchor: str) -> Html:
+        paths = self.index.uses(anchor)
+        if not paths:
+            return Html("")
+        shown = [element("li", link(self.index.anchor_at(path), path)) for path in paths[:_MOST_USES]]
+        if len(paths) > _MOST_USES:
+            shown.append(element("li", self.words("and {} more", len(paths) - _MOST_USES)))
+        summary = element("summary", f"{self.words('Used in')} {len(paths)}")
+        return element("details", summary, element("ul", *shown), class_="uses")
+
+    def _findings_at(self, anchor: str) -> Html:
+        found = self._found_at.get(anchor, ())
+        items = [self._finding(each, linked=False) for each in found]
+        return element("ul", *items, class_="findings") if items else Html("")
+
+    def _finding(self, finding: Diagnostic, *, linked: bool) -> Html:
+        place = finding.location
+        parts: list[str] = [element("b", f"{self.words(finding.severity.value)} {finding.code}"), " ", finding.message]
+        if linked and place.path:
+            parts += [" ", link(self.index.anchor_at(place.path), place.path)]
+        if place.line:
+            parts += [" ", element("small", self.words("line {}", place.line))]
+        if finding.hint:
+            parts.append(element("div", finding.hint, class_="comment"))
+        return element("li", *parts, class_=f"is-{finding.severity}")
+
+
+def _table(titles: Sequence[str], rows: Sequence[Html], kind: str) -> Html:
+    head = element("thead", element("tr", *(element("th", title) for title in titles)))
+    return element("div", element("table", head, element("tbody", *rows), class_=kind), class_="scroll")

@@ -1,0 +1,30 @@
+"""``plcopen-sfc page``: to a file, to standard output, and what is wrong with it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import plcopen_sfc as sfc
+
+
+def test_a_page_beside_the_source_and_on_standard_output(cli, fixtures, tmp_path):
+    source = shutil.copy(fixtures / "iectext" / "mixing_plant.st", tmp_path)
+    expected = sfc.page(sfc.load(source), lang="de")
+    outcome = cli("page", source, "--lang", "de")
+    assert (outcome.code, outcome.out) == (0, f"written: {tmp_path / 'mixing_plant.html'}\n")
+    assert (tmp_path / "mixing_plant.html").read_text(encoding="ascii") == expected
+    assert cli("page", source, "-", "--lang", "de").out == expected
+    target = tmp_path / "other.html"
+    assert json.loads(cli("page", source, target, "--json").out) == {"file": str(source), "page": str(target)}
+
+
+def test_a_folder_has_its_page_beside_it(cli, fixtures, tmp_path):
+    shutil.copytree(fixtures / "twincat-belt", tmp_path / "belt")
+    assert cli("page", tmp_path / "belt").out == f"written: {tmp_path / 'belt.html'}\n"
+
+
+def test_an_unknown_language_writes_nothing(cli, fixtures, tmp_path):
+    outcome = cli("page", "iectext/mixing_plant.st", tmp_path / "x.html", "--lang", "fr")
+    assert (outcome.code, list(tmp_path.iterdir())) == (2, [])
+    assert "There are: en, de" in outcome.err
