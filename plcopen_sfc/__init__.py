@@ -74,8 +74,15 @@ def _to_svg() -> Operation:
     return chart_svg
 
 
+def _trace_svg() -> Operation:
+    from plcopen_sfc.pages.timing_diagram import trace_svg  # noqa: PLC0415
+
+    return trace_svg
+
+
 provide("rename", _rename)
 provide("rename_many", _rename_many)
 provide("rename_step", _rename_step)
 provide("locations_of", _locations_of)
 provide("to_svg", _to_svg)
+provide("trace_svg", _trace_svg)

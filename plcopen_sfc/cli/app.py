@@ -247,6 +247,9 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
     free: o.Free = None,
     csv: o.Csv = None,
     vcd: o.Vcd = None,
+    svg: o.TraceSvg = None,
+    html: o.TraceHtml = None,
+    lang: o.PageLanguage = "en",
     report: o.Report = None,
     as_json: o.AsJson = False,
     quiet: o.Quiet = False,
@@ -259,7 +262,7 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
         how = simulate.SimulateOptions(
             pou, inputs, seed, system_inputs, scans, profile, scan_time, settings or (), record or (), free or ()
         )
-        screen.exit_code = simulate.run(screen, file, how, csv=csv, vcd=vcd)
+        screen.exit_code = simulate.run(screen, file, how, files=simulate.TraceFiles(csv, vcd, svg, html, lang))
 
 
 def _lower(  # noqa: PLR0917  # typer calls it by name

@@ -161,6 +161,10 @@ Settings = Annotated[
 ]
 Record = Annotated[list[str] | None, _option("--record", "Record only this variable. Repeatable.", "NAME")]
 Csv = Annotated[Path | None, _option("--csv", "Save every scan as CSV.", "FILE")]
+TraceSvg = Annotated[Path | None, _option("--svg", "Save a timing diagram of steps, inputs and outputs.", "FILE")]
+TraceHtml = Annotated[
+    Path | None, _option("--html", "Save a page of the project on which the run can be played.", "FILE")
+]
 Vcd = Annotated[Path | None, _option("--vcd", "Save a wave file for GTKWave.", "FILE")]
 
 # -- lowering ---------------------------------------------------------------------------------------------------------

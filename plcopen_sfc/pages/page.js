@@ -60,3 +60,77 @@ for (const button of all("button.fit")) {
   button.addEventListener("click", () => button.closest("figure").classList.toggle("fitted"));
 }
 if (matchMedia("(max-width: 48rem)").matches) byId("contents").open = false;
+
+/* a trace: one change after the other, on the chart and in the timing diagram */
+const player = byId("player");
+if (player) {
+  const trace = JSON.parse(byId("trace-data").textContent);
+  const [range, output, timing] = [byId("scan"), player.querySelector("output"), byId("timing")];
+  const picture = timing.querySelector("svg"), cells = all("#trace .value");
+  const cursor = document.createElementNS(picture.namespaceURI, "line");
+  cursor.setAttribute("class", "cursor");
+  cursor.setAttribute("y1", 0);
+  cursor.setAttribute("y2", picture.getAttribute("height"));
+  picture.append(cursor);
+  const at = (runs, scan) => {
+    let low = 0, high = runs.length;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (runs[middle][0] <= scan) low = middle;
+      else high = middle;
+    }
+    return runs[low]?.[1] ?? "";
+  };
+  const show = () => {
+    const scan = trace.events[range.value], active = at(trace.situations, scan) || [];
+    for (const step of all(".now")) step.classList.remove("now");
+    output.replaceChildren(`${trace.times[range.value]} `);
+    for (const [name, anchor] of active) {
+      byId(anchor)?.classList.add("now");
+      const link = document.createElement(anchor ? "a" : "span");
+      if (anchor) link.href = `#${anchor}`;
+      link.textContent = name;
+      output.append(link, " ");
+    }
+    cells.forEach((cell, index) => (cell.textContent = at(trace.columns[index], scan)));
+    const x = trace.left + (scan + 0.5) * trace.width / trace.scans;
+    cursor.setAttribute("x1", x);
+    cursor.setAttribute("x2", x);
+  };
+  let timer = 0;
+  const stop = () => {
+    clearInterval(timer);
+    timer = 0;
+  };
+  const move = (by) => {
+    range.value = Number(range.value) + by;
+    show();
+    if (range.value === range.max) stop();
+  };
+  player.addEventListener("click", (event) => {
+    const button = event.target.closest("button");
+    if (!button) return;
+    const by = Number(button.dataset.move), was = timer;
+    stop();
+    if (by) return move(by);
+    if (was) return;
+    if (range.value === range.max) range.value = 0;
+    show();
+    timer = setInterval(move, 600, 1);
+  });
+  range.addEventListener("input", () => {
+    stop();
+    show();
+  });
+  timing.addEventListener("click", (event) => {
+    const box = picture.getBoundingClientRect();
+    const scan = Math.floor((event.clientX - box.left - trace.left) * trace.scans / trace.width);
+    range.value = trace.events.findLastIndex((each) => each <= Math.max(scan, 0));
+    stop();
+    show();
+  });
+  if (trace.scans) {
+    player.hidden = false;
+    show();
+  }
+}

@@ -46,6 +46,7 @@ class PageIndex:
         self.prefix = prefix
         self.bodies: dict[int, list[PlacedBody]] = {}
         self.parts: dict[str, list[DrawnPart]] = {}
+        self._charts: dict[str, list[DrawnPart]] = {}
         self._anchors: dict[int, str] = {}
         self._paths: dict[str, str] = {}
         self._links: dict[tuple[int, str | int], list[tuple[int, int, str]]] = {}
@@ -64,6 +65,16 @@ class PageIndex:
         """Return the anchor of the object at a path of a report, or of the nearest one around it; empty: none."""
         outwards = ObjectPath.of(path).outwards()
         return next((self._paths[each] for each in outwards if each in self._paths), "")
+
+    def step_anchor(self, chart: str, path: str) -> str:
+        """Return the anchor of a step by its path in a trace of the POU or action called `chart`; empty: none."""
+        parts = self._charts.get(chart.casefold(), [])
+        for wanted in (path, path.rpartition(".")[2]):
+            for part in parts:
+                for step in part.chart.steps:
+                    if step.name == wanted:
+                        return self.anchor(step)
+        return ""
 
     def linked(self, holder: Any, key: str) -> Html:
         """Return the text in the field `key` of `holder`, with links for the names in it."""
@@ -98,6 +109,7 @@ class PageIndex:
                 self._anchors[id(owners[found.name])] = place
             if isinstance(found.body, SfcBody):
                 self._place_chart(found.body.chart, f"{place}-", path)
+                self._charts.setdefault(found.name.casefold(), self.parts[f"{place}-"])
         for method in pou.methods:
             self._place_variables(method.interface.variables() if method.interface else [], anchor, pou.report_path)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 
 _GERMAN = {
+    "{} scans of {}, executed as in {}": "{} Zyklen von {}, ausgef\u00fchrt wie in {}",
     "Actions": "Aktionen",
     "Address": "Adresse",
     "Charts": "Ablaufketten",
@@ -22,6 +23,7 @@ _GERMAN = {
     "Search": "Suche",
     "Search (key /)": "Suche (Taste /)",
     "Section": "Bereich",
+    "Simulation": "Simulation",
     "Step": "Schritt",
     "Steps": "Schritte",
     "Tag tables": "Variablentabellen",
@@ -31,6 +33,7 @@ _GERMAN = {
     "Transitions": "Transitionen",
     "Type": "Typ",
     "Used in": "Verwendet in",
+    "Values": "Werte",
     "a body in a form that is kept but not read": "ein Rumpf in einer Form, die erhalten, aber nicht gelesen wird",
     "action": "Aktion",
     "and {} more": "und {} weitere",
@@ -48,7 +51,10 @@ _GERMAN = {
     "method": "Methode",
     "minimum time": "minimale Zeit",
     "nothing found": "nichts gefunden",
+    "one change back": "eine \u00c4nderung zur\u00fcck",
+    "one change on": "eine \u00c4nderung weiter",
     "organization block": "Organisationsbaustein",
+    "play": "abspielen",
     "priority {}": "Priorit\u00e4t {}",
     "program": "Programm",
     "supervision": "\u00dcberwachung",

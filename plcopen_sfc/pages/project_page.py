@@ -25,6 +25,8 @@ from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.pages.html_text import Html, document, element, joined, link
 from plcopen_sfc.pages.page_index import DrawnPart, PageIndex, PlacedBody
 from plcopen_sfc.pages.page_words import Words
+from plcopen_sfc.pages.timing_diagram import trace_section
+from plcopen_sfc.semantics.trace import Trace
 
 __all__ = ["page"]
 
@@ -33,18 +35,23 @@ _SEVERITIES = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 _CAMEL = re.compile("(?<=[a-z])(?=[A-Z])")
 
 
-def page(project: Project, *, lang: str = "en") -> str:
+def page(project: Project, *, lang: str = "en", trace: Trace | None = None) -> str:
     """Return a project as the text of one HTML file in ASCII, which loads nothing from elsewhere.
 
     It has the tree of the project, a picture of each chart with a table of its steps, declarations, program text whose
     names are links, the places that use each object, and the findings of `check` and of the reader at their places.
-    `lang` is the language of its headings, ``en`` or ``de``. The same project gives the same text in every run. What
+    A `trace` of it is shown with its timing diagram and can be played on the chart. `lang` is the language of its
+    headings, ``en`` or ``de``. The same project gives the same text in every run. What
     is in the project is text there: nothing of it is executed. Raises `ModelError` for another language.
     """
     check_argument(project, Project, "page needs a project", "Load the file first.")
     words = Words(lang)
     content = _ProjectContent(PageIndex(project), words)
-    return document(title_of(project), words, content.tree(), *content.sections())
+    overview, *sections = content.sections()
+    if trace is not None:
+        check_argument(trace, Trace, "the trace of a page is what simulate returned")
+        sections.insert(0, trace_section(trace, content.index, words))
+    return document(title_of(project), words, content.tree(), overview, *sections)
 
 
 def title_of(project: Project) -> str:

@@ -17,6 +17,7 @@ from typing import Any, TypeAlias, TypeVar, overload
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.files import write_atomic
 from plcopen_sfc.languages.st.literals import time_literal
+from plcopen_sfc.operations import provided
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.version import __version__
 
@@ -315,6 +316,18 @@ class Trace:
     def save_vcd(self, path: str | os.PathLike[str]) -> None:
         """Write `vcd`. Raises `FileAccessError`."""
         write_atomic(path, self.vcd().encode())
+
+    def to_svg(self, *, theme: str = "light") -> str:
+        """Draw a timing diagram: the steps that become active, inputs and outputs, as the text of an SVG file.
+
+        `theme` is ``light``, ``dark`` or ``print``. Raises `ModelError` for any other.
+        """
+        picture: str = provided("trace_svg")(self, theme)
+        return picture
+
+    def _repr_svg_(self) -> str:
+        """Show the trace in Jupyter."""
+        return self.to_svg()
 
     def markings(self) -> Iterator[tuple[int, int]]:
         """The active steps as bits in the order of `steps`, with the scan from which on they are."""

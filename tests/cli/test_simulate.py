@@ -105,3 +105,13 @@ def test_an_error_of_the_program_is_a_finding(cli: Cli, plant: Path) -> None:
     data = json.loads(cli("simulate", "sum.st", "--inputs", "b.csv", "--json").out)
     assert data["scans"] == 2
     assert "zero" in data["error"]
+
+
+def test_saves_a_timing_diagram_and_a_page(cli: Cli, plant: Path) -> None:
+    done = cli("simulate", "plant.st", "--inputs", "in.csv", "--svg", "t.svg", "--html", "t.html", "--lang", "de")
+    assert done.code == 0
+    assert [line for line in done.err.splitlines() if "written" in line] == ["written: t.svg", "written: t.html"]
+    assert "<title>Valve</title>" in Path("t.svg").read_text(encoding="ascii")
+    page = Path("t.html").read_text(encoding="ascii")
+    assert "16 Zyklen von T#10ms" in page
+    assert 'id="player"' in page

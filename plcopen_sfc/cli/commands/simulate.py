@@ -9,7 +9,8 @@ from pathlib import Path
 from plcopen_sfc.cli.reading import load_input
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.errors import InputError, SimulationError
-from plcopen_sfc.files import refuse_unwritable
+from plcopen_sfc.files import refuse_unwritable, write_atomic
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.semantics.inputs import CsvInputs, InputSource, RandomInputs
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import resolve
@@ -35,12 +36,23 @@ class SimulateOptions:
     free: Sequence[str] = ()
 
 
-def run(screen: Screen, file: str, how: SimulateOptions, *, csv: Path | None, vcd: Path | None) -> int:
+@dataclass(frozen=True)
+class TraceFiles:
+    """The files to save the trace in. `lang` is the language of the page."""
+
+    csv: Path | None = None
+    vcd: Path | None = None
+    svg: Path | None = None
+    html: Path | None = None
+    lang: str = "en"
+
+
+def run(screen: Screen, file: str, how: SimulateOptions, *, files: TraceFiles) -> int:
     """Run what is asked for; prints the scans in which something happens."""
     if how.inputs is not None and how.seed is not None:
         raise InputError("inputs come from a file or from chance, not from both", hint="Leave out --inputs or --seed.")
     project = load_input(screen, file)
-    for wanted in (csv, vcd):
+    for wanted in (files.csv, files.vcd, files.svg, files.html):
         if wanted is not None:
             refuse_unwritable(wanted)
     simulation = Simulation(
@@ -62,14 +74,27 @@ def run(screen: Screen, file: str, how: SimulateOptions, *, csv: Path | None, vc
         screen.result(data | ({"error": str(failure)} if failure is not None else {}))
     if not screen.as_json:
         _show(screen, trace)
-    for path, save in ((csv, trace.save_csv), (vcd, trace.save_vcd)):
-        if path is not None:
-            save(path)
-            screen.note(f"written: {path}")
+    _save(screen, files, trace, project)
     if failure is not None:
         screen.error(failure)
         return _FINDINGS
     return 0
+
+
+def _save(screen: Screen, files: TraceFiles, trace: Trace, project: Project) -> None:
+    if files.csv is not None:
+        trace.save_csv(files.csv)
+    if files.vcd is not None:
+        trace.save_vcd(files.vcd)
+    if files.svg is not None:
+        write_atomic(files.svg, trace.to_svg().encode("ascii"))
+    if files.html is not None:
+        from plcopen_sfc.pages import page  # noqa: PLC0415  # brings the checks with it
+
+        write_atomic(files.html, page(project, lang=files.lang, trace=trace).encode("ascii"))
+    for path in (files.csv, files.vcd, files.svg, files.html):
+        if path is not None:
+            screen.note(f"written: {path}")
 
 
 def _drive(screen: Screen, simulation: Simulation, how: SimulateOptions) -> SimulationError | None:

@@ -7,7 +7,13 @@
 * `svg_canvas`: shapes, texts and themes; `text_measures`: widths of texts, wrapped texts
 """
 
-from plcopen_sfc.drawing.pictures.chart_picture import chart_figure, chart_svg, charts_in, part_prefix
+from plcopen_sfc.drawing.pictures.chart_picture import (
+    chart_figure,
+    chart_svg,
+    charts_in,
+    chosen_theme,
+    part_prefix,
+)
 from plcopen_sfc.drawing.pictures.graph_texts import dot_text, mermaid_text
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, escape, style_rules
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle
@@ -19,6 +25,7 @@ __all__ = [
     "chart_figure",
     "chart_svg",
     "charts_in",
+    "chosen_theme",
     "dot_text",
     "escape",
     "mermaid_text",

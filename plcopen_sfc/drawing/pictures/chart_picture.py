@@ -34,7 +34,7 @@ def chart_svg(chart: SfcNetwork, style: str | None = None, theme: str = Theme.LI
     `style` is a `PictureStyle`; None: that of the standard or tool that the chart is of. `theme` is a `Theme`. The
     text is the same for the same chart in every run. Raises `ModelError` for a style or theme that does not exist.
     """
-    colours = _choice(Theme, theme, "theme")
+    colours = chosen_theme(theme)
     look = _choice(PictureStyle, style, "style") if style is not None else usual_style(chart)
     return _picture(chart, look, colours, "", {})
 
@@ -79,6 +79,11 @@ def usual_style(chart: SfcNetwork) -> PictureStyle:
         return PictureStyle.GRAFCET
     project = chart.project
     return PictureStyle.S7GRAPH if project is not None and project.dialect is Dialect.SCL else PictureStyle.IEC
+
+
+def chosen_theme(theme: str) -> Theme:
+    """Return the theme of this name. Raises `ModelError`."""
+    return _choice(Theme, theme, "theme")
 
 
 def _choice(kind: type[Choice], value: str, what: str) -> Choice:

@@ -1,0 +1,169 @@
+"""Timing diagrams of traces, active steps, inputs and outputs over time; and traces in pages, to play on the chart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from plcopen_sfc.drawing.pictures import Canvas, Theme, chosen_theme
+from plcopen_sfc.drawing.pictures.text_measures import text_width
+from plcopen_sfc.languages.st.literals import time_literal
+from plcopen_sfc.pages.html_text import Html, data_element, element, joined
+from plcopen_sfc.pages.page_index import PageIndex
+from plcopen_sfc.pages.page_words import Words
+from plcopen_sfc.semantics.signals import SignalKind
+from plcopen_sfc.semantics.trace import Column, Trace
+
+__all__ = ["TimingDiagram", "trace_section", "trace_svg"]
+
+_MARGIN = 16
+_PITCH = 26
+_HIGH, _LOW = 6, 20
+_AXIS = 24
+_SCAN = 24
+_LONGEST = 1200
+_TICKS = 80
+_SHOWN = frozenset({"input", "output", "in_out", "external"})
+"""Directions of what is seen from outside; globals that a program declares as external are such."""
+
+
+class _Row(NamedTuple):
+    """A line of the diagram: its values as texts, each with the scan in which it begins."""
+
+    name: str
+    kind: str
+    is_level: bool
+    runs: list[tuple[int, str]]
+
+
+def trace_svg(trace: Trace, theme: str = Theme.LIGHT) -> str:
+    """Return the timing diagram of a trace as the text of an SVG file.
+
+    It has the steps that become active, and inputs and outputs; where there are none, all variables. `theme` as in
+    `SfcNetwork.to_svg`. Raises `ModelError` for a theme that does not exist.
+    """
+    return TimingDiagram(trace).svg(chosen_theme(theme))
+
+
+def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
+    """Return the section of a page that plays a trace: the diagram, the values, and what the script needs for both."""
+    diagram = TimingDiagram(trace)
+    figure = element("figure", element("div", Html(diagram.svg(None)), class_="scroll", tabindex="0", id="timing"))
+    rows = [
+        element("tr", element("th", column.name), element("td", column.direction), element("td", class_="value"))
+        for column in trace.columns
+    ]
+    values = element(
+        "details", element("summary", words("Values")), element("table", element("tbody", *rows)), open=True
+    )
+    named = {name: index.step_anchor(trace.name, name) for name in trace.steps}
+    events = trace.eventful_scans()
+    data = {
+        "scans": len(trace),
+        "events": events,
+        "times": [time_literal(trace.time(scan)).removeprefix("T#") for scan in events],
+        "situations": [[scan, [[name, named[name]] for name in active]] for scan, active in trace.situations()],
+        "columns": [[[scan, column.signal.text(value)] for scan, value in column.runs()] for column in trace.columns],
+        "left": diagram.left,
+        "width": diagram.width,
+    }
+    player = element(
+        "div",
+        element("button", "\u25c0", type="button", data_move="-1", aria_label=words("one change back")),
+        element("button", "\u25b6\u25b6", type="button", data_move="0", aria_label=words("play")),
+        element("button", "\u25b6", type="button", data_move="1", aria_label=words("one change on")),
+        element("input", type="range", min="0", max=str(max(len(events) - 1, 0)), value="0", id="scan"),
+        element("output"),
+        id="player",
+        hidden=True,
+    )
+    told = words("{} scans of {}, executed as in {}", len(trace), time_literal(trace.scan_time), trace.profile or "-")
+    heading = element("h2", element("small", words("Simulation")), " ", trace.name)
+    section = element("section", heading, element("p", told), figure, values, id="trace")
+    return joined(section, player, data_element("trace-data", data))  # outside: what contains a section fixes in it
+
+
+class TimingDiagram:
+    """The timing diagram of a trace. Scan 0 begins at `left`, all scans together are `width` pixels wide."""
+
+    def __init__(self, trace: Trace) -> None:
+        self.trace = trace
+        self._rows = [*_step_rows(trace), *_variable_rows(trace)]
+        labels = [text_width(row.name, 12) for row in self._rows]
+        self.left = _MARGIN + max(labels, default=0) + 12
+        self.width = max(min(len(trace) * _SCAN, _LONGEST), 60)
+
+    def svg(self, theme: Theme | None) -> str:
+        """Return the picture; without a `theme` as a part of a page."""
+        canvas = Canvas()
+        bottom = _MARGIN + _AXIS + len(self._rows) * _PITCH
+        self._draw_axis(canvas, bottom)
+        for number, row in enumerate(self._rows):
+            self._draw_row(canvas, row, _MARGIN + _AXIS + number * _PITCH)
+        told = f"Timing diagram: {len(self.trace)} scans of {time_literal(self.trace.scan_time)}"
+        return canvas.document(self.left + self.width + _MARGIN, bottom + _MARGIN, theme, self.trace.name, told)
+
+    def _x(self, scan: int) -> int:
+        return self.left + scan * self.width // max(len(self.trace), 1)
+
+    def _draw_axis(self, canvas: Canvas, bottom: int) -> None:
+        trace, scans = self.trace, len(self.trace)
+        step = next(each for each in _round_numbers() if each * self.width >= _TICKS * scans)
+        for scan in range(0, scans + 1, step):
+            x = self._x(scan)
+            canvas.wire((x, _MARGIN + 16), (x, bottom), kind="thin")
+            label = time_literal(scan * trace.scan_time).removeprefix("T#")
+            if x + text_width(label, 11) <= self.left + self.width:
+                canvas.text("quiet", x + 3, _MARGIN + 12, label)
+
+    def _draw_row(self, canvas: Canvas, row: _Row, top: int) -> None:
+        with canvas.element(f"signal {row.kind}", "", row.name, (0, top, self.left + self.width, _PITCH)):
+            canvas.text("plain", self.left - 10, top + 17, row.name, anchor="end")
+            ends = [*(start for start, _ in row.runs[1:]), len(self.trace)]
+            levels: list[tuple[int, int]] = []
+            for (start, value), end in zip(row.runs, ends, strict=True):
+                left, right = self._x(start), self._x(end)
+                if row.is_level:
+                    level = top + (_HIGH if value == "1" else _LOW)
+                    levels += [(left, level), (right, level)]
+                    if value == "1" and row.kind == "step":
+                        canvas.box("box", left, top + _HIGH, right - left, _LOW - _HIGH)
+                    continue
+                canvas.box("row", left, top + _HIGH - 2, right - left, _LOW - _HIGH + 4)
+                if text_width(value, 11) + 6 <= right - left:
+                    canvas.text("small", left + 4, top + 17, value)
+            if levels:
+                canvas.line("wire", *levels)
+
+
+def _step_rows(trace: Trace) -> Iterator[_Row]:
+    """Yield the steps that are active at some time, in the order in which they become so."""
+    runs: dict[str, list[tuple[int, str]]] = {}
+    before: frozenset[str] = frozenset()
+    for scan, names in trace.situations():
+        active = frozenset(names)
+        for name in (*names, *sorted(before - active)):
+            told = runs.setdefault(name, [] if scan == 0 else [(0, "0")])
+            value = "1" if name in active else "0"
+            if not told or told[-1][1] != value:
+                told.append((scan, value))
+        before = active
+    for name, told in runs.items():
+        yield _Row(name, "step", is_level=True, runs=told)
+
+
+def _variable_rows(trace: Trace) -> Iterator[_Row]:
+    shown: list[Column] = [column for column in trace.columns if column.direction in _SHOWN] or list(trace.columns)
+    for column in shown:
+        is_level = column.signal.kind is SignalKind.BOOL
+        runs = [
+            (scan, str(int(bool(value))) if is_level else column.signal.text(value)) for scan, value in column.runs()
+        ]
+        yield _Row(column.name, column.direction or "variable", is_level=is_level, runs=runs)
+
+
+def _round_numbers() -> Iterator[int]:
+    power = 1
+    while True:
+        yield from (power, 2 * power, 5 * power)
+        power *= 10

@@ -1,0 +1,102 @@
+"""Traces as timing diagrams, and played on the page of their project."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lxml import etree, html
+
+import plcopen_sfc as sfc
+from tests.pages.browser import Browser
+from tests.semantics.test_simulate import PLANT
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.fixture(scope="module")
+def project() -> sfc.Project:
+    return sfc.loads(PLANT.encode(), format="iec-text")
+
+
+@pytest.fixture(scope="module")
+def trace(project: sfc.Project) -> sfc.Trace:
+    def plant(scan: int, _values: object) -> dict[str, object]:
+        return {"Start": scan == 2, "Selected": "Auto", "Level": 3.5 if scan >= 6 else 0.0}
+
+    return sfc.simulate(project, inputs=plant, scans=20)
+
+
+def lines(svg: str) -> dict[str, etree._Element]:
+    tree = etree.fromstring(svg.encode("ascii"))
+    return {g.findtext(f"{SVG}title"): g for g in tree.iter(f"{SVG}g")}
+
+
+def test_the_diagram_shows_when_values_change(trace: sfc.Trace) -> None:
+    svg = trace.to_svg()
+    found = lines(svg)
+    assert [*found][: len(trace.steps)] == ["Wait", "Fill", "Settle"]
+    assert set(found) >= {"Start", "Level", "Valve"}
+    # a scan is 24 pixels wide; Start is TRUE in the third one
+    points = found["Start"].find(f"{SVG}path").get("d").strip("M").split("L")
+    xs = [int(point.split()[0]) for point in points]
+    assert [x - xs[0] for x in xs] == [0, 48, 48, 72, 72, 480]
+    # Fill is a box while it is active
+    (first, _), (last, _) = trace.situations()[1:3]
+    (box,) = found["Fill"].findall(f"{SVG}rect")
+    assert (int(box.get("x")) - xs[0], int(box.get("width"))) == (24 * first, 24 * (last - first))
+    # numbers are written in their boxes
+    assert [text.text for text in found["Level"].findall(f"{SVG}text")[1:]] == ["0.0", "3.5"]
+    assert svg == trace.to_svg()
+    assert "sfc-dark" in trace.to_svg(theme="dark")
+    with pytest.raises(sfc.ModelError, match="no theme 'red'"):
+        trace.to_svg(theme="red")
+
+
+def test_a_long_trace_is_not_wider_than_a_short_one(project: sfc.Project) -> None:
+    widths = [int(etree.fromstring(sfc.simulate(project, scans=n).to_svg()).get("width")) for n in (100, 5000)]
+    assert widths[0] == widths[1] < 1500
+
+
+def test_names_of_variables_are_text_only() -> None:
+    source = (
+        "FUNCTION_BLOCK F VAR_OUTPUT text : STRING := '</script><script>x'; END_VAR text := text; END_FUNCTION_BLOCK"
+    )
+    project = sfc.loads(source.encode(), format="iec-text")
+    tree = html.document_fromstring(sfc.page(project, trace=sfc.simulate(project, scans=20)))
+    assert len(tree.xpath("//script")) == 2
+    assert "</script><script>x" in tree.xpath("//*[@id='timing']")[0].text_content()
+
+
+@pytest.mark.slow
+def test_a_trace_is_played_on_the_chart(
+    browser: Browser, project: sfc.Project, trace: sfc.Trace, tmp_path: Path
+) -> None:
+    page = tmp_path / "page.html"
+    page.write_text(sfc.page(project, trace=trace), encoding="ascii")
+    browser.open(page)
+
+    def active() -> list[str]:
+        return browser.evaluate(
+            "all('.now').map((each) => each.querySelector('title').textContent.split(/[. ]+/).at(-1))"
+        )
+
+    def click(selector: str) -> None:
+        browser.evaluate(f"document.querySelector({selector!r}).click()")
+
+    assert browser.evaluate("byId('player').getBoundingClientRect().bottom === innerHeight")
+    seen = [active()]
+    for _ in trace.eventful_scans()[1:]:
+        click("[data-move='1']")
+        seen.append(active())
+    assert seen == [[*trace.active(scan)] for scan in trace.eventful_scans()]
+    assert browser.evaluate("all('#trace .value').map((each) => each.textContent)") == [
+        column.signal.text(column[-1]) for column in trace.columns
+    ]
+    click("[data-move='-1']")
+    assert active() == [*trace.active(trace.eventful_scans()[-2])]
+    click("[data-move='0']")
+    assert active() == [*trace.active(trace.eventful_scans()[-2])]
+    browser.evaluate("new Promise((done) => setTimeout(done, 800))")
+    assert active() == [*trace.active(-1)]
+    assert browser.messages == []
