@@ -23,7 +23,8 @@ class Delay:
 
     Args:
         scans: by how many scans the second is later; less than 0: the first is.
-        late_start: the later side also begins as many scans later. Otherwise both begin together, and what the later
+        late_start: the later side also begins as many scans later; inputs that operate a chart rest until then.
+            Otherwise both begin together, and what the later
             side does in its first scans has no counterpart: it is not compared.
         retimed: the scans of a side that executes actions first are cut behind the actions: the transitions of one scan
             and the actions of the next see the same inputs and the same time. And no side tests transitions in its
@@ -49,12 +50,17 @@ class Delay:
         count = abs(self.scans)
         return f"{'second' if self.scans > 0 else 'first'} {count} scan{'' if count == 1 else 's'} later"
 
-    def notes(self, orders: Sequence[ScanOrder]) -> tuple[str, ...]:
-        """What this means for the start, inputs and times; `orders`: the scan orders of the first and the second."""
+    def notes(self, orders: Sequence[ScanOrder], operated: Sequence[str] = ()) -> tuple[str, ...]:
+        """What this means for the start, inputs and times; `orders`: the scan orders of the first and the second.
+
+        `operated`: inputs that operate a chart. They rest while the earlier side runs alone, or transitions are not
+        tested yet: an edge of that time would be lost.
+        """
         later = "second" if self.scans > 0 else "first"
         count = abs(self.scans)
         if self.retimed:
             start = "no transition is tested in the first scan"
+            start += f", and {', '.join(operated)} at rest in it" if operated else ""
             sides = [name for name, order in zip(("first", "second"), orders, strict=True) if order in _RETIMABLE]
             if not self.scans:
                 return (start,)
@@ -63,7 +69,8 @@ class Delay:
             return ()
         scans = "scan" if count == 1 else f"{count} scans"
         if self.late_start:
-            return (f"the {later} starts {count} scan{'' if count == 1 else 's'} later",)
+            start = f"the {later} starts {count} scan{'' if count == 1 else 's'} later"
+            return (f"{start}, and until then {', '.join(operated)} at rest",) if operated else (start,)
         return (f"the first {scans} of the {later} {'has' if count == 1 else 'have'} no counterpart",)
 
     def as_dict(self) -> dict[str, int | bool]:

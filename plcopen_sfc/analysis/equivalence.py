@@ -307,9 +307,26 @@ class _Compared:
         heed_instability(right, left)
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
-        earlier.delay(begins=0, kept=count)
-        later.delay(begins=count if delay.late_start else 0, kept=0)
+        if delay.retimed:
+            for system in (left, right):
+                system.delay(alone=1, at_rest=self._operated(system))
+            return left, right
+        alone = count if delay.late_start else 0
+        earlier.delay(kept=count, alone=alone, at_rest=self._operated(earlier))
+        later.delay(begins=alone)
         return left, right
+
+    @cached_property
+    def operated(self) -> list[tuple[str, str]]:
+        """The pairs of inputs that operate a chart and do not rest."""
+        operating = operating_names(self.profiles[0]) | operating_names(self.profiles[1])
+        return [(a, b) for a, b in self.inputs.items() if not operating.isdisjoint((a.upper(), b.upper()))]
+
+    def _operated(self, system: ProgramSystem) -> dict[str, Value]:
+        """Inputs of one side that operate a chart and do not rest, by their names in lower case."""
+        named = {name.casefold() for pair in self.operated for name in pair}
+        found = ((name.casefold(), signal.default) for name, signal in system.inputs.items())
+        return {name: default for name, default in found if name in named}
 
     def prepared(self, delay: Delay) -> tuple[Comparison, dict[str, Signal]]:
         """Both sides with a delay, and their inputs."""
@@ -476,7 +493,7 @@ class _Attempt:
             coverage,
             frozen,
             delay,
-            delay.notes([each.order for each in compared.profiles]),
+            delay.notes([each.order for each in compared.profiles], [a for a, _ in compared.operated]),
             comparison.unknown,
             interrupted,
             comparison.gap,

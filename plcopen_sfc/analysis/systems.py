@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from operator import itemgetter
+from types import MappingProxyType
 from typing import Any
 
 from plcopen_sfc.analysis.clocking import Clocking, StepTimes, step_times
@@ -34,6 +35,7 @@ from plcopen_sfc.semantics.watched_instances import Watched, is_written, step_ma
 __all__ = ["Observation", "ProgramSystem"]
 
 InputReader = Callable[[str], Any]
+_NONE: Mapping[str, Value] = MappingProxyType({})
 _NO_STEPS = StepTimes(limit=0, anywhere=frozenset(), read=frozenset())
 
 
@@ -106,7 +108,9 @@ class ProgramSystem:
         self._starts = [(f.v, x.slot) for f in frames for x in f.layout.fields if x.type is INSTANT]
         structures = [each for f in frames for each in f.v if isinstance(each, Frame)]
         self._elapsed = [(f.v, x.slot) for f in structures for x in f.layout.fields if x.type is ELAPSED]
-        self._begins = self._kept = self._waiting = 0
+        self._begins = self._kept = self._alone = self._waiting = 0
+        self._at_rest: Mapping[str, Value] = _NONE
+        self._resting: Mapping[str, Value] = _NONE
         self.is_delayed = False
         """True if it is compared with other scans of the other side."""
         self._queue: tuple[tuple[Any, ...] | SfcError | None, ...] = ()
@@ -284,7 +288,7 @@ class ProgramSystem:
             free_inputs=self._free_inputs,
             not_free=self._not_free,
         )
-        made.delay(begins=self._begins, kept=self._kept)
+        made.delay(begins=self._begins, kept=self._kept, alone=self._alone, at_rest=self._at_rest)
         made.also_counted = self.also_counted
         for name, kind in self.not_followed.items():
             made.leave_out(name, kind)
@@ -292,10 +296,14 @@ class ProgramSystem:
         made.observe([replace(each, bit=bits[each.path]) if each.bit else each for each in observations])
         return made
 
-    def delay(self, *, begins: int, kept: int) -> None:
-        """Begin some scans later, or be compared with what the other side does some scans later."""
-        self._begins, self._kept = begins, kept
-        self.is_delayed = begins > 0 or kept > 0
+    def delay(self, *, begins: int = 0, kept: int = 0, alone: int = 0, at_rest: Mapping[str, Value] = _NONE) -> None:
+        """Begin some scans later, or be compared with what the other side does some scans later.
+
+        In the first `alone` scans, before the other side begins or tests transitions, the inputs `at_rest` have these
+        values. They are named in lower case.
+        """
+        self._begins, self._kept, self._alone, self._at_rest = begins, kept, alone if at_rest else 0, at_rest
+        self.is_delayed = bool(begins or kept or self._alone)
 
     @property
     def is_retimable(self) -> bool:
@@ -324,7 +332,7 @@ class ProgramSystem:
         """Go to the state before the first scan."""
         self.instance.restore(self._initial)
         self.instance.scans = 0  # errors tell the scan of this run, not of all that were searched
-        self._waiting = self._begins
+        self._waiting = self._begins or self._alone
         self._queue = (None,) * self._kept
 
     def scan(self, read: InputReader, *, first: bool) -> None:
@@ -335,7 +343,11 @@ class ProgramSystem:
         self._seen = None
         if self._waiting:
             self._waiting -= 1
-            return
+            if self._begins:
+                return
+            self._resting = self._at_rest
+        else:
+            self._resting = _NONE
         if not self._kept:
             self._scan(read, first=first)
             self._seen = self.observed_now()
@@ -476,6 +488,8 @@ class ProgramSystem:
         key = path.casefold()
         if key in self._fixed:
             return self._fixed[key]
+        if key in self._resting:
+            return self._resting[key]
         return self._source(self._names.get(key, path))
 
 

@@ -252,7 +252,7 @@ _NONE = Key("", "")
 def _competing_transitions(left: Part, right: Part) -> dict[Key, Key]:
     """Transitions between the same steps by their conditions: files may hold them in another order."""
     found: dict[Key, Key] = {}
-    several = {key[:2] for key in left.parts if key.kind == "transition" and key.number}
+    several = {key[:2] for key in (*left.parts, *right.parts) if key.kind == "transition" and key.number}
     for key, part in left.parts.items():
         if key[:2] not in several:
             continue

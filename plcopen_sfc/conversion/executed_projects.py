@@ -40,7 +40,7 @@ from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags
-from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs
+from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs, unused_inputs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import standard_block
@@ -68,7 +68,6 @@ from plcopen_sfc.model.types import (
     Variable,
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
-from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, operating_inputs
 from plcopen_sfc.semantics.profile import Profile, default_profile
 
 __all__ = ["executed"]
@@ -93,8 +92,7 @@ def executed(
     the inputs of sequencers, in upper case, that nobody operates.
     """
     rules = profile or default_profile(project)
-    resting = operating_inputs(at_rest)
-    return _Reader(project, rules, source or project, compared_with or Part(""), detail=detail, at_rest=resting).read()
+    return _Reader(project, rules, source or project, compared_with or Part(""), detail=detail, at_rest=at_rest).read()
 
 
 class _Reader:
@@ -113,7 +111,6 @@ class _Reader:
         self.detail = detail
         self.at_rest = at_rest
         self.names = Names(project)
-        self._operated: set[str] | None = None
         self.dialect = project.dialect
         self.source = source
         self.addresses = source.dialect
@@ -274,16 +271,7 @@ class _Reader:
         """The kind of an input that operates the chart of a block: whether anything operates it."""
         if name.upper() in self.at_rest:
             return RESTING_INPUT
-        if self._operated is None:
-            found = self.names.occurrences(*ALL_INPUTS)
-            self._operated = {occurrence.reference.name.casefold() for occurrence in found}
-        return UNUSED_INPUT if self._has_instance(pou) and name.casefold() not in self._operated else OPERATING_INPUT
-
-    def _has_instance(self, pou: Pou) -> bool:
-        blocks = [block.type_name or "" for block in self.project.data_blocks]
-        declared = (v.type for each in self.project.pous for v in each.variables())
-        blocks += [kind.name for kind in declared if isinstance(kind, DerivedType)]
-        return pou.name.casefold() in {name.strip('"').casefold() for name in blocks}
+        return UNUSED_INPUT if unused_inputs(self.names, pou, [name]) else OPERATING_INPUT
 
     def _type(self, kind: DataType) -> Meaning | None:
         return type_meaning(kind if self.detail is Detail.WRITTEN else self._plain_type(kind), self.dialect)

@@ -292,23 +292,25 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
     from plcopen_sfc.formats.xml.xml_codec import canonical  # noqa: PLC0415
 
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
+    codec = cast("XmlCodec", kind.codec())
+    is_rewritten = codec.is_rewritten(project, source.content)
     touched, untouched = set(), set()
     for name, _, body in project.bodies():
         if isinstance(body, SfcBody) and is_from(body, name, source.content):
             untouched.add(name)
         else:
             touched.add(name)
-            prepare_body(body, style, positions=False)
-    codec = cast("XmlCodec", kind.codec())
+            if not is_rewritten:  # what is written has another drawing
+                prepare_body(body, style, positions=False)
     before: Project = codec.read(source.content).project
     options = WriteOptions(source.version, same=True, source=source.content, untouched=frozenset(untouched - touched))
-    if codec.is_rewritten(project, source.content):
+    if is_rewritten:
         options = replace(options, untouched=frozenset())
 
     def tree(edited: Project, baseline: Project | None, notes: ConversionReport) -> etree._Element:
         """Return the tree of a project, in the terms of the tool where the file has or needs them."""
         written = replace(options, baseline=baseline)
-        if options.untouched or not codec.is_rewritten(project, source.content):
+        if options.untouched or not is_rewritten:
             return codec.to_tree(edited, written, notes)
         copy, marks = codec.rewrite(edited, written, notes)
         for _, _, body in copy.bodies():

@@ -93,11 +93,11 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
             _put_into_notation(written, kind, report)
         return Prepared(written, copy, replace(options, marks=marks), behaviour)
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
-    if style.structured and (project.source is None or project.source.format != kind.name):
-        _note_limits(copy, report)
     meant = copy
     copy, marks = kind.codec().rewrite(meant, options, report)
     options = replace(options, marks=marks)
+    if style.structured and (project.source is None or project.source.format != kind.name):
+        _note_limits(copy, report)
     # a format without ids has branches of its own instead of the bars of others
     other = project.source is None or project.source.format != kind.name
     replaced = bool(options.flavour) or (not kind.ids and other)

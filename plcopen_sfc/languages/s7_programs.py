@@ -8,14 +8,17 @@ counterpart in a file.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.s7_globals import global_names, local_tags
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, nanoseconds, schedule_of
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import PouInstance, Project, Task
+from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -112,6 +115,19 @@ def s7_programs(project: Project) -> S7Programs:
         if program.name.casefold() not in found.instances:
             instance_of(program)
     return found
+
+
+def unused_inputs(names: Names, block: Pou, inputs: Iterable[str]) -> set[str]:
+    """Return those `inputs` of a block that nothing in a project reads or writes, although it has an instance."""
+    project = names.project
+    types = [data_block.type_name or "" for data_block in project.data_blocks]
+    declared = (variable.type for pou in project.pous for variable in pou.variables())
+    types += [kind.name for kind in declared if isinstance(kind, DerivedType)]
+    if block.name.casefold() not in {name.strip('"').casefold() for name in types}:
+        return set()
+    found = list(inputs)
+    used = {occurrence.reference.name.casefold() for occurrence in names.occurrences(*found)}
+    return {name for name in found if name.casefold() not in used}
 
 
 def names_of_programs(project: Project) -> dict[str, str]:

@@ -10,7 +10,7 @@ from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
-from plcopen_sfc.languages.networks import body_statements, condition_reader
+from plcopen_sfc.languages.networks import body_statements, condition_reader, is_empty_network
 from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in_s7
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
@@ -43,6 +43,7 @@ from plcopen_sfc.model import (
     Qualifier,
     SfcBody,
     SfcNetwork,
+    Step,
     Tag,
     Variable,
 )
@@ -463,7 +464,13 @@ def _steps(
         names = {name: renames.legal_name(NameScope.LOCAL, name, taken, target) for name in names}
     elif target is Dialect.SCL:
         names = {name: renames.old_name(NameScope.LOCAL, name) or name for name in names}
-    return StepReferences(names, _NOTATIONS[source], _NOTATIONS[target]) if names else None
+    disturbed = {step.name.casefold() for chart in _charts(site) for step in chart.steps if _can_be_disturbed(step)}
+    return StepReferences(names, _NOTATIONS[source], _NOTATIONS[target], disturbed=disturbed) if names else None
+
+
+def _can_be_disturbed(step: Step) -> bool:
+    checks = (each.condition for each in (step.interlock, step.supervision) if each is not None)
+    return any(condition is not None and not is_empty_network(condition) for condition in checks)
 
 
 def _renaming(renames: Renames, target: Dialect) -> Callable[[NameScope, str], str | None]:

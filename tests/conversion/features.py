@@ -395,6 +395,7 @@ def _permanent(when: str) -> Callable[[Rig], None]:
 
 def _input(name: str) -> Callable[[Rig], None]:
     def build(rig: Rig) -> None:
+        rig.chart.graph_settings = m.GraphSettings(acknowledge_errors_required=False)
         rig.declare(m.SectionKind.INPUT, variable(name))
         rig.act("Work", "q")
         rig.act("Done", "r")

@@ -301,3 +301,67 @@ def test_the_cyclic_organization_block_is_called_by_a_task_and_comes_back() -> N
     assert not list(sfc.loads(data).resources())
     edited = sfc.loads(data.replace(b'name="MainTask"', b'name="Fast"'))
     assert [task.name for resource in edited.resources() for task in resource.tasks] == ["Fast"]
+
+
+OPERATED: dict[str, dict[str, Any]] = {
+    "both": {"inputs": ("INIT_SQ", "OFF_SQ")},
+    "state": {"inputs": ("INIT_SQ", "OFF_SQ"), "outputs": ("S_NO", "S_ACTIVE")},
+    "faults": {"inputs": ("INIT_SQ", "ACK_EF"), "acknowledge": True, "rows": ({**ONCE, "event": "V1"},)},
+    "rows": {
+        "inputs": ("OFF_SQ", "INIT_SQ"),
+        "rows": ({**ONCE, "event": "S1"}, {**AGAIN, "qualifier": "S", "event": "S0"}),
+    },
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ends", [False, True], ids=["in a ring", "with an end"])
+@pytest.mark.parametrize(("number", "fields"), [*enumerate(OPERATED.values())], ids=[*OPERATED])
+def test_a_sequence_is_switched_off_and_begun_again(number: int, fields: dict[str, Any], ends: bool) -> None:
+    """One target for each case, all with PLCOPEN_SFC_FULL."""
+    source = sequencer(**fields)
+    if ends:
+        source.pou("Main").chart.transitions[-1].targets = []
+        source = as_file(source)
+    # actions of CODESYS see other inputs than the conditions before them, which no constant delay makes up for
+    targets = ("plcopen-2.01",) if "acknowledge" in fields else (*TARGETS, "codesys23")
+    for target in in_turn(targets, number + ends):
+        data = sfc.dumps(source, format=target, strict=True)
+        result = sfc.loads(data, format=target, as_tool=True)
+        verdict = same_behaviour(source, result, operated=fields.get("inputs", ()), outputs=fields.get("outputs", ()))
+        assert verdict is not None
+        assert verdict.proven, verdict
+        if target in TARGETS:
+            assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_what_begins_a_sequence_again_survives_edits(target: str) -> None:
+    source = sequencer(inputs=("INIT_SQ", "OFF_SQ"))
+    data, _ = sfc.convert(source, target)
+    project = sfc.loads(data, format=target)
+    project.pou("Main").chart.rename_step("Done", "Ready")
+    edited = sfc.dumps(project, format=target)
+    assert len(set(edited.splitlines()) - set(data.splitlines())) < 20
+    for text in (edited, data.replace(b"INIT_SQ AND NOT OFF", b"INIT_SQ AND c AND NOT OFF")):
+        kept = sfc.dumps(sfc.loads(text, format=target), format=target, fresh=True)
+        results = [sfc.loads(each, format=target, as_tool=True) for each in (text, kept)]
+        same = same_behaviour(*results, operated=("INIT_SQ", "OFF_SQ"))
+        assert same is not None
+        assert same.proven, same
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_nothing_is_added_for_inputs_at_rest_and_nothing_wrong_for_simultaneous_steps(target: str) -> None:
+    source = sequencer(inputs=("INIT_SQ", "OFF_SQ"))
+    data = sfc.dumps(source, format=target, strict=True, at_rest=["all"])
+    assert len(sfc.loads(data, as_tool=True).pou("Main").chart.transitions) == 3
+    assert [
+        len(sfc.loads(sfc.dumps(source, format=target, at_rest=[name]), as_tool=True).pou("Main").chart.steps)
+        for name in ("OFF_SQ", "INIT_SQ")
+    ] == [3, 4]
+    chart = source.pou("Main").chart
+    chart.add_step("Side")
+    chart.transitions[0].targets.append(chart.step("Side").id)
+    chart.transitions[1].sources.append(chart.step("Side").id)
+    assert set(_operating(as_file(source), target).values()) == {"not executed"}

@@ -7,12 +7,11 @@ from dataclasses import dataclass, field
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_section
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks import condition_reader
+from plcopen_sfc.languages.networks import condition_reader, is_empty_network
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
-from plcopen_sfc.model.network import Coil, InputPin
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
@@ -133,14 +132,6 @@ def is_network(condition: Condition | None) -> bool:
     return isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody)
 
 
-def is_empty_network(condition: Condition | None) -> bool:
-    """True if a condition is a coil alone, which nothing leads to: S7-GRAPH takes it as satisfied."""
-    if not isinstance(condition, BodyCondition) or not isinstance(condition.body, FbdBody | LdBody):
-        return False
-    nodes = [node for network in condition.body.networks for node in network.nodes]
-    return all(isinstance(node, Coil) and not _leads(node.input) for node in nodes)
-
-
 def does_something(body: Body | None) -> bool:
     """True unless a body is empty, as those of permanent instructions without a program."""
     if isinstance(body, FbdBody | LdBody):
@@ -154,13 +145,16 @@ def is_supervised(step: Step) -> bool:
     return condition is not None and not is_empty_network(condition)
 
 
-def _leads(pin: InputPin | None) -> bool:
-    return pin is not None and bool(pin.connections or pin.expression)
-
-
 def as_term(text: str) -> str:
     """Return an expression as a part of another one."""
     return text if text.replace(".", "").replace("_", "").isalnum() else f"({text})"
+
+
+def conjunction(text: str, *more: str) -> str:
+    """Return an expression that is TRUE where all of these are; the others than the first are terms already."""
+    for each in more:
+        text = each if text == "TRUE" else f"{as_term(text)} AND {each}"
+    return text
 
 
 def guarded(condition: str, lines: list[str]) -> list[str]:

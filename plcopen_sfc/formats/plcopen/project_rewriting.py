@@ -15,8 +15,8 @@ from plcopen_sfc.formats.plcopen.chart_hosts import (
     ChartHost,
     ChartRewriting,
     as_term,
+    conjunction,
     does_something,
-    is_empty_network,
     is_network,
     is_supervised,
     taken_names,
@@ -28,6 +28,7 @@ from plcopen_sfc.formats.plcopen.global_variables import (
     has_lists,
     report_types,
 )
+from plcopen_sfc.formats.plcopen.operating_inputs import OperatingInputs
 from plcopen_sfc.formats.plcopen.permanent_rewriting import PermanentRewriter
 from plcopen_sfc.formats.plcopen.shown_state import ShownState
 from plcopen_sfc.formats.plcopen.source_marks import (
@@ -46,6 +47,7 @@ from plcopen_sfc.formats.plcopen.step_rewriting import (
     timed_operands,
 )
 from plcopen_sfc.formats.provenance import is_untouched
+from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
 from plcopen_sfc.languages.s7_results import is_void
 from plcopen_sfc.model.actions import Qualifier
@@ -305,6 +307,7 @@ class _ChartRewriter:
         rewriter = StepRewriter(self._rewriting, self._checks)
         for step in self._chart.steps:
             rewriter.rewrite(step)
+        OperatingInputs(self._rewriting, self._checks).execute()
         PermanentRewriter(self._rewriting, rewriter, self._checks, shown).rewrite()
         self._report_graph(shown.names)
         if not self._host.is_codesys:
@@ -349,7 +352,7 @@ class _ChartRewriter:
         for step in supervised:
             text = self._held(step, text)
         for step in timed:
-            text = _and(text, f"{self._host.elapsed(step)} >= {step.min_time}")
+            text = conjunction(text, f"{self._host.elapsed(step)} >= {step.min_time}")
             why = f"the minimum time {step.min_time} of the step {step.name} is a part of the condition"
             self._note(Outcome.TRANSLATED, "minimum time", label, why)
         if supervised or timed:
@@ -366,7 +369,7 @@ class _ChartRewriter:
             self._note(Outcome.NOT_EXECUTED, "supervision", place, why)
             return text
         self._note(Outcome.TRANSLATED, "supervision", place, f"NOT {as_term(held)} in the conditions that leave it")
-        return _and(text, f"NOT {as_term(held)}")
+        return conjunction(text, f"NOT {as_term(held)}")
 
     def _report_graph(self, shown: set[str]) -> None:
         """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
@@ -397,7 +400,3 @@ class _ChartRewriter:
             for step in (step for step in chart.steps if step.max_time):
                 why = f"{step.max_time} is not watched in {self._host.title}: SFCError is never set"
                 self._note(Outcome.NOT_EXECUTED, "max time", f"step {step.name}", why)
-
-
-def _and(text: str, more: str) -> str:
-    return more if text == "TRUE" else f"{as_term(text)} AND {more}"

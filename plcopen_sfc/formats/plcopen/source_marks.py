@@ -66,6 +66,13 @@ def rewritten_transition(
     return {REWRITTEN_FIELD: mark | {"held": [[*each] for each in held]}}
 
 
+def added_element(added: Step | Transition, uses: Iterable[str]) -> dict[str, Any]:
+    """Return the mark of a step or transition that the source does not have; `uses` as in `rewritten_step`."""
+    digest = _of_step(added) if isinstance(added, Step) else _of_condition(added.condition)
+    names = sorted({name.casefold() for name in uses})
+    return {REWRITTEN_FIELD: {"source": {}, "digest": digest, "uses": names, "added": True}}
+
+
 def added_part(body: StBody | IlBody) -> dict[str, Any]:
     """Return the mark of an action or transition object that the source does not have."""
     return {ADDED_FIELD: text_digest(body.text)}
@@ -117,6 +124,7 @@ def restore_chart(
     """
     executed: set[str] = set()
     outdated = _outdated(chart, marks, edited)
+    _take_out(chart, {number for number, mark in marks.items() if mark.get("added") and number not in outdated})
     for step in chart.steps:
         mark = marks.get(step.id)
         if step.id in outdated:
@@ -162,6 +170,15 @@ def _outdated(chart: SfcNetwork, marks: Mapping[int, dict[str, Any]], edited: Co
             return found
         found |= more
         names = names.union(*(_uses(marks[number]) for number in more))
+
+
+def _take_out(chart: SfcNetwork, added: set[int]) -> None:
+    """Take the added steps and transitions out of a chart; their symbols keep the ids for when they are added again."""
+    if added:
+        chart.steps = [step for step in chart.steps if step.id not in added]
+        chart.transitions = [transition for transition in chart.transitions if transition.id not in added]
+        for transition in chart.transitions:
+            transition.targets = [target for target in transition.targets if target not in added]
 
 
 def _forget_held(chart: SfcNetwork, mark: dict[str, Any] | None) -> None:

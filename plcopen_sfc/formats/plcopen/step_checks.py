@@ -72,6 +72,16 @@ class StepChecks:
         """Return the variables that are computed for a step, by its id, and those of edges."""
         return [name for (owner, _), name in self._names.items() if owner == step or isinstance(owner, str)]
 
+    def names_of_edges(self) -> list[str]:
+        """Return the variables that are computed for the edges of inputs."""
+        return [name for (owner, _), name in self._names.items() if isinstance(owner, str)]
+
+    def rising(self, name: str) -> str:
+        """Return an expression for transitions that is TRUE in the scan in which an input of the block rises."""
+        edge, before = self._command(name, "edge"), self._command(name, "before")
+        # elsewhere transitions come before the actions that compute the edge
+        return edge if self._host.is_codesys else f"{self._inputs[name]} AND NOT {before}"
+
     # -- conditions
 
     def fault(self, step: Step) -> str | None:

@@ -10,6 +10,7 @@ from plcopen_sfc.languages.networks.drawn_conditions import (
     chart_statements,
     condition_expression,
     condition_reader,
+    is_empty_network,
     kept_conditions,
 )
 from plcopen_sfc.languages.networks.network_drawing import (
@@ -51,6 +52,7 @@ __all__ = [
     "draw_fbd_expression",
     "draw_ld",
     "draw_ld_expression",
+    "is_empty_network",
     "kept_conditions",
     "network_expression",
     "network_statements",

@@ -15,6 +15,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.network import Coil, InputPin
 from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 
@@ -266,3 +267,15 @@ def _result_of(read: NetworkStatements, name: str) -> NetworkExpression:
 
 def _failed(message: str) -> NetworkExpression:
     return NetworkExpression(problems=(NetworkProblem(message),))
+
+
+def is_empty_network(condition: Condition | None) -> bool:
+    """True if a condition is a coil alone, which nothing leads to: S7-GRAPH takes it as satisfied."""
+    if not isinstance(condition, BodyCondition) or not isinstance(condition.body, FbdBody | LdBody):
+        return False
+    nodes = [node for network in condition.body.networks for node in network.nodes]
+    return all(isinstance(node, Coil) and not _leads(node.input) for node in nodes)
+
+
+def _leads(pin: InputPin | None) -> bool:
+    return pin is not None and bool(pin.connections or pin.expression)

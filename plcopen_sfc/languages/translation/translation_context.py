@@ -34,7 +34,8 @@ class StepReferences:
     """The steps that a text may refer to, and how it does.
 
     `names`: from the name in the source text (its number in GRAFCET) to that in the target. `source_block`,
-    `target_block`: the instance or POU that has the steps, where the text stands outside of it.
+    `target_block`: the instance or POU that has the steps, where the text stands outside of it. `disturbed`: the steps
+    with an interlock or a supervision, by their names in lower case; None: any may have one.
     """
 
     names: Mapping[str, str]
@@ -42,6 +43,7 @@ class StepReferences:
     target: StepNotation
     source_block: str = ""
     target_block: str = ""
+    disturbed: Collection[str] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -54,7 +54,9 @@ class StepTranslator:
             reason = f"steps have no counterpart of .{quantity} in the notation of {self._references.target.value}"
             self._notes.add(Severity.ERROR, f"{reason}; left as it stands", node)
             return node
-        if quantity == _OWN_TIME and self._references.target is not StepNotation.S7_GRAPH:
+        disturbed = self._references.disturbed
+        differs = quantity == _OWN_TIME and (disturbed is None or step.casefold() in disturbed)
+        if differs and self._references.target is not StepNotation.S7_GRAPH:
             self._notes.add(Severity.WARNING, ".U is the time without disturbances, .T also counts these", node)
         return written
 

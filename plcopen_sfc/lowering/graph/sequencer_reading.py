@@ -34,7 +34,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, StructType, Variable
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS, operating_inputs
+from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING, PARAMETERS, operating_inputs
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import programmed
 from plcopen_sfc.semantics.net import Net, NetStep
 from plcopen_sfc.semantics.profile import Profile
@@ -137,7 +137,7 @@ def read_sequencer(
 
 def _at_rest(source: GraphSource, wanted: Collection[str]) -> GraphSource:
     """Return the same without the inactive inputs. Raises `ModelError` for a name that no such input has."""
-    names = operating_inputs(wanted)
+    names = operating_inputs(wanted).intersection(OPERATING)
     resting = {
         variable.name.upper(): variable.name
         for variable in source.pou.variables(SectionKind.INPUT)

@@ -57,16 +57,16 @@ PARAMETERS = (*_COMMANDS, *MODES, "S_SEL", *_OUTPUTS, *(lamp for _, lamp in MODE
 
 
 def operating_inputs(wanted: Iterable[str]) -> frozenset[str]:
-    """Return the inputs that `wanted` names, in upper case; ``all`` are all of `OPERATING`.
+    """Return the inputs that `wanted` names, in upper case; ``all`` are all of `ALL_INPUTS`.
 
     Raises `ModelError` for a name that no such input has.
     """
     names = {name.upper() for name in ([wanted] if isinstance(wanted, str) else wanted)}
-    unknown = sorted(names - {*OPERATING, "ALL"})
+    unknown = sorted(names - {*ALL_INPUTS, "ALL"})
     if unknown:
-        hint = f"These do: {', '.join(OPERATING)}."
+        hint = f"These do: {', '.join(ALL_INPUTS)}."
         raise ModelError(f"{unknown[0]} does not operate sequencers, so it cannot be an inactive input", hint=hint)
-    return frozenset(OPERATING if "ALL" in names else names)
+    return frozenset(ALL_INPUTS if "ALL" in names else names)
 
 
 class Commands(NamedTuple):
