@@ -18,13 +18,14 @@ Sources, by the short names used below:
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from types import MappingProxyType
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
-from plcopen_sfc.model import ActionKind, Dialect, Project, Qualifier, SfcFlag
+from plcopen_sfc.model import Dialect, Expression, Project, Qualifier, SfcFlag
 from plcopen_sfc.semantics.net import Competing
 
 
@@ -450,8 +451,16 @@ def _is_of_beremiz(project: Project) -> bool:
 
 
 def _has_grafcet(project: Project) -> bool:
-    kinds = set(ActionKind)
     for _, _, chart in project.charts():
-        if chart.partial_charts or any(a.kind in kinds for _, a in chart.associations()):
+        if chart.partial_charts or any(step.encloses for step in chart.steps):
+            return True
+        if any(a.kind is not None or a.forcing is not None for _, a in chart.associations()):
+            return True
+        conditions = [transition.condition for transition in chart.transitions]
+        if any(isinstance(each, Expression) and _NOTATION.search(each.text) for each in conditions):
             return True
     return False
+
+
+_NOTATION = re.compile(r"[↑↓·¬!]|(?<![\w.])\d+[ \t]*(?:ms|min|[smhd])[ \t]*/")
+"""Signs that only conditions of GRAFCETs have."""

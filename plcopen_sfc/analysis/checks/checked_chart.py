@@ -20,10 +20,12 @@ from plcopen_sfc.languages.st.effects import path_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import DataType, DerivedType
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import PROFILES, Profile
 
@@ -211,6 +213,7 @@ class CheckedChart:
         self.root = Sheet(chart, place)
         self._conditions: dict[int, NetworkExpression] = {}
         self._truths: dict[int, Truth] = {}
+        self._terms = TermTexts()
 
     @cached_property
     def sheets(self) -> tuple[Sheet, ...]:
@@ -250,6 +253,10 @@ class CheckedChart:
         found = self._conditions.get(id(transition))
         if found is None:
             named = self.pou.transitions if self.pou is not None else ()
+            if self.family == "grafcet" and isinstance(transition.condition, Expression):
+                text = self._terms.read(transition.condition.text)
+                read = transition.condition.model_copy(update={"text": text})
+                transition = transition.model_copy(update={"condition": read})
             found = condition_expression(sheet.chart, transition, self.dialect, transitions=named)
             self._conditions[id(transition)] = found
         return found

@@ -10,15 +10,18 @@ from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.analysis.exclusivity import Truth
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.languages.networks import NetworkExpression
+from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.languages.st.effects import reads, targets
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import Body, IlBody
-from plcopen_sfc.model.conditions import BodyCondition, NamedCondition, WiredCondition
+from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.sfc import Transition
 from plcopen_sfc.model.types import DerivedType
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 
 
 def _transitions(chart: CheckedChart) -> Iterator[tuple[Sheet, Transition]]:
@@ -35,6 +38,24 @@ def _missing(chart: CheckedChart) -> Iterator[Finding]:
         )
         if condition is None or unwired:
             yield Finding(sheet.at(transition), "the transition has no condition")
+
+
+def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        places = [(sheet.at(transition), transition.condition) for transition in sheet.transitions]
+        places += [(sheet.at(step, each), each.condition) for step, each in sheet.actions()]
+        for place, condition in places:
+            problem = _problem(condition.text, chart) if isinstance(condition, Expression) else None
+            if problem is not None and isinstance(condition, Expression):
+                text = " ".join(condition.text.split())
+                yield Finding(place, f"the condition {text!r} cannot be read: {problem.message}")
+
+
+def _problem(text: str, chart: CheckedChart) -> Problem | None:
+    found = condition_problem(text)
+    if found is None:  # a comparison is structured text, which the parser judges
+        found = next(iter(parse_condition(TermTexts().read(text), chart.dialect).problems), None)
+    return found
 
 
 def _constant(chart: CheckedChart, truth: Truth) -> Iterator[tuple[Sheet, Transition]]:
@@ -272,4 +293,16 @@ CND08 = Rule(
     example=_RING % "S7.T > T#5s",
     check=_unknown_steps,
     severity=Severity.WARNING,
+)
+
+CND09 = Rule(
+    code="CND09",
+    title="The conditions of a GRAFCET can be read",
+    why="A condition is a Boolean term with edges, times and predicates (IEC 60848:2013, 4.6), in one of the notations "
+    "that people use for it. What is none cannot be simulated, lowered or converted.",
+    hint="Write a * b, a + b, /a, ↑a, [C1>3] or 3s/X2; a AND b, a OR b, NOT a mean the same.",
+    example="the condition START 1B1 of a transition of a GRAFCET, where START * 1B1 is meant",
+    check=_unreadable,
+    severity=None,
+    severities={"grafcet": Severity.ERROR},
 )

@@ -54,6 +54,7 @@ _ON_CHARTS: tuple[Rule, ...] = (
     condition_rules.CND06,
     condition_rules.CND07,
     condition_rules.CND08,
+    condition_rules.CND09,
     qualifier_rules.ACT01,
     storing_rules.ACT02,
     storing_rules.ACT03,

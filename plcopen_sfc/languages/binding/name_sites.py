@@ -9,6 +9,7 @@ from typing import Any
 
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.grafcet_conditions import program_parts
 from plcopen_sfc.languages.il import CALLS, JUMPS, instructions
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.st import declaration_nodes as d
@@ -158,7 +159,12 @@ def in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference
         quotes = len(text) - len(text.lstrip('"'))
         yield Reference(text.strip('"'), (quotes, len(text) - quotes), role)
         return
-    tree = parse_condition(text, dialect).tree
+    parsed = parse_condition(text, dialect)
+    if parsed.problems and role is Role.VALUE and (parts := program_parts(text)):  # a condition of a GRAFCET
+        for start, end in parts:
+            yield from moved(in_tree(parse_condition(text[start:end], dialect).tree, dialect), start)
+        return
+    tree = parsed.tree
     outermost = tree.name if isinstance(tree, n.Member) else tree
     for reference in in_tree(tree, dialect):
         whole = isinstance(outermost, n.Name) and outermost.span is not None and reference.span[0] >= outermost.span[0]

@@ -93,11 +93,14 @@ _OPERAND_ENDS = frozenset({"NAME", "RSQB", "RPAR", "CARET", "ADDRESS"})
 _SINGLE_QUOTED = r"'(?:\$[\s\S]|[^$'\r\n])*'"
 _DOUBLE_QUOTED = r'"(?:\$[\s\S]|[^$"\r\n])*"'
 _NUMBER = r"\d[\d_]*(?:\#[0-9A-Za-z_]+|(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?)"
+_NUMBERED_NAME = r"\d+(?!(?:[eE]\d+|ms|us|ns|min|[smhd])(?!\w))[^\W\d_]\w*"
+"""A name that begins with digits, as GRAFCETs have for sensors (``1B1``): neither ``1E5`` nor ``3s``."""
 
 
 def _pattern(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
     scl = dialect is Dialect.SCL
     codesys = dialect in (Dialect.CODESYS, Dialect.TWINCAT)
+    numbered = "(?!)" if scl else _NUMBERED_NAME  # SCL writes such names in quotes
     groups = [
         # 1 COMMENT to the end of the line, 2 the start of a block, whose end `_Blocks` finds
         r"(//[^\r\n]*)",
@@ -108,11 +111,11 @@ def _pattern(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
         + (r"|(?i:P\#[\w.]+(?:\s+(?:BOOL|BYTE|WORD|DWORD|INT|DINT|REAL|CHAR)\s+\d+\b)?)" if scl else "")
         + rf"|[^\W\d]\w*\#(?:{_SINGLE_QUOTED}|{_DOUBLE_QUOTED}|[-+]?{_NUMBER}|[^\W\d]\w*)"
         + (r"|\#(?!)" if scl else f"|{_DOUBLE_QUOTED}")
-        + rf"|{_SINGLE_QUOTED}|(?<![^.]\.){_NUMBER})",
+        + rf"|{_SINGLE_QUOTED}|(?<![^.]\.)(?!{numbered}){_NUMBER})",
         # 4 COMPOUND_ASSIGN by a word, if an operand is before it
         r"((?i:REF|S|R)=)" if codesys else r"((?!))",
         # 5 NAME or keyword, 6 NAME that is none
-        r"([^\W\d]\w*)",
+        rf"([^\W\d]\w*|(?<!\w){numbered})",
         r'(\#[^\W\d]\w*|\#"[^"\r\n]+"|"[^"\r\n]+"|(?<=\.)%[XBWDLxbwdl]\d+|(?<=\.)\d+)'
         if scl
         else r"((?<=\.)%[XBWDLxbwdl]\d+|(?<=\.)\d+)",

@@ -397,6 +397,10 @@ def reading(name: str) -> Callable[[], Subject]:
 case("CND06", reading("NOT Q1"), reading("NOT I1"), "reads q1", "grafcet")
 
 
+case("CND09", reading("I1 1B2"), reading("I1 * /1B2 + ↑I2 · [n>=3]"), "missing before '1B2'", "grafcet")
+case("CND09", reading("n > 3 +"), reading("n > 3 + 1"), "cannot be read", "grafcet")
+
+
 def naming(name: str) -> Callable[[], Subject]:
     def make() -> Project:
         chart = ring("S1", "S2")

@@ -8,26 +8,17 @@ variable, and the condition is translated with its name in place of the term.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
 from plcopen_sfc.model import Condition, Expression
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
-
-_OPERAND = r"(?:(?<![\w.])[^\W\d][\w.]*|\((?:[^()]|\([^()]*\))*\))"
-_TIME = r"(?:L?T(?:IME)?#\w+|(?<![\w.])\d+(?:\.\d+)?\s*(?:ms|s|min|m|h|d))"
-_EDGE = re.compile(rf"(?P<sign>[↑↓])\s*(?P<operand>{_OPERAND})")
-_TIMED = re.compile(
-    rf"(?:(?P<first>{_TIME})\s*/\s*(?P<operand>{_OPERAND})(?:\s*/\s*(?P<last>{_TIME}))?"
-    rf"|(?P<left>{_OPERAND})\s*/\s*(?P<off>{_TIME}))",
-    re.IGNORECASE,
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,28 +44,34 @@ class TermTexts:
     """Takes the terms out of texts. `edges` and `timers` stand in an order in which each needs only those before it."""
 
     def __init__(self) -> None:
-        self._names: dict[str, str] = {}
+        self._names: dict[tuple[str | bool | None, ...], str] = {}
         self.edges: list[EdgeTerm] = []
         self.timers: list[TimeTerm] = []
 
     def read(self, text: str) -> str:
-        """The text with a name in place of each term, the same for the same term."""
-        return _TIMED.sub(self._timer, _EDGE.sub(self._edge, text))
+        """Return a condition as structured text, a name in place of each term, the same for the same term.
 
-    def _edge(self, found: re.Match[str]) -> str:
-        term = found.group(0)
+        What is no condition of a GRAFCET is returned as it is, for the parser of program text to refuse.
+        """
+        try:
+            return to_structured_text(text, self)
+        except ConditionError:
+            return text
+
+    def edge(self, operand: str, *, rising: bool) -> str:
+        """Return the name of an edge."""
+        term = ("edge", operand, rising)
         if term not in self._names:
             name = self._names[term] = f"GRAFCET_EDGE_{len(self._names) + 1}"
-            self.edges.append(EdgeTerm(name, self.read(found["operand"]), found["sign"] == "↑"))
+            self.edges.append(EdgeTerm(name, operand, rising))
         return self._names[term]
 
-    def _timer(self, found: re.Match[str]) -> str:
-        term = found.group(0)
+    def delay(self, operand: str, first: str | None, last: str | None) -> str:
+        """Return the name of a time."""
+        term = ("time", operand, first, last)
         if term not in self._names:
             name = self._names[term] = f"GRAFCET_TIME_{len(self._names) + 1}"
-            first, last = found["first"], found["last"] or found["off"]
-            operand = self.read(found["operand"] or found["left"])
-            self.timers.append(TimeTerm(name, operand, _literal(first), _literal(last)))
+            self.timers.append(TimeTerm(name, operand, first, last))
         return self._names[term]
 
 
@@ -85,7 +82,9 @@ def is_term(name: str) -> bool:
 
 def has_edge(text: str) -> bool:
     """True if there is an edge in a text."""
-    return _EDGE.search(text) is not None
+    found = TermTexts()
+    found.read(text)
+    return bool(found.edges)
 
 
 def term_times(text: str) -> list[str]:
@@ -93,13 +92,6 @@ def term_times(text: str) -> list[str]:
     found = TermTexts()
     found.read(text)
     return [time for timer in found.timers for time in (timer.first, timer.last) if time is not None]
-
-
-def _literal(time: str | None) -> str | None:
-    if time is None:
-        return None
-    compact = "".join(time.split())
-    return compact if "#" in compact else "T#" + compact.replace("min", "m")
 
 
 @dataclass(slots=True)

@@ -1,0 +1,290 @@
+"""Conditions as GRAFCETs have them, as structured text: ``1B1 * /a``, ``a · b + c̅``, ``↑a``, ``[C1>3]``, ``3s/X2``.
+
+IEC 60848:2013 writes conditions as Boolean algebra (4.6), and people write that in many ways. All are read here, the
+words of structured text too, since every GRAFCET's condition comes through here:
+
+| meaning | written |
+|---|---|
+| and | ``*`` ``·`` ``.`` ``∧`` ``&`` ``AND`` |
+| or | ``+`` ``∨`` ``OR`` |
+| not | ``/a`` ``!a`` ``¬a`` ``NOT a``, an overline on every character of a name |
+| edges | ``↑a`` ``↓a`` |
+| predicate | ``[C1>3]``, also without brackets |
+| time | ``3s/X2`` ``X2/5s`` ``2s/a/3s`` |
+| always, never | ``1`` ``0`` |
+
+A dot between two names without a blank is that of a member (``Timer.Q``). Up to the next word operator or parenthesis a
+comparison makes ``+ - * /`` arithmetic, as in structured text. Names may begin with a digit (``1B1``).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from plcopen_sfc.languages.problems import Problem
+
+
+class ConditionError(ValueError):
+    """A condition that cannot be read. `problem` has its place."""
+
+    def __init__(self, message: str, span: tuple[int, int]) -> None:
+        super().__init__(message)
+        self.problem = Problem(message, span)
+
+
+class Terms(Protocol):
+    """What takes the place of edges and times, which structured text does not have. Operands are structured text."""
+
+    def edge(self, operand: str, *, rising: bool) -> str:
+        """Return what stands for ``↑operand`` or ``↓operand``."""
+
+    def delay(self, operand: str, first: str | None, last: str | None) -> str:
+        """Return what stands for ``first/operand/last``."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Token:
+    kind: str
+    text: str
+    span: tuple[int, int]
+
+
+_OVERLINE = "\u0305"
+_TIME = r"L?T(?:IME)?\#\w+(?:\.\d+\w*)*|\d+(?:[.,]\d+)?[ \t]*(?:ms|min|s|m|h|d)(?![\w\u0305])"
+NAME = rf"\d*[^\W\d](?:\w|{_OVERLINE})*|\d(?:{_OVERLINE}\w|\w)*{_OVERLINE}(?:\w|{_OVERLINE})*"
+"""A name: it may begin with digits."""
+_TOKEN = re.compile(
+    rf"""\s*(?:
+    (?P<time>{_TIME})
+  | (?P<literal>\d+\#\w+|[^\W\d]\w*\#(?:'[^']*'|[-+]?\d[\w.#]*|\w+)|'[^']*')
+  | (?P<name>"[^"\r\n]+"|%\w+(?:\.\d+)*|{NAME})
+  | (?P<number>\d+(?:\.\d+)?)
+  | (?P<compare><>|<=|>=|[=<>≤≥≠])
+  | (?P<not>[!¬])
+  | (?P<and>[·∧&⋅])
+  | (?P<or>∨)
+  | (?P<mark>\*\*|[-*+/.()\[\]↑↓^,]|:=|=>)
+    )""",
+    re.VERBOSE | re.IGNORECASE,
+)
+_WORDS = {"AND": "and", "OR": "or", "XOR": "xor", "NOT": "not", "MOD": "mark"}
+_COMPARISONS = {"≤": "<=", "≥": ">=", "≠": "<>"}
+_BOOLEAN = {"and": "AND", "or": "OR", "xor": "XOR"}
+_OPEN = {"(": ")", "[": "]"}
+
+
+def to_structured_text(text: str, terms: Terms) -> str:
+    """Return a condition as structured text. Raises `ConditionError`."""
+    reader = _Reader(text, terms)
+    if [token.text for token in reader.tokens] == ["=", "1"]:  # "always true", as drawings label it
+        return "TRUE"
+    return reader.level(0, len(reader.tokens))
+
+
+def condition_problem(text: str) -> Problem | None:
+    """Return why a condition cannot be read; None where it can."""
+    try:
+        to_structured_text(text, _AsWritten())
+    except ConditionError as error:
+        return error.problem
+    return None
+
+
+def program_parts(text: str) -> list[tuple[int, int]]:
+    """Return the spans of a condition that are structured text by themselves: operands and comparisons.
+
+    Empty where it cannot be read. An overlined name is left out: its characters are not those of the name.
+    """
+    try:
+        reader = _Reader(text, _AsWritten())
+        reader.level(0, len(reader.tokens))
+    except ConditionError:
+        return []
+    return reader.parts
+
+
+class _AsWritten:
+    def edge(self, operand: str, *, rising: bool) -> str:
+        return f"{'↑' if rising else '↓'}({operand})"
+
+    def delay(self, operand: str, first: str | None, last: str | None) -> str:
+        return "/".join(part for part in (first, f"({operand})", last) if part is not None)
+
+
+class _Reader:
+    def __init__(self, text: str, terms: Terms) -> None:
+        self._text = text
+        self._terms = terms
+        self.tokens = list(self._tokens())
+        self._closed = self._pairs()
+        self.parts: list[tuple[int, int]] = []
+
+    def _tokens(self) -> Sequence[_Token]:
+        found, position = [], 0
+        end = len(self._text.rstrip())
+        while position < end:
+            match = _TOKEN.match(self._text, position)
+            if match is None:
+                start = position + len(self._text[position:]) - len(self._text[position:].lstrip())
+                raise ConditionError(f"{self._text[start]!r} is not of a condition", (start, start + 1))
+            kind = match.lastgroup or ""
+            text = match[kind]
+            if kind == "name":
+                kind = _WORDS.get(text.upper(), "name")
+            found.append(_Token(kind, text, match.span(match.lastgroup or 0)))
+            position = match.end()
+        return found
+
+    def _pairs(self) -> dict[int, int]:
+        """Return the index of each closing parenthesis by that of the opening one."""
+        waiting: list[int] = []
+        found = {}
+        for index, token in enumerate(self.tokens):
+            if token.text in _OPEN and token.kind == "mark":
+                waiting.append(index)
+            elif token.text in _OPEN.values() and token.kind == "mark":
+                if not waiting or _OPEN[self.tokens[waiting[-1]].text] != token.text:
+                    raise ConditionError(f"{token.text!r} closes nothing", token.span)
+                found[waiting.pop()] = index
+        if waiting:
+            opening = self.tokens[waiting[-1]]
+            raise ConditionError(f"{_OPEN[opening.text]!r} is missing", opening.span)
+        return found
+
+    # -- levels of parentheses
+
+    def level(self, start: int, end: int) -> str:
+        """Read what stands between two parentheses: Boolean parts, and comparisons between word operators."""
+        parts, position = [], start
+        while True:
+            split = self._next(position, end, set(_BOOLEAN))
+            parts.append(self._segment(position, split))
+            if split == end:
+                return " ".join(parts)
+            parts.append(_BOOLEAN[self.tokens[split].kind])
+            position = split + 1
+
+    def _next(self, position: int, end: int, kinds: set[str]) -> int:
+        """Return the index of the next token of `kinds` in no parentheses."""
+        while position < end and self.tokens[position].kind not in kinds:
+            position = self._closed.get(position, position) + 1
+        return min(position, end)
+
+    def _segment(self, start: int, end: int) -> str:
+        if self._next(start, end, {"compare"}) < end:
+            return self._verbatim(start, end)
+        text, position = self._operand(start, end)
+        while position < end:
+            word = {"*": "AND", ".": "AND", "+": "OR"}.get(self.tokens[position].text)
+            if word is None:
+                raise ConditionError(
+                    f"an operator is missing before {self.tokens[position].text!r}", self.tokens[position].span
+                )
+            operand, position = self._operand(position + 1, end)
+            text += f" {word} {operand}"
+        return text
+
+    def _verbatim(self, start: int, end: int) -> str:
+        """Return a comparison: it is structured text already."""
+        if start == end or self.tokens[start].kind == "compare" or self.tokens[end - 1].kind == "compare":
+            raise self._missing(end)
+        self.parts.append((self.tokens[start].span[0], self.tokens[end - 1].span[1]))
+        parts, last = [], self.tokens[start].span[0]
+        for token in self.tokens[start:end]:
+            text = _COMPARISONS.get(token.text, token.text) if token.kind == "compare" else _plain(token.text)
+            parts.append(self._text[last : token.span[0]] + text)
+            last = token.span[1]
+        return "".join(parts)
+
+    # -- operands
+
+    def _operand(self, start: int, end: int) -> tuple[str, int]:
+        """Return an operand with its negations, edges and times, and the index behind it."""
+        if start == end:
+            raise self._missing(start)
+        token = self.tokens[start]
+        if token.kind == "not" or token.text == "/":
+            operand, behind = self._operand(start + 1, end)
+            return f"NOT {operand}", behind
+        if token.text in ("↑", "↓"):
+            operand, behind = self._operand(start + 1, end)
+            return self._terms.edge(operand, rising=token.text == "↑"), behind
+        first = None
+        if token.kind == "time":
+            if not self._is(start + 1, end, "/"):
+                raise ConditionError(f"a time needs what it is the time of: {token.text}/X1", token.span)
+            first, start = token.text, start + 2
+            if start == end:
+                raise self._missing(start)
+            if self.tokens[start].text == "/" or self.tokens[start].kind == "not" or self.tokens[start].text in "↑↓":
+                operand, behind = self._operand(start, end)
+                return self._terms.delay(operand, _time(first), None), behind
+        operand, behind = self._primary(start, end)
+        last = None
+        if self._is(behind, end, "/") and behind + 1 < end and self.tokens[behind + 1].kind == "time":
+            last, behind = self.tokens[behind + 1].text, behind + 2
+        if first is None and last is None:
+            return operand, behind
+        return self._terms.delay(operand, _time(first), _time(last)), behind
+
+    def _is(self, index: int, end: int, text: str) -> bool:
+        return index < end and self.tokens[index].text == text
+
+    def _primary(self, start: int, end: int) -> tuple[str, int]:
+        token = self.tokens[start]
+        if token.kind == "number":
+            if token.text not in ("0", "1"):
+                raise ConditionError(f"{token.text} is no Boolean value", token.span)
+            return ("TRUE" if token.text == "1" else "FALSE"), start + 1
+        if token.text in _OPEN:
+            close = self._closed[start]
+            return f"({self.level(start + 1, close)})", close + 1
+        if token.kind == "literal":
+            return token.text, start + 1
+        if token.kind != "name":
+            raise ConditionError(f"an operand is missing before {token.text!r}", token.span)
+        behind = self._path(start + 1, end)
+        if _OVERLINE in token.text:
+            return f"NOT {self._overlined(start, behind)}", behind
+        self.parts.append((token.span[0], self.tokens[behind - 1].span[1]))
+        return self._text[slice(*self.parts[-1])], behind
+
+    def _overlined(self, start: int, behind: int) -> str:
+        token = self.tokens[start]
+        bare = token.text.replace(_OVERLINE, "")
+        if behind > start + 1 or token.text != "".join(character + _OVERLINE for character in bare):
+            raise ConditionError("the overline is not over the whole name: write /a or NOT (..)", token.span)
+        return bare
+
+    def _path(self, position: int, end: int) -> int:
+        """Return the index behind the members, indexes and arguments that follow a name."""
+        while position < end:
+            token = self.tokens[position]
+            touches = token.span[0] == self.tokens[position - 1].span[1]
+            follows = position + 1 < end and self.tokens[position + 1].span[0] == token.span[1]
+            if token.text in _OPEN and touches:
+                position = self._closed[position] + 1
+            elif token.text == "^" and touches:
+                position += 1
+            elif token.text == "." and touches and follows and self.tokens[position + 1].kind in ("name", "number"):
+                position += 2
+            else:
+                break
+        return position
+
+    def _missing(self, index: int) -> ConditionError:
+        place = self.tokens[index].span[0] if index < len(self.tokens) else len(self._text)
+        return ConditionError("an operand is missing", (place, place))
+
+
+def _plain(text: str) -> str:
+    return text.replace(_OVERLINE, "")
+
+
+def _time(text: str | None) -> str | None:
+    if text is None or "#" in text:
+        return text
+    return "T#" + "".join(text.split()).replace(",", ".").replace("min", "m")
