@@ -17,12 +17,14 @@ FIXTURES = Path(__file__).resolve().parents[1] / "fixtures"
 def main(folder: str) -> None:
     """Write every picture into `folder`."""
     sorting = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    flip_flops = sfc.load(FIXTURES / "training-chain" / "classic_flip-flops.xml").pou("Ablauf")
     pictures = {
         "pusher": sorting.pou("FB_Pusher").chart.to_svg(),
         "pusher-dark": sorting.pou("FB_Pusher").chart.to_svg(theme="dark"),
         "sorting": sorting.pou("PLC_PRG").chart.to_svg(),
         "drill": sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml").pou("FB_Drill").chart.to_svg(),
         "grafcet": press().to_svg(),
+        "flip-flops": flip_flops.body.to_svg(),
     }
     for name, svg in pictures.items():
         Path(folder, f"{name}.svg").write_bytes(svg.encode("ascii"))

@@ -74,6 +74,12 @@ def _to_svg() -> Operation:
     return chart_svg
 
 
+def _body_svg() -> Operation:
+    from plcopen_sfc.drawing.pictures import body_svg  # noqa: PLC0415
+
+    return body_svg
+
+
 def _trace_svg() -> Operation:
     from plcopen_sfc.pages.timing_diagram import trace_svg  # noqa: PLC0415
 
@@ -85,4 +91,5 @@ provide("rename_many", _rename_many)
 provide("rename_step", _rename_step)
 provide("locations_of", _locations_of)
 provide("to_svg", _to_svg)
+provide("body_svg", _body_svg)
 provide("trace_svg", _trace_svg)

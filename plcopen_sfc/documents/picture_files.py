@@ -1,4 +1,4 @@
-"""Pictures of the charts of a project in files: SVG, PNG and PDF made of it, texts for Mermaid and Graphviz."""
+"""Pictures of the charts and networks of a project in files: SVG, PNG and PDF of it, Mermaid and Graphviz."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from plcopen_sfc.documents.folder_documents import FileNames
-from plcopen_sfc.drawing.pictures import Theme, chart_svg, dot_text, mermaid_text
+from plcopen_sfc.drawing.pictures import Theme, body_svg, chart_svg, dot_text, mermaid_text
 from plcopen_sfc.errors import ModelError, SfcError, check_argument, nearest
 from plcopen_sfc.files import refuse_empty, write_all
-from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
+from plcopen_sfc.model.pou import NamedBody
+from plcopen_sfc.model.project import Project
 
-__all__ = ["PICTURE_FORMATS", "DrawnChart", "draw"]
+__all__ = ["PICTURE_FORMATS", "DrawnChart", "draw", "drawn_bodies"]
 
 PICTURE_FORMATS = {"svg": ".svg", "png": ".png", "pdf": ".pdf", "mermaid": ".mmd", "dot": ".dot"}
 """The formats of pictures and their extensions."""
@@ -28,7 +30,7 @@ _PDF_PIXELS = 19_200
 
 
 class DrawnChart(NamedTuple):
-    """A picture in a file: the `name` of its chart (``Main.Fill``) and the `path`."""
+    """A picture in a file: the `name` of its chart or of its body in FBD or LD (``Main.Fill``) and the `path`."""
 
     name: str
     path: Path
@@ -43,9 +45,10 @@ def draw(
     theme: str = Theme.LIGHT,
     format: str | None = None,
 ) -> list[DrawnChart]:
-    """Draw the charts of a project, or the one called `pou` (``Main``, ``Main.Fill``), into files.
+    """Draw the charts and the bodies in FBD and LD of a project into files, or what is called `pou` of them.
 
-    `target` is a file for one chart, or a folder, which exists or ends in a slash; there each picture has the name
+    `pou` is ``Main``, or of an action ``Main.Fill``; without it bodies are drawn where the project has no charts.
+    `target` is a file for one picture, or a folder, which exists or ends in a slash; there each picture has the name
     of its chart. `style` and `theme` as in `SfcNetwork.to_svg`. `format` is ``svg``, ``png`` (two pixels for one of
     the SVG), ``pdf`` (one page of the size of the picture), or a text for a program that draws graphs, without
     style and theme: ``mermaid`` or ``dot``. The default is what the extension of a file says, else ``svg``. PNG and
@@ -57,11 +60,11 @@ def draw(
     path = os.fspath(target)
     refuse_empty(path)
     kind = _format(path, format)
-    charts = _chosen(project, pou)
+    charts = drawn_bodies(project, pou, kind)
     paths = _paths(charts, path, PICTURE_FORMATS[kind])
     pairs = list(zip(charts, paths, strict=True))
-    write_all({file: _picture(chart, kind, style, theme) for chart, file in pairs})
-    return [DrawnChart(chart.name, file) for chart, file in pairs]
+    write_all({file: _picture(named, kind, style, theme) for named, file in pairs})
+    return [DrawnChart(named.name, file) for named, file in pairs]
 
 
 def _format(path: str, wanted: str | None) -> str:
@@ -75,10 +78,14 @@ def _format(path: str, wanted: str | None) -> str:
     return wanted.lower()
 
 
-def _picture(chart: Chart, kind: str, style: str | None, theme: str) -> bytes:
-    if kind in _TEXTS:
-        return _TEXTS[kind](chart.chart).encode("utf-8")
-    svg = chart_svg(chart.chart, style, theme)
+def _picture(named: NamedBody, kind: str, style: str | None, theme: str) -> bytes:
+    body = named.body
+    if kind in _TEXTS and isinstance(body, SfcBody):
+        return _TEXTS[kind](body.chart).encode("utf-8")
+    if isinstance(body, SfcBody):
+        svg = chart_svg(body.chart, style, theme)
+    elif isinstance(body, FbdBody | LdBody):
+        svg = body_svg(body, theme, named.name)
     data = svg.encode("ascii")
     if kind == "svg":
         return data
@@ -100,26 +107,30 @@ def _picture(chart: Chart, kind: str, style: str | None, theme: str) -> bytes:
 _TEXTS = {"mermaid": mermaid_text, "dot": dot_text}
 
 
-def _chosen(project: Project, pou: str | None) -> list[Chart]:
-    charts = list(project.charts())
-    names = [each.name for each in charts]
+def drawn_bodies(project: Project, pou: str | None, kind: str = _DEFAULT) -> list[NamedBody]:
+    """Return what `draw` draws: what is called `pou`, else all charts, else all bodies in FBD and LD."""
+    project.read_all()
+    drawable = SfcBody if kind in _TEXTS else SfcBody | FbdBody | LdBody
+    bodies = [found for found in project.bodies() if isinstance(found.body, drawable)]
+    names = list(dict.fromkeys(each.name for each in bodies))
     listed = ", ".join(names[:_SHOWN]) + (" .." if len(names) > _SHOWN else "")
-    if not charts:
-        raise ModelError("the project has no chart to draw")
+    if not bodies:
+        raise ModelError("the project has no chart to draw" + ("" if kind in _TEXTS else ", and nothing in FBD or LD"))
     if pou is None:
-        return charts
-    chosen = [each for each in charts if each.name.casefold() == pou.casefold()]
+        return [each for each in bodies if isinstance(each.body, SfcBody)] or bodies
+    chosen = [each for each in bodies if each.name.casefold() == pou.casefold()]
     if not chosen:
-        raise ModelError(f"the project has no chart {pou!r}{nearest(pou, names)}", hint=f"Its charts are: {listed}")
+        raise ModelError(f"the project has no chart {pou!r}{nearest(pou, names)}", hint=f"It has: {listed}")
     return chosen
 
 
-def _paths(charts: list[Chart], path: str, extension: str) -> list[Path]:
+def _paths(charts: list[NamedBody], path: str, extension: str) -> list[Path]:
     """Return the file of each chart."""
     if path.endswith(("/", os.sep)) or Path(path).is_dir():
         names = FileNames()
         return [Path(path, names.free("", each.name, extension)) for each in charts]
     if len(charts) > 1:
         hint = "Name a folder (pictures/), or one of the charts."
-        raise ModelError(f"{len(charts)} charts do not fit into one picture", hint=hint)
+        what = "charts" if isinstance(charts[0].body, SfcBody) else "bodies"
+        raise ModelError(f"{len(charts)} {what} do not fit into one picture", hint=hint)
     return [Path(path)]

@@ -11,6 +11,7 @@ from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
+from plcopen_sfc.operations import provided
 
 
 class BodyBase(Owned, Element):
@@ -39,14 +40,30 @@ class IlBody(BodyBase):
     markup: str | None = None
 
 
-class FbdBody(BodyBase):
+class _Drawable:
+    """A body that is a drawing."""
+
+    def to_svg(self, *, theme: str = "light") -> str:
+        """Draw the networks: the text of an SVG file.
+
+        `theme` is ``light``, ``dark`` or ``print`` (black on white). Raises `ModelError` for any other.
+        """
+        picture: str = provided("body_svg")(self, theme)
+        return picture
+
+    def _repr_svg_(self) -> str:
+        """Show the networks in Jupyter."""
+        return self.to_svg()
+
+
+class FbdBody(BodyBase, _Drawable):
     """Function block diagram (FUP)."""
 
     language: Literal["FBD"] = "FBD"
     networks: list[LogicNetwork] = Field(default_factory=list)
 
 
-class LdBody(BodyBase):
+class LdBody(BodyBase, _Drawable):
     """Ladder diagram (KOP)."""
 
     language: Literal["LD"] = "LD"

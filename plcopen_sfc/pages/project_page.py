@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 from plcopen_sfc.checking import check
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.drawing.pictures import chart_figure
+from plcopen_sfc.drawing.pictures import body_figure, chart_figure
 from plcopen_sfc.drawing.wording import Wording, association_words
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.languages.declarations.declaration_writing import write_data_type, write_type, write_value
@@ -70,6 +70,7 @@ class _ProjectContent:
         found = [*index.project.diagnostics, *check(index.project)]
         order = {severity: number for number, severity in enumerate(_SEVERITIES)}
         self.findings = sorted(dict.fromkeys(found), key=lambda finding: order[finding.severity])
+        self._drawn = 0
         self._found_at: dict[str, list[Diagnostic]] = {}
         for finding in self.findings:
             self._found_at.setdefault(index.anchor_at(finding.location.path or ""), []).append(finding)
@@ -171,7 +172,11 @@ class _ProjectContent:
             return element("pre", element("code", self.index.linked(body, "text"))) if body.text else Html("")
         if isinstance(body, FbdBody | LdBody):
             text = shown_body(body, self.project.dialect)
-            return element("pre", element("code", text if text is not None else f"({body.language})"))
+            as_text = element("details", element("summary", "ST"), element("pre", element("code", text or "")))
+            self._drawn += 1
+            picture = Html(body_figure(body, f"{self.index.prefix}drawn-{self._drawn}-"))
+            figure = element("figure", element("div", picture, class_="scroll", tabindex="0"))
+            return joined(figure, as_text) if text else figure
         if isinstance(body, OpaqueBody):
             note = self.words("a body in a form that is kept but not read")
             return element("details", element("summary", note), element("pre", body.content))

@@ -1,4 +1,4 @@
-"""``plcopen-sfc draw``: charts as pictures."""
+"""``plcopen-sfc draw``: charts and networks as pictures."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.documents.picture_files import PICTURE_FORMATS, draw
+from plcopen_sfc.documents.picture_files import PICTURE_FORMATS, draw, drawn_bodies
 
 
 def run(
@@ -19,7 +19,7 @@ def run(
     theme: str,
     format: str | None,
 ) -> int:
-    """Draw the charts of `source`, or the one called `pou`, into `target` (None: next to it, ``-``: standard output).
+    """Draw the charts of `source`, or what is called `pou`, into `target` (None: next to it, ``-``: standard output).
 
     From standard input (``-``) None is standard output.
     """
@@ -28,7 +28,7 @@ def run(
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
     if target is None:
-        several = pou is None and len(list(project.charts())) > 1
+        several = len(drawn_bodies(project, pou)) > 1
         target = STANDARD_STREAM if source == STANDARD_STREAM else _beside(Path(source), extension, several=several)
     with written_to_stdout(screen, target, extension) as place:
         drawn = draw(project, place, pou=pou, style=style, theme=theme, format=format)

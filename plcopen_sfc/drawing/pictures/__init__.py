@@ -3,6 +3,7 @@
 * `chart_picture`: a chart with the charts inside it, as the text of an SVG file
 * `chart_arrangement`: the nested branches of a chart on the page
 * `symbol_pictures`, `action_pictures`: steps, transitions and jumps; action blocks
+* `network_picture`, `network_layout`: networks of FBD and LD
 * `graph_texts`: Mermaid and Graphviz
 * `svg_canvas`: shapes, texts and themes; `text_measures`: widths of texts, wrapped texts
 """
@@ -15,6 +16,7 @@ from plcopen_sfc.drawing.pictures.chart_picture import (
     part_prefix,
 )
 from plcopen_sfc.drawing.pictures.graph_texts import dot_text, mermaid_text
+from plcopen_sfc.drawing.pictures.network_picture import body_figure, body_svg
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, escape, style_rules
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle
 
@@ -22,6 +24,8 @@ __all__ = [
     "Canvas",
     "PictureStyle",
     "Theme",
+    "body_figure",
+    "body_svg",
     "chart_figure",
     "chart_svg",
     "charts_in",

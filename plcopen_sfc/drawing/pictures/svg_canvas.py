@@ -152,6 +152,10 @@ class Canvas:
         path = f"M{x} {y}" + "".join(f"L{x} {y}" for x, y in others) + ("Z" if closed else "")
         self._elements.append(f'<path class="{kind}" d="{path}"/>')
 
+    def circle(self, kind: str, x: int, y: int, radius: int) -> None:
+        """Draw a circle around a point."""
+        self._elements.append(f'<circle class="{kind}" cx="{x}" cy="{y}" r="{radius}"/>')
+
     def text(self, kind: str, x: int, y: int, text: str, *, anchor: str = "start", link: str = "") -> None:
         """Write one line of text with its base line at `y`; `link` is the id of an element of the same picture."""
         placed = "" if anchor == "start" else f' text-anchor="{anchor}"'

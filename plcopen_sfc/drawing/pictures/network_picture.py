@@ -1,0 +1,412 @@
+"""Pictures of networks: FBD as blocks with pins, LD as contacts and coils between rails.
+
+Signals run from left to right, see `network_layout`. The order from above to below is that of the file: of its
+positions if it has any, else of its elements. An operand of one block stands at its pin. A signal that comes back to
+where it was is written at the pin, with a link to its source, instead of a wire around everything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from plcopen_sfc.drawing.pictures.chart_picture import chosen_theme
+from plcopen_sfc.drawing.pictures.network_layout import Box, NetworkLayout, Wire, feedback_wires
+from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme
+from plcopen_sfc.drawing.pictures.text_measures import text_width, widest, wrap
+from plcopen_sfc.model import network as n
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.text import plain
+
+_MARGIN = 24
+_PITCH = 20
+_BETWEEN = 16
+_PAD = 7
+_TEXT = 360
+_MODIFIERS = {n.Edge.RISING: "P", n.Edge.FALLING: "N", n.Storage.SET: "S", n.Storage.RESET: "R"}
+
+
+def body_svg(body: FbdBody | LdBody, theme: str = Theme.LIGHT, name: str = "") -> str:
+    """Return a picture of the networks of a body as the text of an SVG file, called `name`.
+
+    `theme` is a `Theme`. Raises `ModelError` for one that does not exist.
+    """
+    return _picture(body, chosen_theme(theme), "", name)
+
+
+def body_figure(body: FbdBody | LdBody, prefix: str) -> str:
+    """Return a picture of the networks of a body as a part of a page: all ids in it begin with `prefix`."""
+    return _picture(body, None, prefix, "")
+
+
+def _picture(body: FbdBody | LdBody, theme: Theme | None, prefix: str, name: str) -> str:
+    canvas = Canvas()
+    y = right = _MARGIN
+    for number, network in enumerate(body.networks):
+        title = plain(network.title)
+        if len(body.networks) > 1 or title:
+            lines = wrap(f"{number + 1}. {title}" if title else f"{number + 1}.", 13, 2 * _TEXT, bold=True)
+            canvas.lines("name", _MARGIN, y + 10, lines, 16)
+            right = max(right, _MARGIN + widest(lines, 13, bold=True))
+            y += 16 * len(lines) + 10
+        sheet = _Sheet(network, f"{prefix}network-{number}-", is_ladder=body.language == "LD")
+        sheet.draw(canvas, _MARGIN, y)
+        right = max(right, _MARGIN + sheet.width)
+        y += sheet.height + 8
+    kind = "Ladder diagram" if body.language == "LD" else "Function block diagram"
+    count = len(body.networks)
+    told = f"{kind}: {count} network{'' if count == 1 else 's'}"
+    return canvas.document(right + _MARGIN, y + _MARGIN - 24, theme, name or kind, told)
+
+
+@dataclass(slots=True)
+class _Pin:
+    """A pin of a symbol: its name, what stands at it instead of a wire, and what it does to the signal."""
+
+    name: str
+    text: str = ""
+    link: str = ""
+    negated: bool = False
+    modifier: str = ""
+    connections: Sequence[n.Connection] = ()
+    wired: bool = False
+
+
+@dataclass(slots=True)
+class _Symbol:
+    """An element of a network. `look` is block, text, contact, coil, rail or note; `caption` is above it."""
+
+    look: str
+    lines: list[str]
+    title: str
+    identifier: str = ""
+    caption: str = ""
+    inputs: list[_Pin] = field(default_factory=list)
+    outputs: list[_Pin] = field(default_factory=list)
+    negated: bool = False
+    modifier: str = ""
+    before: int = 0
+    body: int = 0
+    is_at_pin: bool = False
+    box: Box = field(default_factory=lambda: Box(0, 0))
+
+    def measure(self) -> None:
+        """Set the size; what stands at the pins is known."""
+        self.before = max((text_width(pin.text, 12) + 12 for pin in self.inputs if pin.text), default=0)
+        behind = max((text_width(pin.text, 12) + 12 for pin in self.outputs if pin.text), default=0)
+        rows = max(len(self.inputs), len(self.outputs), 1)
+        inner = widest(self.lines, 13 if self.look == "block" else 12, bold=self.look == "block")
+        above = 17 if self.caption else 0
+        levels: list[int]
+        if self.look == "block":
+            names = [max((text_width(pin.name, 11) for pin in pins), default=0) for pins in (self.inputs, self.outputs)]
+            self.body = max(inner + 2 * _PAD, sum(names) + 4 * _PAD, text_width(self.caption, 12), 46)
+            head = 18 * len(self.lines)
+            height = above + head + rows * _PITCH + 4
+            levels = [above + head + _PITCH * row + 10 for row in range(rows)]
+        elif self.look in ("contact", "coil", "assignment"):
+            self.body = max(text_width(self.caption, 12) + 8, 52)
+            height, levels = above + 23, [above + 11] * rows
+        elif self.look == "rail":
+            self.body, height, levels = 6, 26, [13] * rows
+        else:
+            self.body = inner + 3 * _PAD
+            height = max(len(self.lines), 1) * 15 + 6
+            levels = [height // 2] * rows
+        count = (len(self.inputs), len(self.outputs))
+        self.box = Box(self.before + self.body + behind, height, levels[: count[0]], levels[: count[1]])
+
+    def draw(self, canvas: Canvas, x: int, y: int) -> None:
+        """Draw the symbol with its upper left corner at `x`, `y`."""
+        left, right = x + self.before, x + self.before + self.body
+        area = (x, y, self.box.width, self.box.height)
+        kind = {"text": "operand", "note": "comment"}.get(self.look, self.look)
+        with canvas.element(kind, self.identifier, self.title, area):
+            if self.caption:
+                canvas.text("plain", (left + right) // 2, y + 12, self.caption, anchor="middle")
+            draw = {
+                "block": self._draw_block,
+                "rail": self._draw_rail,
+                "text": self._draw_text,
+                "note": self._draw_note,
+            }
+            draw.get(self.look, self._draw_switch)(canvas, left, right, y)
+            for pins, levels, edge, side in (
+                (self.inputs, self.box.inputs, left, -1),
+                (self.outputs, self.box.outputs, right, 1),
+            ):
+                for pin, down in zip(pins, levels, strict=True):
+                    self._draw_pin(canvas, pin, edge, y + down, side)
+
+    def _draw_pin(self, canvas: Canvas, pin: _Pin, edge: int, level: int, side: int) -> None:
+        outer = edge + side * (self.before if side < 0 else self.box.width - self.before - self.body)
+        if pin.text:
+            canvas.line("thin", (edge, level), (edge + side * 8, level))
+            canvas.text(
+                "link" if pin.link else "plain",
+                edge + side * 11,
+                level + 4,
+                pin.text,
+                anchor="end" if side < 0 else "start",
+                link=pin.link,
+            )
+        elif outer != edge and pin.wired:
+            canvas.line("wire", (outer, level), (edge, level))
+        if self.look == "block":
+            canvas.text("small", edge - side * (_PAD + 1), level + 4, pin.name, anchor="start" if side < 0 else "end")
+        if pin.negated:
+            canvas.circle("mark", edge + side * 4, level, 4)
+        if pin.modifier:
+            canvas.text("quiet", edge + side * 6, level - 4, pin.modifier, anchor="end" if side < 0 else "start")
+
+    def _draw_block(self, canvas: Canvas, left: int, right: int, y: int) -> None:
+        top = y + (17 if self.caption else 0)
+        canvas.box("box", left, top, right - left, y + self.box.height - top)
+        canvas.lines("name", (left + right) // 2, top + 14, self.lines, 16, anchor="middle")
+
+    def _draw_rail(self, canvas: Canvas, left: int, right: int, y: int) -> None:  # noqa: ARG002
+        if not self.outputs:
+            canvas.line("bar", (left, y), (left, y + self.box.height))
+
+    def _draw_text(self, canvas: Canvas, left: int, right: int, y: int) -> None:
+        canvas.box("row", left, y, right - left, self.box.height)
+        canvas.lines("plain", left + _PAD, y + 14, self.lines, 15)
+
+    def _draw_note(self, canvas: Canvas, left: int, right: int, y: int) -> None:  # noqa: ARG002
+        canvas.lines("remark", left + 2 * _PAD, y + 14, self.lines, 15)
+
+    def _draw_switch(self, canvas: Canvas, left: int, right: int, y: int) -> None:
+        level, middle = y + self.box.height - 12, (left + right) // 2
+        sign = "".join(("/" if self.negated else "", self.modifier))
+        for pin, begin, end in ((self.inputs[0], left, middle - 9), (self.outputs[0], middle + 9, right)):
+            if pin.wired or pin.text:
+                canvas.line("wire", (begin, level), (end, level))
+        if self.look == "contact":
+            for x in (middle - 9, middle + 9):
+                canvas.line("bar", (x, level - 9), (x, level + 9))
+        elif self.look == "coil":
+            canvas.circle("mark", middle, level, 10)
+        else:
+            canvas.box("box", middle - 13, level - 11, 26, 22)
+            sign = sign or "="
+        canvas.text("plain", middle, level + 4, sign, anchor="middle")
+
+
+class _Sheet:
+    """A network: its symbols and their places."""
+
+    def __init__(self, network: n.LogicNetwork, prefix: str, *, is_ladder: bool) -> None:
+        self._prefix = prefix
+        self._is_ladder = is_ladder
+        self.symbols: list[_Symbol] = []
+        self._of: dict[int, tuple[int, dict[str, int]]] = {}
+        self._rails: set[int] = set()
+        nodes = list(network.nodes)
+        if len({node.position for node in nodes}) > 1:
+            nodes.sort(key=lambda node: (node.position[1], node.position[0]))
+        for node in nodes:
+            self._add(node)
+        self._operands_to_pins(nodes)
+        wires = list(self._connect())
+        for symbol in self.symbols:
+            symbol.measure()
+            symbol.box.first = symbol.look == "rail" and bool(symbol.outputs)
+            symbol.box.last = symbol.look in ("coil", "rail") and is_ladder and not symbol.box.first
+        self._groups = list(
+            _connected([symbol for symbol in self.symbols if not symbol.is_at_pin], self.symbols, wires)
+        )
+        self.width = max((layout.width for _, layout in self._groups), default=0)
+        self.height = sum(layout.height + _BETWEEN for _, layout in self._groups)
+
+    def draw(self, canvas: Canvas, x: int, y: int) -> None:
+        """Draw the network with its upper left corner at `x`, `y`."""
+        rails: list[tuple[int, int]] = []
+        for symbols, layout in self._groups:
+            for path in layout.paths:
+                for line in path.lines:
+                    if line[0] != line[1]:
+                        canvas.wire(*((x + a, y + b) for a, b in line))
+                for a, b in path.dots:
+                    canvas.circle("head", x + a, y + b, 3)
+            for symbol in symbols:
+                symbol.draw(canvas, x + symbol.box.x, y + symbol.box.y)
+                if symbol.box.first:
+                    rails += [
+                        (x + symbol.body, y + symbol.box.y),
+                        (x + symbol.body, y + symbol.box.y + symbol.box.height),
+                    ]
+            y += layout.height + _BETWEEN
+        if rails:
+            canvas.wire(min(rails), max(rails), kind="bar")
+
+    def _operands_to_pins(self, nodes: Sequence[n.Node]) -> None:
+        """Write operands that feed one pin of a block at this pin: no wire is needed."""
+        users: dict[int, list[_Pin]] = {}
+        for symbol in self.symbols:
+            for pin in symbol.inputs:
+                for connection in pin.connections:
+                    users.setdefault(connection.source, []).append(pin if symbol.look == "block" else _Pin(""))
+        for node in nodes:
+            pins = users.get(node.id, [])
+            if not isinstance(node, n.InputVariable) or len(pins) != 1 or len(pins[0].connections) != 1:
+                continue
+            symbol = self.symbols[self._of[node.id][0]]
+            if not symbol.outputs[0].modifier and not (node.negated and pins[0].negated) and len(symbol.lines) == 1:
+                pins[0].text, pins[0].connections = node.expression, ()
+                pins[0].negated = pins[0].negated or node.negated
+                symbol.is_at_pin = True
+
+    def _add(self, node: n.Node) -> None:
+        if isinstance(node, n.LeftPowerRail):
+            self._rails.add(node.id)
+            return
+        if isinstance(node, n.RightPowerRail):
+            for connection in (each for pin in node.inputs for each in pin.connections):
+                self.symbols.append(
+                    _Symbol("rail", [], "Right power rail", inputs=[_Pin("", connections=[connection])])
+                )
+            return
+        symbol = self._symbol(node)
+        if not symbol.lines and symbol.look == "note":
+            return
+        symbol.identifier = f"{self._prefix}{node.id}"
+        names = {pin.name: number for number, pin in enumerate(symbol.outputs)}
+        self._of.setdefault(node.id, (len(self.symbols), names))
+        self.symbols.append(symbol)
+
+    def _connect(self) -> Iterator[Wire]:
+        """Yield the wires; a rail becomes a symbol for each wire, feedback a text at the pin."""
+        ends = [
+            (number, place, connection)
+            for number, symbol in enumerate(self.symbols)
+            for place, pin in enumerate(symbol.inputs)
+            for connection in pin.connections
+        ]
+        wires: dict[Wire, None] = {}
+        for number, place, connection in ends:
+            source, names = self._of.get(connection.source, (-1, {}))
+            if connection.source in self._rails:
+                wires[Wire(len(self.symbols), 0, number, place)] = None
+                self.symbols.append(_Symbol("rail", [], "Left power rail", outputs=[_Pin("")]))
+            elif source >= 0 and self.symbols[source].outputs:
+                wires[Wire(source, names.get(connection.pin or "", 0), number, place)] = None
+            else:
+                self.symbols[number].inputs[place].text = "?"  # the wire of a broken file
+        back = feedback_wires(len(self.symbols), list(wires))
+        for wire in wires:
+            start, pin = self.symbols[wire.source], self.symbols[wire.target].inputs[wire.place]
+            if wire not in back:
+                pin.wired = start.outputs[wire.pin].wired = True
+                yield wire
+                continue
+            name = ".".join(filter(None, (start.caption or " ".join(start.lines), start.outputs[wire.pin].name)))
+            pin.text, pin.link = f"\u2190 {name}", start.identifier
+
+    def _symbol(self, node: n.Node) -> _Symbol:
+        match node:
+            case n.Block():
+                lines = wrap(node.code or node.type_name, 13, _TEXT, bold=True)
+                title = " ".join(filter(None, (node.type_name, node.instance)))
+                pins = _pins(node.parameters)
+                return _Symbol("block", lines, title, "", node.instance or "", *pins)
+            case n.Contact() | n.Coil():
+                kind = "contact" if isinstance(node, n.Contact) else "coil" if self._is_ladder else "assignment"
+                symbol = _Symbol(kind, [], f"{kind} {node.variable}", caption=node.variable)
+                symbol.negated, symbol.modifier = node.negated, _modifier(node.edge, node.storage)
+                symbol.inputs, symbol.outputs = [_input(node.input)], [_Pin("")]
+                return symbol
+            case n.InputVariable():
+                pin = _Pin("", negated=node.negated, modifier=_modifier(node.edge, node.storage))
+                return self._text(node.expression, outputs=[pin])
+            case n.OutputVariable():
+                pin = _input(node.input)
+                pin.negated, pin.modifier = node.negated, _modifier(node.edge, node.storage)
+                return self._text(node.expression, inputs=[pin])
+            case n.InOutVariable():
+                pin = _input(node.input)
+                pin.negated, pin.modifier = node.negated_in, _modifier(node.edge_in, node.storage_in)
+                out = _Pin("", negated=node.negated_out, modifier=_modifier(node.edge_out, node.storage_out))
+                return self._text(node.expression, inputs=[pin], outputs=[out])
+            case n.Jump():
+                return self._text(f">> {node.label}", inputs=[_input(node.input)])
+            case n.Label():
+                return self._text(f"{node.label}:")
+            case n.Return():
+                return self._text("RETURN", inputs=[_input(node.input)])
+            case n.Connector():
+                return self._text(f"{node.name} >", inputs=[_input(node.input)])
+            case n.Continuation():
+                return self._text(f"> {node.name}", outputs=[_Pin("")])
+            case n.VendorElement() if node.parameters is not None:
+                lines = wrap(plain(node.alternative_text) or node.element_type or "?", 13, _TEXT, bold=True)
+                inputs, outputs = _pins(node.parameters)
+                return _Symbol("block", lines, " ".join(lines), inputs=inputs, outputs=outputs)
+            case n.VendorElement():  # CODESYS keeps settings of the editor in those without a type
+                text = plain(node.alternative_text) if node.element_type or not node.attributes else ""
+            case _:
+                text = plain(getattr(node, "content", ""))
+        return _Symbol("note", wrap(text, 12, 2 * _TEXT), text)
+
+    def _text(self, text: str, *, inputs: Sequence[_Pin] = (), outputs: Sequence[_Pin] = ()) -> _Symbol:
+        return _Symbol("text", wrap(text, 12, _TEXT) or [""], text, inputs=list(inputs), outputs=list(outputs))
+
+
+def _connected(
+    shown: Sequence[_Symbol], symbols: Sequence[_Symbol], wires: Sequence[Wire]
+) -> Iterator[tuple[list[_Symbol], NetworkLayout]]:
+    """Yield the symbols that wires connect with each other, in the order of `shown`, with their layout."""
+    near: list[list[Wire]] = [[] for _ in symbols]
+    for wire in wires:
+        near[wire.source].append(wire)
+        near[wire.target].append(wire)
+    numbers = {id(symbol): number for number, symbol in enumerate(symbols)}
+    seen: set[int] = set()
+    for first in (numbers[id(symbol)] for symbol in shown):
+        group = [] if first in seen else [first]
+        seen.add(first)
+        for number in group:  # grows
+            for other in (end for wire in near[number] for end in (wire.source, wire.target)):
+                if other not in seen:
+                    seen.add(other)
+                    group.append(other)
+        if group:
+            place = {number: position for position, number in enumerate(sorted(group))}
+            own = [
+                Wire(place[wire.source], wire.pin, place[wire.target], wire.place)
+                for number in place
+                for wire in near[number]
+                if wire.target == number
+            ]
+            members = [symbols[number] for number in place]
+            yield members, NetworkLayout([symbol.box for symbol in members], own)
+
+
+def _pins(parameters: n.BlockParameters) -> tuple[list[_Pin], list[_Pin]]:
+    """Return the pins on the left and on the right of a block; hidden ones without a use are left out."""
+    left, right = [], []
+    for variable in (*parameters.inputs, *parameters.in_outs):
+        pin = _input(variable.input)
+        if not variable.hidden or pin.connections or pin.text:
+            pin.name, pin.negated, pin.modifier = (
+                variable.name,
+                variable.negated,
+                _modifier(variable.edge, variable.storage),
+            )
+            left.append(pin)
+    for variable in (*parameters.in_outs, *parameters.outputs):
+        text = (variable.output.expression if variable.output is not None else None) or ""
+        pin = _Pin(variable.name, text)
+        if variable in parameters.outputs:
+            pin.negated, pin.modifier = variable.negated, _modifier(variable.edge, variable.storage)
+        right.append(pin)
+    return left, right
+
+
+def _input(pin: n.InputPin | None) -> _Pin:
+    if pin is None:
+        return _Pin("")
+    return _Pin("", (pin.expression or "") if not pin.connections else "", connections=pin.connections)
+
+
+def _modifier(edge: n.Edge, storage: n.Storage) -> str:
+    return _MODIFIERS.get(storage, "") or _MODIFIERS.get(edge, "")

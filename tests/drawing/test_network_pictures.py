@@ -1,0 +1,166 @@
+"""Pictures of FBD and LD: wires lead from where a signal comes to where it goes, and nothing is on anything else."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lxml import etree
+
+import plcopen_sfc as sfc
+from plcopen_sfc.drawing.pictures.network_layout import Box, NetworkLayout, Wire, feedback_wires
+from plcopen_sfc.model import network as n
+from plcopen_sfc.model.body import FbdBody, LdBody
+
+ROOT = Path(__file__).resolve().parents[2]
+SVG = "{http://www.w3.org/2000/svg}"
+
+Line = tuple[tuple[int, int], tuple[int, int]]
+
+
+@st.composite
+def circuits(draw: st.DrawFn) -> tuple[list[Box], list[Wire]]:
+    boxes = []
+    for _ in range(draw(st.integers(2, 9))):
+        inputs, outputs = draw(st.integers(0, 3)), draw(st.integers(1, 2))
+        rows = max(inputs, outputs, 1)
+        levels = [28 + 20 * row for row in range(rows)]
+        boxes.append(Box(draw(st.sampled_from([40, 70])), 20 + 20 * rows, levels[:inputs], levels[:outputs]))
+    ends = [(target, place) for target, box in enumerate(boxes) for place in range(len(box.inputs))]
+    wires = []
+    for target, place in ends:
+        for source in draw(st.lists(st.integers(0, len(boxes) - 1), max_size=2, unique=True)):
+            wires.append(Wire(source, draw(st.integers(0, len(boxes[source].outputs) - 1)), target, place))
+    back = feedback_wires(len(boxes), wires)
+    return boxes, [wire for wire in wires if wire not in back]
+
+
+def on(point: tuple[int, int], line: Line) -> bool:
+    (x1, y1), (x2, y2) = line
+    return min(x1, x2) <= point[0] <= max(x1, x2) and min(y1, y2) <= point[1] <= max(y1, y2)
+
+
+def reached(start: tuple[int, int], lines: list[Line]) -> list[Line]:
+    """The lines that touch a point, and those that touch these with an end."""
+    found = [line for line in lines if on(start, line)]
+    for line in found:
+        found += [
+            other
+            for other in lines
+            if other not in found and any(on(p, line) for p in other) | any(on(p, other) for p in line)
+        ]
+    return found
+
+
+def shared(one: Line, other: Line) -> bool:
+    """True if two lines have more than a point in common."""
+    axis = 0 if one[0][1] == one[1][1] == other[0][1] == other[1][1] else 1
+    if axis and not one[0][0] == one[1][0] == other[0][0] == other[1][0]:
+        return False
+    (a, b), (c, d) = (sorted(point[axis] for point in line) for line in (one, other))
+    return min(b, d) - max(a, c) > 0
+
+
+@settings(max_examples=60, deadline=None)
+@given(circuits())
+def test_wires_connect_what_they_should_and_nothing_else(circuit: tuple[list[Box], list[Wire]]) -> None:
+    boxes, wires = circuit
+    layout = NetworkLayout(boxes, wires)
+    for one, other in combinations(boxes, 2):
+        apart = one.x + one.width <= other.x or other.x + other.width <= one.x
+        assert apart or one.y + one.height <= other.y or other.y + other.height <= one.y
+    lines: dict[tuple[int, int], list[Line]] = {}
+    for wire in wires:
+        start = (
+            boxes[wire.source].x + boxes[wire.source].width,
+            boxes[wire.source].y + boxes[wire.source].outputs[wire.pin],
+        )
+        net = lines.setdefault((wire.source, wire.pin), [])
+        if not net:
+            nets = [line for path in layout.paths for line in path.lines if path.net == (wire.source, wire.pin)]
+            net += reached(start, [line for line in nets if line[0] != line[1]])
+        end = (boxes[wire.target].x, boxes[wire.target].y + boxes[wire.target].inputs[wire.place])
+        assert any(on(end, line) for line in net), wire
+    joined = {frozenset((a[:2], b[:2])) for a in wires for b in wires if a[2:] == b[2:]}
+    for a, b in combinations(lines, 2):
+        if frozenset((a, b)) not in joined:
+            assert not [pair for pair in ((x, y) for x in lines[a] for y in lines[b]) if shared(*pair)]
+    for net, each in lines.items():
+        for (x1, y1), (x2, y2) in each:
+            for box in boxes:
+                inside = min(x1, x2) < box.x + box.width and max(x1, x2) > box.x
+                assert not (inside and min(y1, y2) < box.y + box.height and max(y1, y2) > box.y), net
+
+
+def drawn(path: str, name: str) -> dict[str, etree._Element]:
+    project = sfc.load(ROOT / "fixtures" / path)
+    body = next(body for found, _, body in project.bodies() if found == name and isinstance(body, FbdBody | LdBody))
+    svg = body.to_svg()
+    assert svg == body.to_svg()
+    tree = etree.fromstring(svg.encode("ascii"))
+    return {g.findtext(f"{SVG}title"): g for g in tree.iter(f"{SVG}g")}
+
+
+def texts(element: etree._Element) -> list[str]:
+    return [text.text for text in element.iter(f"{SVG}text")]
+
+
+def test_a_function_block_diagram() -> None:
+    found = drawn("training-chain/classic_flip-flops.xml", "Ablauf")
+    flip_flop = found["RS FF_X2"]
+    assert flip_flop.get("class") == "block"
+    assert texts(flip_flop) == ["FF_X2", "RS", "S", "R1", "Q1"]
+    assert texts(found["Schritt 2"]) == ["Schritt 2"]
+    # an operand of one block is at its pin and needs no wire
+    assert texts(found["AND"]) == ["AND", "X3", "IN1", "B5", "IN2", "OUT"]
+
+
+def test_a_ladder_diagram() -> None:
+    found = drawn("plcopen/filling_station_2.01.xml", "DripValve")
+    assert [found[f"contact {name}"].get("class") for name in ("Open", "Latch", "Close")] == ["contact"] * 3
+    assert texts(found["contact Close"]) == ["Close", "/"]
+    assert texts(found["coil Done"]) == ["Done", "S"]
+    left, top = (int(found["contact Open"].get("data-area").split()[i]) for i in (0, 1))
+    below = found["contact Latch"].get("data-area").split()
+    assert (left, top) == (int(below[0]), top)
+    assert int(below[1]) > top
+
+
+def test_a_signal_that_comes_back_is_a_link() -> None:
+    block = n.Block(
+        id=1,
+        type_name="OR",
+        instance="Hold",
+        parameters=n.BlockParameters(
+            inputs=[n.BlockVariable(name="IN1", input=n.InputPin(connections=[n.Connection(source=1, pin="OUT")]))],
+            outputs=[n.BlockVariable(name="OUT", output=n.OutputPin())],
+        ),
+    )
+    svg = FbdBody(networks=[n.LogicNetwork(nodes=[block])]).to_svg()
+    tree = etree.fromstring(svg.encode("ascii"))
+    (link,) = tree.iter(f"{SVG}a")
+    assert link.get("href") == f"#{next(tree.iter(f'{SVG}g')).get('id')}"
+    assert texts(link) == ["\u2190 Hold.OUT"]
+
+
+def test_names_are_text_only() -> None:
+    nasty = "<script>x</script>"
+    node = n.Block(id=1, type_name=nasty, instance=nasty)
+    svg = FbdBody(networks=[n.LogicNetwork(title=nasty, nodes=[node, n.CommentBox(id=2, content=nasty)])]).to_svg()
+    assert "<script" not in svg
+    # the heading, block and instance, the comment, and the titles of block (both names) and comment
+    assert svg.count("&lt;script&gt;x&lt;/script&gt;") == 7
+
+
+def test_draw_has_networks_where_there_are_no_charts(tmp_path: Path) -> None:
+    project = sfc.load(ROOT / "fixtures" / "training-chain" / "classic_flip-flops.xml")
+    assert [name for name, _ in sfc.draw(project, tmp_path / "a.svg")] == ["Ablauf"]
+    assert "<title>Ablauf</title>" in (tmp_path / "a.svg").read_text(encoding="ascii")
+    conveyor = sfc.load(ROOT / "fixtures" / "codesys" / "sorting_conveyor.xml")
+    sfc.draw(conveyor, tmp_path / "belt.svg", pou="PLC_PRG.ACT_Belt")
+    assert "Ladder diagram: 1 network" in (tmp_path / "belt.svg").read_text(encoding="ascii")
+    with pytest.raises(sfc.ModelError, match=r"no chart 'PLC_PRG.ACT_Belt'"):
+        sfc.draw(conveyor, tmp_path / "belt.mmd", pou="PLC_PRG.ACT_Belt")
