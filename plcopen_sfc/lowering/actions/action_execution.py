@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from textwrap import dedent
+from typing import NamedTuple, Protocol
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
@@ -25,9 +26,10 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
 )
 from plcopen_sfc.lowering.code.code_bodies import comment_lines
+from plcopen_sfc.lowering.code.code_declarations import BOOL
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue, TextNetwork
-from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering.code_texts import Suffix, Texts
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
 from plcopen_sfc.model.types import DerivedType, SimpleValue, Variable
@@ -196,6 +198,13 @@ class _Execution:
         if action.target is None:
             lasting, single = self._control.outputs(action, statements)
             executed = disjunction([lasting, single])
+            if self._final_scan and self._verbatim and not is_constant(lasting, FALSE):
+                # the scan behind the last one: whatever was on in the scan before is executed
+                lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
+                on = self._memory.variable(self._texts.with_suffix(action.name, "before"), BOOL)
+                self._memory.ends.append(assignment(on, FALSE))
+                self._add(action, disjunction([lasting, single, on]), statements, [assignment(on, lasting)])
+                return
             if self._final_scan and not is_constant(lasting, FALSE):
                 lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
                 ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), lasting, statements)
@@ -207,9 +216,15 @@ class _Execution:
         # one assignment is enough where the profile writes in every scan, or nothing else could have written in between
         elif self._always or self._owned.is_false_at_rest(action.target):
             statements.append(assignment(action.target, self._control.drive(action, statements)))
+        elif self._verbatim:
+            driven = self._control.drive(action, statements)
+            # other code writes this variable too: it is set back once, and left alone while its action is inactive
+            on = self._memory.variable(f"{action.name}_Q", BOOL)
+            begin, end = [[assignment(action.target, each), assignment(on, each)] for each in (TRUE, FALSE)]
+            statements.append(n.If((n.Branch(driven, tuple(begin)), n.Branch(on, tuple(end)))))
+            self._end_when_set_back(on, action.target)
         else:
             driven = self._memory.named(f"{action.name}_Q", self._control.drive(action, statements), statements)
-            # other code writes this variable too: it is set back once, and left alone while its action is inactive
             ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), driven, statements)
             statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
@@ -276,18 +291,25 @@ class _Execution:
         for action, executed in acting:
             self._add(action, executed)
 
-    def _add(self, action: ActionSource, executed: Expression, before: Sequence[Statement] = ()) -> None:
+    def _add(
+        self,
+        action: ActionSource,
+        executed: Expression,
+        before: Sequence[Statement] = (),
+        behind: Sequence[Statement] = (),
+    ) -> None:
         """Append a network that executes an action, with its comments where its text is written as it was."""
         title = self._texts.action(action.name)
         # a syntax tree has no comments: a text with comments is kept as it was written, if nothing in it was replaced
         if not self._verbatim or not action.statements or not has_comments(action.text):
             acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
-            self._code.add(title, [*before, *acting], self._captions(action))
+            self._code.add(title, [*before, *acting, *behind], self._captions(action))
             return
         lines = print_node(n.Statements(tuple(before)), self._source.dialect).splitlines()
         lines.append(f"IF {print_node(executed, self._source.dialect)} THEN")
         lines += [f"    {line}".rstrip() for line in dedent(action.text).strip("\n").splitlines()]
-        self._code.networks.append(TextNetwork(title, "\n".join([*lines, "END_IF;"]), self._captions(action)))
+        lines += ["END_IF;", *print_node(n.Statements(tuple(behind)), self._source.dialect).splitlines()]
+        self._code.networks.append(TextNetwork(title, "\n".join(lines), self._captions(action)))
 
     def explain(self, action: ActionSource) -> None:
         """Append the comments of an action that does nothing."""
@@ -338,26 +360,36 @@ def _union(sets: Iterable[frozenset[Path]]) -> frozenset[Path]:
     return frozenset().union(*sets)
 
 
-def add_changes(source: ChartSource, code: LoweredCode, memory: Memory, active: StepValue, texts: Texts) -> None:
+class StepPart(NamedTuple):
+    """Statements of a step, given by its index in the net; `name` is that of the step, for variables."""
+
+    step: int
+    name: str
+    statements: Sequence[Statement]
+
+
+class StepSelection(Protocol):
+    """How the code of steps is selected by the situation, in the order in which it is given."""
+
+    def while_active(self, parts: Sequence[StepPart], suffix: Suffix) -> list[Statement]:
+        """Return the statements of the steps that are active. `suffix`: for the names of variables."""
+
+    def on_change(self, exits: Sequence[StepPart], entries: Sequence[StepPart]) -> list[Statement]:
+        """Return the statements of the steps that were left, then of those that were entered."""
+
+
+def add_changes(source: ChartSource, code: LoweredCode, steps: StepSelection, texts: Texts) -> None:
     """Append the exit actions of all steps that were left, then the entry actions of those that were entered."""
-    exits: list[Statement] = []
-    entries: list[Statement] = []
-    for step in source.step_code:
-        name = source.net.steps[step.step].step.name
-        if step.exit:
-            left = memory.falling(texts.with_suffix(name, "exit"), active(step.step), exits)
-            exits += memory.conditional(texts.with_suffix(name, "left"), left, step.exit)
-        if step.entry:
-            entered = memory.rising(texts.with_suffix(name, "entry"), active(step.step), entries)
-            entries += memory.conditional(texts.with_suffix(name, "entered"), entered, step.entry)
-    code.add(texts.step_actions, [*exits, *entries])
+    exits = [_part(source, each.step, each.exit) for each in source.step_code if each.exit]
+    entries = [_part(source, each.step, each.entry) for each in source.step_code if each.entry]
+    code.add(texts.step_actions, steps.on_change(exits, entries))
 
 
-def add_main_actions(source: ChartSource, code: LoweredCode, memory: Memory, active: StepValue, texts: Texts) -> None:
+def add_main_actions(source: ChartSource, code: LoweredCode, steps: StepSelection, texts: Texts) -> None:
     """Append the code that active steps execute in every scan."""
-    mains: list[Statement] = []
-    for step in source.step_code:
-        if step.main:
-            name = texts.with_suffix(source.net.steps[step.step].step.name, "main")
-            mains += memory.conditional(name, active(step.step), step.main)
-    code.add(texts.main_actions, mains)
+    parts = [_part(source, each.step, each.main) for each in source.step_code if each.main]
+    code.add(texts.main_actions, steps.while_active(parts, "main"))
+
+
+def _part(source: ChartSource, step: int, statements: Sequence[Statement]) -> StepPart:
+    return StepPart(step, source.net.steps[step].step.name, statements)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import groupby
 
 from plcopen_sfc.analysis.regions import ParallelBlock, Regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.actions.action_execution import StepPart
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -23,6 +25,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.code_bodies import comment_lines
 from plcopen_sfc.lowering.code.lowered_code import TextNetwork
+from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.encodings.case_states import (
     INDENT,
     RegionState,
@@ -76,6 +79,48 @@ class RegionEncoding(ScanSchedule):
             if self._must_wait(machine):
                 self.states.add_following_state(machine)
         super().exact()
+
+    def while_active(self, parts: Sequence[StepPart], suffix: Suffix) -> list[Statement]:
+        """Return one CASE instead of several IFs of the same region."""
+        found: list[Statement] = []
+        for machine, these in self._by_region(parts):
+            found += self._selected(machine.state, these) if len(these) > 1 else super().while_active(these, suffix)
+        return found
+
+    def on_change(self, exits: Sequence[StepPart], entries: Sequence[StepPart]) -> list[Statement]:
+        """Return what compares states with those of the last scan: one memory for all steps of a region."""
+        none = self.names.no_state
+        if none is None:
+            return super().on_change(exits, entries)
+        last: dict[int, n.Name] = {}
+        for machine, _ in self._by_region([*exits, *entries]):
+            if machine.region.index not in last:
+                last[machine.region.index] = self.names.declare_last(self.states.suffix(machine.region))
+        found: list[Statement] = []
+        for machine, these in self._by_region(exits):
+            found += self._changed(last[machine.region.index], machine.state, these)
+        for machine, these in self._by_region(entries):
+            found += self._changed(machine.state, last[machine.region.index], these)
+        found += [assignment(each, self.machines[index].state) for index, each in last.items()]
+        self.memory.ends += [assignment(each, none) for each in last.values()]
+        return found
+
+    def _by_region(self, parts: Sequence[StepPart]) -> list[tuple[RegionState, list[StepPart]]]:
+        """Return the parts in their order, with those of one region behind each other together."""
+        return [
+            (machine, list(these)) for machine, these in groupby(parts, lambda each: self.states.machine_of(each.step))
+        ]
+
+    def _selected(self, state: n.Name, parts: Sequence[StepPart]) -> list[Statement]:
+        return [n.Case(state, tuple(n.CaseBranch((self.names.step(p.step),), tuple(p.statements)) for p in parts))]
+
+    def _changed(self, state: n.Name, other: n.Name, parts: Sequence[StepPart]) -> list[Statement]:
+        """Return the parts of the steps that `state` is, and that `other` is not."""
+        if len(parts) == 1:
+            (part,) = parts
+            step = self.names.step(part.step)
+            return [when(conjunction([equal(state, step), negation(equal(other, step))]), *part.statements)]
+        return [when(negation(equal(state, other)), *self._selected(state, parts))]
 
     def choose_transitions(self) -> None:
         """Append the CASE of each region with the transitions of each step."""

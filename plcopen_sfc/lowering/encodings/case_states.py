@@ -81,6 +81,12 @@ class StateNames:
         self._steps = written[: len(steps)]
         self._waiting = written[len(steps) : len(steps) + len(waiting)]
         self._none = written[-1]
+        unused = (
+            None if isinstance(self._type, DerivedType) else n.Literal("-1" if 0 in step_numbers(source.net) else "0")
+        )
+        self.no_state: Expression | None = self._none if none else unused
+        """State of no step, also where the chart always has one; None: an enumeration has no such value."""
+        self._no_initial = self._initial[-1] if none else unused.text if unused is not None else None
 
     def step(self, step: int) -> Expression:
         """Return the state in which a step is active."""
@@ -112,6 +118,12 @@ class StateNames:
     def none(self) -> Expression:
         """State in which no step of a region is active."""
         return self._none
+
+    def declare_last(self, suffix: str) -> n.Name:
+        """Declare a variable for the state of a region in the last scan, at first that of no step."""
+        texts = self._texts
+        name = f"{texts.last_state}_{suffix}" if suffix else texts.last_state
+        return self._code.declare(name, self._type, initial=self._no_initial, comment=texts.last_state_comment)
 
     def _constant(self, state: _State) -> n.Name:
         return self._code.declare_constant(state.constant, self._type, str(state.number), state.comment)

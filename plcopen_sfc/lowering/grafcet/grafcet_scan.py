@@ -133,8 +133,8 @@ class GrafcetScan:
     def _add_actions(self) -> None:
         """Append the actions of steps, and those with qualifiers of IEC 61131-3."""
         encoding = self._encoding
-        add_changes(encoding.source, self._code, encoding.memory, encoding.active, self._texts)
-        add_main_actions(encoding.source, self._code, encoding.memory, encoding.active, self._texts)
+        add_changes(encoding.source, self._code, encoding, self._texts)
+        add_main_actions(encoding.source, self._code, encoding, self._texts)
         add_conditions(encoding.source, self._code, encoding.memory, self._driving, encoding.rules)
         ending = encoding.init if encoding.init is not None and encoding.rules.reset_actions else FALSE
         source, code, memory = encoding.source, self._code, encoding.memory

@@ -10,11 +10,18 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_control import ActionControlCode, SequentialControlCode, stepwise_timed
-from plcopen_sfc.lowering.actions.action_execution import add_actions, add_changes, add_conditions, add_main_actions
+from plcopen_sfc.lowering.actions.action_execution import (
+    StepPart,
+    add_actions,
+    add_changes,
+    add_conditions,
+    add_main_actions,
+)
 from plcopen_sfc.lowering.actions.drive_block import DriveBlock, DriveSignal, without_texts
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, conjunction, is_constant, when
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.reading.step_variables import StepTimers, resolve_steps
@@ -105,6 +112,24 @@ class ScanSchedule(ABC):
     def active(self, step: int) -> Expression:
         """Return an expression that is TRUE if a step, given by its index in the net, is active."""
 
+    def while_active(self, parts: Sequence[StepPart], suffix: Suffix) -> list[Statement]:
+        """Return the statements of the steps that are active. `suffix`: for the names of variables."""
+        found: list[Statement] = []
+        for step, name, statements in parts:
+            found += self.memory.conditional(self.texts.with_suffix(name, suffix), self.active(step), statements)
+        return found
+
+    def on_change(self, exits: Sequence[StepPart], entries: Sequence[StepPart]) -> list[Statement]:
+        """Return the statements of the steps that were left, then of those that were entered."""
+        found: list[Statement] = []
+        for step, name, statements in exits:
+            left = self.memory.falling(self.texts.with_suffix(name, "exit"), self.active(step), found)
+            found += self.memory.conditional(self.texts.with_suffix(name, "left"), left, statements)
+        for step, name, statements in entries:
+            entered = self.memory.rising(self.texts.with_suffix(name, "entry"), self.active(step), found)
+            found += self.memory.conditional(self.texts.with_suffix(name, "entered"), entered, statements)
+        return found
+
     @abstractmethod
     def choose_transitions(self) -> None:
         """Append the networks that decide which transitions fire."""
@@ -173,10 +198,10 @@ class ScanSchedule(ABC):
 
     def add_actions(self) -> None:
         """Append the code of steps, then the actions."""
-        self.sfc_flags.report_step(self.active)
-        add_changes(self.source, self.code, self.memory, self.active, self.texts)
+        self.sfc_flags.report_step(self)
+        add_changes(self.source, self.code, self, self.texts)
         self.sfc_flags.watch(self.source.watches, self.active, self.times)
-        add_main_actions(self.source, self.code, self.memory, self.active, self.texts)
+        add_main_actions(self.source, self.code, self, self.texts)
         add_conditions(self.source, self.code, self.memory, self.active, self.rules)
         ending = self.init if self.init is not None and self.rules.reset_actions else FALSE
         if self.rules.actions is ActionPlace.BLOCK:

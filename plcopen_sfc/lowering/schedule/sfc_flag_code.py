@@ -11,7 +11,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import string_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.actions.action_execution import OwnVariables
+from plcopen_sfc.lowering.actions.action_execution import OwnVariables, StepPart, StepSelection
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -253,15 +253,16 @@ class SfcFlagCode:
 
     # -- reports
 
-    def report_step(self, active: StepValue) -> None:
+    def report_step(self, steps: StepSelection) -> None:
         """Append the name of the active step, of parallel ones the last in the chart."""
         if SfcFlag.CURRENT_STEP not in self._flags:
             return
-        statements = self._assigned(SfcFlag.CURRENT_STEP, _EMPTY)
-        for step in self._source.net.steps:
-            named = self._assigned(SfcFlag.CURRENT_STEP, self._text(step.step.name))
-            statements += self._memory.conditional("", active(step.index), named)
-        self._code.add(self._texts.current_step, statements)
+        parts = [
+            StepPart(each.index, each.step.name, self._assigned(SfcFlag.CURRENT_STEP, self._text(each.step.name)))
+            for each in self._source.net.steps
+        ]
+        named = steps.while_active(parts, "main")
+        self._code.add(self._texts.current_step, [*self._assigned(SfcFlag.CURRENT_STEP, _EMPTY), *named])
 
     def report_transition(self, fired: Callable[[], Expression]) -> None:
         """Append the report that a transition has fired."""
