@@ -4,6 +4,6 @@
   and `format_named`.
 * `file_recognition`: `recognise`, and formats that are recognised but not read.
 * `xml` and `text_patch`: common parts of XML and text formats; `provenance`: what was edited since it was read.
-* The formats: `plcopen`, `codesys`, `simaticml`, `scl`, `iectext`, `json_codec`. `matiec` adapts projects to its
-  compiler.
+* The formats: `plcopen`, `codesys`, `simaticml`, `scl`, `iectext`, `grafcet`, `json_codec`. `matiec` adapts projects to
+  its compiler.
 """

@@ -72,6 +72,10 @@ def _is_simaticml(head: FileHead) -> bool:
     return head.root.startswith("SW.") or head.namespace.startswith(openness) or head.root in ("FlgNet", "CAEXFile")
 
 
+def _is_grafcet_text(head: FileHead) -> bool:
+    return re.match(r"\s*GRAFCET[ \t]+\S", head.text) is not None
+
+
 FORMATS: tuple[Format, ...] = (
     Format(
         name="codesys",
@@ -211,6 +215,29 @@ FORMATS: tuple[Format, ...] = (
         text=True,
         dialect=Dialect.SCL,
         networks=NetworkForm.COMMENTS,
+        il_conditions=False,
+        il_bodies=False,
+    ),
+    Format(
+        name="grafcet-text",
+        title="GRAFCETs (IEC 60848) as text",
+        tool="",
+        module="plcopen_sfc.formats.grafcet.grafcet_text_codec",
+        extensions=(".gct",),
+        recognises=_is_grafcet_text,
+        capabilities=(
+            "steps",
+            "partial charts",
+            "macro-steps",
+            "forcing orders",
+            "GRAFCET actions",
+            "comments",
+            "the rest in comments",
+        ),
+        text=True,
+        ids=False,
+        dialect=Dialect.IEC,
+        networks=NetworkForm.STATEMENTS,
         il_conditions=False,
         il_bodies=False,
     ),

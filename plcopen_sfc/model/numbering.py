@@ -64,10 +64,16 @@ def take_ids(project: Project, other: Project) -> None:
     """
     charts = {chart.name: chart.chart for chart in other.charts()}
     for named in project.charts():
-        chart, like = named.chart, charts.get(named.name)
-        chart.drawing = None
-        if like is not None:
-            _renumber(chart, _ids_of(chart, like))
+        _take_ids(named.chart, charts.get(named.name))
+
+
+def _take_ids(chart: SfcNetwork, like: SfcNetwork | None) -> None:
+    chart.drawing = None
+    if like is not None:
+        _renumber(chart, _ids_of(chart, like))
+        partials = {partial.name.casefold(): partial.chart for partial in like.partial_charts}
+        for partial in chart.partial_charts:
+            _take_ids(partial.chart, partials.get(partial.name.casefold()))
 
 
 def _ids_of(chart: SfcNetwork, like: SfcNetwork) -> dict[int, int]:

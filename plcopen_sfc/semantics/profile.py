@@ -415,6 +415,7 @@ _BY_FORMAT = {
     "simaticml": "s7graph",
     "scl": "s7graph",
     "grafcet": "grafcet",
+    "grafcet-text": "grafcet",
 }
 _BY_DIALECT = {Dialect.CODESYS: "codesys", Dialect.TWINCAT: "codesys", Dialect.SCL: "s7graph"}
 

@@ -1,0 +1,6 @@
+"""GRAFCETs (IEC 60848): a text to write and review them.
+
+`grafcet_text_codec`    reads and writes ``grafcet-text``
+`grafcet_text_reader`   the grammar, and the project of a text with the places of its objects
+`grafcet_text_writer`   the text of a project, in the blocks that an edit replaces
+"""

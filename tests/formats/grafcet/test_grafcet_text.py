@@ -1,0 +1,200 @@
+"""GRAFCETs as text: read, simulated, written, edited, refused."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import StructureError
+from plcopen_sfc.model import ActionKind, ForcedSituation, PartialChartKind, PouKind, Project, SfcNetwork, Variable
+from plcopen_sfc.model.numbering import numbered_in_order
+from tests.lowering.random_grafcets import random_grafcet
+
+FIXTURES = Path("fixtures/grafcet")
+NAMES = ["four_steps", "two_cylinders", "every_symbol"]
+
+
+def path_of(name: str) -> Path:
+    return FIXTURES / f"{name}.gct"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_text_comes_back_and_the_model_makes_one_that_means_the_same(name: str) -> None:
+    data = path_of(name).read_bytes()
+    project = sfc.loads(data)
+    assert project.source is not None
+    assert project.source.format == "grafcet-text"
+    assert sfc.dumps(project, format="grafcet-text") == data
+    crlf = data.replace(b"\n", b"\r\n")
+    assert sfc.dumps(sfc.loads(b"\xef\xbb\xbf" + crlf), format="grafcet-text") == b"\xef\xbb\xbf" + crlf
+    fresh = sfc.dumps(sfc.loads(sfc.dumps(project, format="json")), format="grafcet-text")
+    assert b"plcopen_sfc" not in fresh, "the text has words for all of it"
+    assert sfc.loads(fresh).pous == project.pous
+
+
+def test_every_statement_is_read() -> None:
+    project = sfc.load(path_of("every_symbol"))
+    pou = project.pous[0]
+    assert pou.comment == 'Alles, was eine Zeile haben kann\nEine zweite Zeile, mit "Anführungszeichen"'
+    assert [(v.name, v.address, v.comment) for v in pou.variables()][2] == ("C1", "%IW2", "Füllstand")
+    assert pou.chart is not None
+    g1, m3, g3, g4 = pou.chart.partial_charts
+    assert (m3.kind, m3.entry_step, m3.exit_step) == (PartialChartKind.EXPANSION, "E3", "S3")
+    assert g3.kind is PartialChartKind.ENCLOSED
+    labels = {g1.chart.label(t): (t.number, t.comment) for t in g1.chart.transitions}
+    assert labels["1 -> 2+M3"] == (1, "zugleich")
+    assert labels["4 -> 5"] == (None, "über zwei Zeilen")
+    assert {"weiter", "5 -> nowhere", "nowhere -> 5"} < labels.keys()
+    kinds = [action.kind for action in g1.chart.step("2").actions]
+    assert kinds == [kind for kind in ActionKind if kind not in (ActionKind.CONTINUOUS, ActionKind.FORCING)]
+    assert [a.duration for a in g1.chart.step("2").actions][1:3] == ["T#3s", "T#500ms"]
+    enclosed = g1.chart.step("4").encloses
+    assert enclosed is not None
+    assert [(each.chart, each.activated_steps) for each in enclosed] == [("G3", ["20"])]
+    orders = [a.forcing for _, a in g4.chart.associations() if a.forcing is not None]
+    assert [order.situation for order in orders] == [
+        ForcedSituation.CURRENT,
+        ForcedSituation.EXPLICIT,
+        ForcedSituation.EMPTY,
+    ]
+    assert orders[1].steps == ["1"]
+
+
+def changed_lines(before: str, after: str) -> list[str]:
+    lines = difflib.ndiff(before.splitlines(), after.splitlines())
+    return [line[0] + line[1:].strip() for line in lines if line[0] in "+-"]
+
+
+def outputs(name: str, signals: list[str], shown: str) -> list[str]:
+    """The outputs that are TRUE in each scan; a signal is set by its name and reset by ``/name``."""
+    inputs = [{each.lstrip("/"): not each.startswith("/") for each in scan.split()} for scan in signals]
+    trace = sfc.simulate(sfc.load(path_of(name)), inputs=lambda scan, _: inputs[scan], scans=len(inputs))
+    columns = {column.name.rpartition(".")[2]: column for column in trace.columns}
+    return [" ".join(each for each in shown.split() if columns[each][scan]) for scan in range(len(inputs))]
+
+
+def test_the_chain_of_four_steps_does_what_its_text_describes() -> None:
+    signals = ["", "B1", "/B1", "B2", "B5", "/B5", "B3 /B2", "B4 /B3"]
+    seen = outputs("four_steps", signals, "Q1 Q2 Q3")
+    assert seen == ["Q1", "Q2", "Q2", "Q2", "Q2 Q3", "Q2", "", "Q1"]
+
+
+def test_the_emergency_stop_puts_the_cylinders_into_their_initial_step() -> None:
+    ready = "1B1 2B1 NOT_AUS"
+    seen = outputs("two_cylinders", [ready, "START", "1B2 /1B1", "1B1 /1B2 /START"], "1M1 2M1")
+    assert seen == ["", "1M1", "", "2M1"]
+    stopped = outputs("two_cylinders", [ready, "START", "/NOT_AUS", "", "NOT_AUS /START"], "1M1 2M1")
+    assert stopped == ["", "1M1", "", "", ""]
+
+
+@pytest.mark.parametrize("name", ["four_steps", "two_cylinders"])
+@pytest.mark.parametrize("construction", ["flipflop", "auto"])
+def test_a_text_is_lowered_and_proven(name: str, construction: str) -> None:
+    proof = sfc.lower(sfc.load(path_of(name)), construction).proof
+    assert proof is not None
+    assert proof.equal
+
+
+def extend(_: Project, chart: SfcNetwork) -> None:
+    chart.add_step("7")
+    chart.add_transition("5", "7", "a")
+
+
+def change(_: Project, chart: SfcNetwork) -> None:
+    chart.step("2").comment = "neu"
+    chart.step("2").actions[1].duration = "T#4s"
+    del chart.step("2").actions[3]
+
+
+def declare(project: Project, _: SfcNetwork) -> None:
+    interface = project.pous[0].interface
+    assert interface is not None
+    interface.sections[0].variables[2].address = "%IW4"
+    interface.sections[0].variables.append(Variable(name="z", type="REAL"))
+
+
+def renumber(_: Project, chart: SfcNetwork) -> None:
+    chart.step("2").name = "22"
+
+
+EDITS: dict[Callable[[Project, SfcNetwork], None], list[str]] = {
+    extend: ["+5 -> 7 : a", "+STEP 7"],
+    change: ["-STEP 2", '+STEP 2 "neu"', "-H1 AFTER 3s", "+H1 AFTER 4s", "-ON ACTIVATION n := n + 1"],
+    declare: ['-C1 %IW2 : INT "Füllstand"', '+C1 %IW4 : INT "Füllstand"', "+z : REAL"],
+    renumber: [
+        '-(1) 1 -> 2, M3 : a · b̅ + [C1>3] "zugleich"',
+        '+(1) 1 -> 22, M3 : a · b̅ + [C1>3] "zugleich"',
+        "-STEP 2",
+        "+STEP 22",
+        "-2, M3 -> 4 : 2s/X2",
+        "+22, M3 -> 4 : 2s/X2",
+    ],
+}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_an_edit_changes_its_lines(edit: Callable[[Project, SfcNetwork], None]) -> None:
+    project = sfc.load(path_of("every_symbol"))
+    assert project.pous[0].chart is not None
+    edit(project, project.pous[0].chart.partial_charts[0].chart)
+    text = sfc.dumps(project, format="grafcet-text").decode()
+    assert changed_lines(path_of("every_symbol").read_text(encoding="utf-8"), text) == EDITS[edit]
+
+
+def test_what_the_text_has_no_words_for_comes_back_from_a_comment() -> None:
+    project = sfc.load(path_of("every_symbol"))
+    assert project.pous[0].chart is not None
+    chart = project.pous[0].chart.partial_charts[0].chart
+    chart.step("5").max_time = "T#9s"
+    project.pous[0].kind = PouKind.FUNCTION_BLOCK
+    data = sfc.dumps(project, format="grafcet-text")
+    assert data.startswith(b"GRAFCET Symbole AS FUNCTION_BLOCK")
+    read = sfc.loads(data)
+    assert read.pous == project.pous
+    assert sfc.dumps(read, format="grafcet-text") == data
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "line"),
+    [
+        ("GRAFCET G\nSTEP 1\n1 -> 3 : a\nSTEP 2\n", "unknown step '3'", 3),
+        ("GRAFCET G\nSTEP 1\nSTEP 1\n", "there is a step 1", 3),
+        ("GRAFCET G\nSTEP 1\n    Q WHEN a\n", "'Q WHEN a' is no action", 3),
+        ("GRAFCET G\nSTEP 1\n    FORCE G1\n", "'FORCE G1' is no action", 3),
+        ("GRAFCET G\nQ\n", "belongs to no step", 2),
+        ("GRAFCET G\nINPUTS\n a : INT INT\n", "this is no declaration", 3),
+        ("GRAFCET G\n\nSTEP 1\nINPUTS\n", "tables of variables come before", 4),
+        ("GRAFCET G\nSTEP 1 EXPANDS M1\n", "only a macro-step", 2),
+        ("GRAFCET G\n// words\n", 'a comment is a text in quotation marks: ".."', 2),
+        ("GRAFCET G\nSTEP 1 ENCLOSES {1}\n", "encloses nothing", 2),
+        ("GRAFCET G\nCHART A\nCHART A\n", "there is a chart A already", 3),
+    ],
+)
+def test_a_line_that_is_none_is_refused_with_its_place(text: str, message: str, line: int) -> None:
+    with pytest.raises(StructureError, match=message.replace("(", r"\(")) as caught:
+        sfc.loads(text.encode())
+    assert caught.value.location.line == line
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_grafcets_go_through_the_text(seed: int) -> None:
+    project = Project(name="Ablauf", pous=[random_grafcet(seed)])
+    data = sfc.dumps(project, format="grafcet-text")
+    assert numbered_in_order(sfc.loads(data)).pous == numbered_in_order(project).pous
+    assert b"// {plcopen_sfc" not in data.replace(b"initial", b"")
+
+
+def test_charts_of_tools_become_grafcets_and_come_back() -> None:
+    source = sfc.load("fixtures/simaticml/FB_Drill.xml")
+    data, report = sfc.convert(source, "grafcet-text", partial=True)
+    text = data.decode()
+    assert "(T_Clamped) Clamp_part -> Drill, Cool : PartClamped" in text
+    assert "    FeedDown AFTER 500ms" in text
+    lost = [item.path for item in report.items if item.outcome == "not executed"]
+    assert "POU FB_Drill / step Drill / action Spindle" in lost, "its interlock has no word"
+    back, _ = sfc.convert(sfc.loads(data), "simaticml", partial=True)
+    assert sfc.loads(back).pous == source.pous
