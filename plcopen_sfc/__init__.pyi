@@ -74,7 +74,11 @@ from plcopen_sfc.model import (
     Variable as Variable,
     VariableSection as VariableSection,
 )
-from plcopen_sfc.pages import page as page
+from plcopen_sfc.pages import (
+    conversion_page as conversion_page,
+    diff_page as diff_page,
+    page as page,
+)
 from plcopen_sfc.report import (
     ConversionReport as ConversionReport,
     Converted as Converted,

@@ -168,13 +168,15 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     as_tool: o.AsTool = False,
     accept_errors: o.AcceptErrors = False,
     accept_untested: o.AcceptUntested = False,
-    report: o.Report = None,
+    report: o.ConvertReport = None,
+    lang: o.PageLanguage = "en",
     as_json: o.AsJson = False,
     quiet: o.Quiet = False,
     verbose: o.Verbose = 0,
 ) -> None:
     """Write a file in another format and report every item."""
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
+    page = report if report is not None and report.suffix.casefold() in {".html", ".htm"} else None
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=None if page else report) as screen:
         from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
 
         seconds, resting = convert.seconds_to_run(limit), tuple(at_rest or ())
@@ -187,6 +189,8 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
             as_tool=as_tool,
             accept_errors=accept_errors,
             accept_untested=accept_untested,
+            page=page,
+            lang=lang,
         )
 
 
@@ -197,6 +201,8 @@ def _diff(  # noqa: PLR0917  # typer calls it by name
     prove: o.Prove = False,
     limit: o.ProveLimit = "30s",
     exit_code: o.ExitCode = False,
+    html: o.DiffHtml = None,
+    lang: o.PageLanguage = "en",
     report: o.Report = None,
     as_json: o.AsJson = False,
     quiet: o.Quiet = False,
@@ -209,7 +215,7 @@ def _diff(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
         from plcopen_sfc.cli.commands import diff  # noqa: PLC0415
 
-        how = diff.DiffOptions(layout=layout, prove=prove, limit=limit, exit_code=exit_code)
+        how = diff.DiffOptions(layout=layout, prove=prove, limit=limit, exit_code=exit_code, html=html, lang=lang)
         screen.exit_code = diff.run(screen, before, after, how)
 
 

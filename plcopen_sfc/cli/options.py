@@ -90,6 +90,9 @@ AcceptUntested = Annotated[
 ]
 Limit = Annotated[str | None, _option("--limit", "Compare a chart for no longer than this: 5, 60s, 2m30s.", "TIME")]
 Jobs = Annotated[int, _option("--jobs", "Compare so many charts at a time, each in a process.", "N", min=1)]
+ConvertReport = Annotated[
+    Path | None, _option("--report", "Also write the result as JSON, or as a page with both charts.", "FILE.json|.html")
+]
 ConvertLimit = Annotated[str, _option("--limit", "Run the charts in both tools for so long; 0 leaves it out.", "TIME")]
 Charts = Annotated[
     bool | None, _option("--charts/--no-charts", "Outline each chart. The default is to do so for few charts.")
@@ -130,6 +133,7 @@ Layout = Annotated[
 ]
 Prove = Annotated[bool, _option("--prove", "Run changed charts against each other: whether they still do the same.")]
 ProveLimit = Annotated[str, _option("--limit", "With --prove, run a chart for no longer than this.", "TIME")]
+DiffHtml = Annotated[Path | None, _option("--html", "Save a page with the changed charts beside each other.", "FILE")]
 ExitCode = Annotated[bool, _option("--exit-code", "End with exit code 1 if there are differences.")]
 
 Patterns = Annotated[

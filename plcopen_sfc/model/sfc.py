@@ -360,9 +360,12 @@ class SfcNetwork(LateElement):
             return transition.name
         return self._label(transition, {step.id: step.name for step in self.steps})
 
-    def labels(self) -> dict[int, str]:
-        """The labels of all transitions by their ids: for who needs many of them."""
-        names = {step.id: step.name for step in self.steps}
+    def labels(self, names: Mapping[int, str] | None = None) -> dict[int, str]:
+        """The labels of all transitions by their ids: for who needs many of them.
+
+        `names` are the steps by their ids, where they are to be called otherwise.
+        """
+        names = {step.id: step.name for step in self.steps} if names is None else names
         return {transition.id: self._label(transition, names) for transition in self.transitions}
 
     def _label(self, transition: Transition, names: Mapping[int, str]) -> str:

@@ -1,11 +1,13 @@
 """Pages: projects and what came of them as HTML files that stand alone.
 
 * `project_page`: a project with its charts, declarations, program text, cross references and findings
+* `comparison_page`: the differences of two projects, and what a conversion did, with charts beside each other
 * `page_index`: anchors of objects, links in program text, places that use an object
 * `timing_diagram`: a trace as a picture, and in the page of its project, to play on the chart
 * `html_text`: elements and documents; `page_words`: English and German; `page.css` and `page.js` for the browser
 """
 
+from plcopen_sfc.pages.comparison_page import conversion_page, diff_page
 from plcopen_sfc.pages.project_page import page
 
-__all__ = ["page"]
+__all__ = ["conversion_page", "diff_page", "page"]

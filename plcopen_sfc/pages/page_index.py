@@ -6,7 +6,8 @@ the places that name it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from plcopen_sfc.drawing.pictures import charts_in, part_prefix
@@ -38,12 +39,23 @@ class PlacedBody(NamedTuple):
 
 
 class PageIndex:
-    """Anchors of the objects of a project. `prefix` begins them where a page has several projects."""
+    """Anchors of the objects of a project. `prefix` begins them where a page has several projects.
 
-    def __init__(self, project: Project, prefix: str = "", *, references: bool = True) -> None:
+    `called`: paths of objects that are looked for under another one, as they have been renamed.
+    """
+
+    def __init__(
+        self,
+        project: Project,
+        prefix: str = "",
+        *,
+        called: Mapping[str, str] = MappingProxyType({}),
+        references: bool = True,
+    ) -> None:
         project.read_all()
         self.project = project
         self.prefix = prefix
+        self._called = called
         self.bodies: dict[int, list[PlacedBody]] = {}
         self.parts: dict[str, list[DrawnPart]] = {}
         self._charts: dict[str, list[DrawnPart]] = {}
@@ -65,6 +77,16 @@ class PageIndex:
         """Return the anchor of the object at a path of a report, or of the nearest one around it; empty: none."""
         outwards = ObjectPath.of(path).outwards()
         return next((self._paths[each] for each in outwards if each in self._paths), "")
+
+    def as_called(self, path: str) -> str:
+        """Return the path under which an object is looked for."""
+        if not self._called:
+            return path
+        around, result = "", ""
+        for part in ObjectPath.of(path).parts:
+            around = f"{around} / {part}" if around else part
+            result = self._called.get(around, f"{result} / {part}" if result else part)
+        return result
 
     def step_anchor(self, chart: str, path: str) -> str:
         """Return the anchor of a step by its path in a trace of the POU or action called `chart`; empty: none."""
@@ -93,7 +115,7 @@ class PageIndex:
 
     def _place(self, thing: Any, anchor: str, path: str) -> None:
         self._anchors[id(thing)] = anchor
-        self._paths.setdefault(path, anchor)
+        self._paths.setdefault(self.as_called(path), anchor)
 
     def _place_pou(self, pou: Pou, anchor: str) -> None:
         self._place(pou, anchor, pou.report_path)
@@ -118,7 +140,8 @@ class PageIndex:
         for number, part in enumerate(charts_in(chart)):
             begin = prefix + part_prefix(number)
             drawn.append(DrawnPart(part.chart, begin, path))
-            labels = part.chart.labels()
+            steps = {step.id: self.as_called(f"{path} / step {step.name}") for step in part.chart.steps}
+            labels = part.chart.labels({number: name.rpartition(" / step ")[2] for number, name in steps.items()})
             for step in part.chart.steps:
                 self._place(step, f"{begin}step-{step.id}", f"{path} / step {step.name}")
             for transition in part.chart.transitions:
@@ -162,8 +185,3 @@ class PageIndex:
                 start, end = occurrence.reference.span
                 self._links.setdefault((id(site.holder), site.key), []).append((start, end, anchor))
                 self._uses.setdefault(anchor, {})[site.report_path or site.path] = None
-
-    def drawn(self) -> Iterator[DrawnPart]:
-        """Yield every chart of every picture."""
-        for parts in self.parts.values():
-            yield from parts

@@ -56,8 +56,13 @@ def page(project: Project, *, lang: str = "en", trace: Trace | None = None) -> s
 
 def title_of(project: Project) -> str:
     """Return what a page calls a project: its name, or that of its file."""
+    return project.name or file_name_of(project) or "plcopen-sfc"
+
+
+def file_name_of(project: Project) -> str:
+    """Return the name of the file of a project; empty where it has none."""
     path = project.source.path if project.source is not None else None
-    return project.name or (PurePath(path).name if path else "") or "plcopen-sfc"
+    return PurePath(path).name if path else ""
 
 
 class _ProjectContent:

@@ -28,3 +28,29 @@ def test_an_unknown_language_writes_nothing(cli, fixtures, tmp_path):
     outcome = cli("page", "iectext/mixing_plant.st", tmp_path / "x.html", "--lang", "fr")
     assert (outcome.code, list(tmp_path.iterdir())) == (2, [])
     assert "There are: en, de" in outcome.err
+
+
+def test_diff_saves_a_page(cli, fixtures, tmp_path):
+    page = tmp_path / "diff.html"
+    outcome = cli("diff", "training-chain/codesys.xml", "simaticml-training-chain/Ablauf.xml", "--html", page)
+    assert outcome.code == 0
+    assert f"written: {page}" in outcome.err
+    assert "step S3: interlock B5 added" in outcome.out
+    assert "step S3</b>: interlock B5 added" in page.read_text(encoding="ascii")
+    refused = cli("diff", "training-chain", "codesys", "--html", page)  # many pairs of files
+    assert refused.code == 2
+
+
+def test_the_report_of_a_conversion_is_a_page(cli, fixtures, tmp_path):
+    page, target = tmp_path / "drill.html", tmp_path / "drill.xml"
+    options = ("--to", "codesys", "--limit", "0", "--lang", "de", "--report", page)
+    outcome = cli("convert", "simaticml/FB_Drill.xml", target, *options)
+    assert (outcome.code, target.exists()) == (1, False)
+    assert "es wurde nichts geschrieben" in page.read_text(encoding="ascii")
+    assert cli("convert", "simaticml/FB_Drill.xml", target, "--partial", *options).code == 0
+    text = page.read_text(encoding="ascii")
+    assert text.count("<svg") == 2
+    assert "nicht ausgef&#252;hrt" in text
+    page.unlink()
+    assert cli("convert", "simaticml/FB_Drill.xml", "-", "--partial", *options).code == 0
+    assert page.read_text(encoding="ascii") == text

@@ -8,12 +8,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from plcopen_sfc.analysis.search_limits import seconds
-from plcopen_sfc.api import save
+from plcopen_sfc.api import load, save
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.errors import LossError
-from plcopen_sfc.files import refuse_empty
+from plcopen_sfc.files import refuse_empty, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Item, Outcome
 
@@ -58,13 +59,18 @@ def run(
     as_tool: bool,
     accept_errors: bool,
     accept_untested: bool,
+    page: Path | None = None,
+    lang: str = "en",
 ) -> int:
     """Convert `source` to `target` (None: next to it, ``-``: standard output). `as_tool`: as its tool sees `source`.
 
     From standard input (``-``) None is standard output.
 
-    A chart of which not all was reached when it was run in both tools is a finding, unless `accept_untested`.
+    A chart of which not all was reached when it was run in both tools is a finding, unless `accept_untested`. `page`:
+    the report as HTML with the charts of both, in the language `lang`.
     """
+    if page is not None:
+        refuse_unwritable(page)
     extension = format_named(how.format)[0].extensions[0]
     refuse_empty(source)
     if target is None:
@@ -80,9 +86,13 @@ def run(
             report = save(project, place, **asdict(how))
         except LossError as loss:
             _show(screen, loss.report)
+            if page is not None:
+                _write_page(screen, page, project, loss.report, None, lang=lang)
             screen.result(loss.report.as_dict())
             screen.error(loss)
             return _FINDINGS
+        if page is not None:
+            _write_page(screen, page, project, report, load(place, as_tool=True), lang=lang)
     report.written = [target] if target == STANDARD_STREAM else report.written
     _show(screen, report)
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
@@ -95,6 +105,15 @@ def run(
         )
         screen.exit_code = max(screen.exit_code, _FINDINGS)
     return exit_code_for(screen, project.diagnostics)
+
+
+def _write_page(
+    screen: Screen, page: Path, source: Project, report: ConversionReport, target: Project | None, *, lang: str
+) -> None:
+    from plcopen_sfc.pages import conversion_page  # noqa: PLC0415  # brings the checks with it
+
+    write_atomic(page, conversion_page(source, report, target, lang=lang).encode("ascii"))
+    screen.note(f"written: {page}")
 
 
 def _show_written(screen: Screen, target: str, report: ConversionReport) -> None:

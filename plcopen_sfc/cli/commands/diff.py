@@ -14,6 +14,7 @@ from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.comparison import ChangeKind, ProjectDiff, diff
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import FormatError, InputError, SfcError
+from plcopen_sfc.files import refuse_unwritable, write_atomic
 from plcopen_sfc.formats.registry import FORMATS
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -32,16 +33,20 @@ class DiffOptions:
     prove: bool = False
     limit: str = "30s"
     exit_code: bool = False
+    html: Path | None = None
+    lang: str = "en"
 
 
 def run(screen: Screen, before: str, after: str, how: DiffOptions) -> int:
     """Print the changes from `before` to `after`: of two files, or of all files of two folders."""
     if before == after == STANDARD_STREAM:
         raise InputError("standard input cannot be both files", hint="Name a file for one of them.")
+    if how.html is not None:
+        refuse_unwritable(how.html)
     try:
         found = _compared(screen, before, after, how)
     except FormatError:
-        if not (Path(before).is_dir() and Path(after).is_dir()):
+        if how.html is not None or not (Path(before).is_dir() and Path(after).is_dir()):
             raise
         return _run_folders(screen, before, after, how)
     _show(screen, found)
@@ -89,7 +94,13 @@ def _compared(screen: Screen, before: str, after: str, how: DiffOptions) -> Proj
     loaded = [_load(screen, name) for name in (before, after)]
     dialect = next((project.dialect for project in loaded if project is not None), Dialect.IEC)
     left, right = (Project(dialect=dialect) if project is None else project for project in loaded)
-    return diff(left, right, layout=how.layout, prove=how.prove, limit=how.limit)
+    found = diff(left, right, layout=how.layout, prove=how.prove, limit=how.limit)
+    if how.html is not None:
+        from plcopen_sfc.pages import diff_page  # noqa: PLC0415
+
+        write_atomic(how.html, diff_page(left, right, found, lang=how.lang).encode("ascii"))
+        screen.note(f"written: {how.html}")
+    return found
 
 
 def _show(screen: Screen, found: ProjectDiff) -> None:

@@ -1,0 +1,237 @@
+"""Two projects on one page: the charts of both beside each other, with what changed, or what a conversion did."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from plcopen_sfc.comparison import Change, ChangeKind, ProjectDiff
+from plcopen_sfc.drawing.pictures import chart_figure
+from plcopen_sfc.errors import check_argument
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.pages.html_text import Html, document, element, joined, link
+from plcopen_sfc.pages.page_index import PageIndex
+from plcopen_sfc.pages.page_words import Words
+from plcopen_sfc.pages.project_page import file_name_of, title_of
+from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
+
+__all__ = ["conversion_page", "diff_page"]
+
+_SIGNS = {"+": "added", "-": "removed", "@": "moved"}
+_MARKS = {
+    Outcome.NOT_EXECUTED: "found-error",
+    Outcome.APPROXIMATED: "found-warning",
+    Outcome.DROPPED: "found-warning",
+    Outcome.TRANSLATED: "found-info",
+}
+"""How steps and transitions look that an item of a report is about; the worst first."""
+_MOST_ITEMS = 500
+
+
+def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en") -> str:
+    """Return the differences of two projects, as `diff` gives them, as the text of one HTML file.
+
+    The changes are listed; charts in which something changed are beside each other, with what was added, removed,
+    changed or renamed in colours. `lang` is ``en`` or ``de``; the rest is as in `page`.
+    """
+    for project in (a, b):
+        check_argument(project, Project, "diff_page needs two projects", "Load the files first.")
+    words = Words(lang)
+    first = PageIndex(a, "a-", called=_called(changes), references=False)
+    captions = [
+        f"{name}: {file_name_of(project) or title_of(project)}" for name, project in zip("AB", (a, b), strict=True)
+    ]
+    sides = _Side(first, captions[0]), _Side(_index(b, "b-"), captions[1])
+    for change in changes.changes:
+        for side, absent in zip(sides, (ChangeKind.ADDED, ChangeKind.REMOVED), strict=True):
+            if change.kind is not absent:
+                side.mark_change(change)
+    pairs = [pair for pair in _pairs(*sides) if any(side.has_marks(prefix) for side, prefix in pair)]
+    charts = list(_charts(pairs, words))
+    items = [element("li", *_change(change, sides), class_=f"change is-{change.kind}") for change in changes.changes]
+    listed = element("ul", *items) if items else element("p", words("no differences"))
+    proofs = [element("li", str(proof), class_="comment") for proof in changes.proofs]
+    overview = element(
+        "section",
+        element("h1", _title(a, b)),
+        listed,
+        element("ul", *proofs) if proofs else Html(""),
+        id="project",
+    )
+    return document(_title(a, b), words, _tree(pairs, words("Differences")), overview, *charts)
+
+
+def conversion_page(
+    source: Project, report: ConversionReport, target: Project | None = None, *, lang: str = "en"
+) -> str:
+    """Return what became of a project in another format as the text of one HTML file.
+
+    `report` is what `save` or `convert` returned, or that of a `LossError`. The items are listed, what is not executed
+    first; each chart of the source is beside that of the `target`, the written file as it was read again, with the
+    steps and transitions in colours that items are about. `lang` is ``en`` or ``de``; the rest is as in `page`.
+    """
+    check_argument(source, Project, "conversion_page needs a project", "Load the file first.")
+    words = Words(lang)
+    left = _Side(_index(source, "a-"), report.source_format)
+    for outcome, mark in _MARKS.items():
+        for item in report.with_outcome(outcome):
+            left.marks.setdefault(left.index.anchor_at(item.path), {mark: None})
+    right = _Side(_index(target if target is not None else Project(), "b-"), report.target_format)
+    pairs = list(_pairs(left, right))
+    title = f"{title_of(source)}: {report.source_format} \u2192 {report.target_format}"
+    rows = [
+        element("tr", element("th", words(outcome.value)), element("td", str(len(report.with_outcome(outcome)))))
+        for outcome in Outcome
+        if report.with_outcome(outcome)
+    ]
+    compared = [
+        element(
+            "li",
+            f"{path}: {found}",
+            *(element("div", line, class_="comment") for line in report.untested.get(path, ())),
+        )
+        for path, found in report.compared.items()
+    ]
+    overview = element(
+        "section",
+        element("h1", title),
+        element("p", words("nothing was written")) if target is None else Html(""),
+        element("table", element("tbody", *rows)),
+        joined(element("h2", words("Run in both tools")), element("ul", *compared)) if compared else Html(""),
+        id="project",
+    )
+    charts = list(_charts(pairs, words))
+    outcomes = [outcome for outcome in (*_MARKS, Outcome.EXTENSION_DATA) if report.with_outcome(outcome)]
+    lists = {outcome: _items(report.with_outcome(outcome), outcome, left, words) for outcome in outcomes}
+    tree = _tree(pairs, words("Report"), [(outcome.name.lower(), words(outcome.value)) for outcome in outcomes])
+    first = [lists.pop(outcome) for outcome in outcomes if outcome in (*LOSSES, Outcome.DROPPED)]
+    return document(title, words, tree, overview, *first, *charts, *lists.values())
+
+
+@dataclass(slots=True)
+class _Side:
+    """One of the projects, what is written over its charts, and further classes of their elements, by their anchors."""
+
+    index: PageIndex
+    caption: str
+    marks: dict[str, dict[str, None]] = field(default_factory=dict)
+
+    def mark_change(self, change: Change) -> None:
+        """Mark what a change is about; what has a change inside of it is changed."""
+        anchor = self.index.anchor_at(change.path)
+        inside = anchor == self.index.anchor_at(ObjectPath.of(change.path).around)
+        kind = ChangeKind.CHANGED if inside and change.kind is not ChangeKind.LAYOUT else change.kind
+        self.marks.setdefault(anchor, {})[f"diff-{kind}"] = None
+
+    def has_marks(self, prefix: str) -> bool:
+        """True if something in the chart of this prefix is marked, or the POU or the action that it is of."""
+        if not prefix:
+            return False
+        whole = [anchor for anchor in self.marks if anchor and prefix.startswith(f"{anchor}-")]
+        of_whole = any(mark in ("diff-added", "diff-removed") for anchor in whole for mark in self.marks[anchor])
+        return of_whole or any(anchor.startswith(prefix) for anchor in self.marks)
+
+
+_Pair = tuple[tuple[_Side, str], tuple[_Side, str]]
+"""The charts that are beside each other, each with its side and prefix; an empty prefix: there is none."""
+
+
+def _index(project: Project, prefix: str) -> PageIndex:
+    return PageIndex(project, prefix, references=False)
+
+
+def _called(changes: ProjectDiff) -> dict[str, str]:
+    """Return paths of the first project as the second one calls them, for what was renamed."""
+    before: dict[str, str] = {}
+    renamed = [change for change in changes.changes if change.kind is ChangeKind.RENAMED and change.before]
+    for change in sorted(renamed, key=lambda each: len(ObjectPath.of(each.path).parts)):
+        path = ObjectPath.of(change.path)
+        around = next(
+            (before[each] + path[len(each) :] for each in path.around.outwards() if each in before), str(path)
+        )
+        first, _, last = around.rpartition(" / ")
+        old = last.removesuffix(change.after or "") + (change.before or "")
+        before[path] = f"{first} / {old}" if first else old
+    return {old: new for new, old in before.items()}
+
+
+def _pairs(left: _Side, right: _Side) -> Iterator[_Pair]:
+    """Yield the charts of both sides that have the same path, then those that only one has."""
+    others = {parts[0].path: prefix for prefix, parts in right.index.parts.items()}
+    alone: list[_Pair] = []
+    for prefix, parts in left.index.parts.items():
+        other = others.pop(left.index.as_called(parts[0].path), "")
+        pair = (left, prefix), (right, other)
+        if other:
+            yield pair
+        else:
+            alone.append(pair)
+    yield from alone
+    yield from (((left, ""), (right, prefix)) for prefix in others.values())
+
+
+def _charts(pairs: Iterable[_Pair], words: Words) -> Iterator[Html]:
+    for number, pair in enumerate(pairs):
+        figures = [_figure(side, prefix, words) for side, prefix in pair]
+        heading = element("h2", _path(pair))
+        yield element(
+            "section", heading, element("div", *figures, class_="pair"), id=f"chart-{number}", data_name=_path(pair)
+        )
+
+
+def _path(pair: _Pair) -> str:
+    return next(side.index.parts[prefix][0].path for side, prefix in reversed(pair) if prefix)
+
+
+def _figure(side: _Side, prefix: str, words: Words) -> Html:
+    title = element("figcaption", side.caption)
+    if not prefix:
+        return element("figure", title, element("p", words("no such chart"), class_="comment"))
+    marks: Mapping[str, str] = {anchor: " ".join(sorted(kinds)) for anchor, kinds in side.marks.items()}
+    picture = Html(chart_figure(side.index.parts[prefix][0].chart, prefix, marks))
+    return element("figure", title, element("div", picture, class_="scroll", tabindex="0"))
+
+
+def _tree(pairs: Iterable[_Pair], first: str, links: Iterable[tuple[str, str]] = ()) -> Html:
+    charts = [element("li", link(f"chart-{number}", _path(pair))) for number, pair in enumerate(pairs)]
+    lists = [element("li", link(anchor, name)) for anchor, name in links]
+    return element("ul", element("li", link("project", first)), *lists, *charts)
+
+
+def _title(a: Project, b: Project) -> str:
+    names = [title_of(a), title_of(b)]
+    if names[0] == names[1]:
+        names = [file_name_of(project) or name for project, name in zip((a, b), names, strict=True)]
+    return " \u2192 ".join(names)
+
+
+def _change(change: Change, sides: tuple[_Side, _Side]) -> Iterator[str]:
+    yield from (element("b", change.place), ": ", change.news)
+    for side, name in zip(sides, "AB", strict=True):
+        anchor = side.index.anchor_at(change.path)
+        if anchor in side.marks and any(
+            anchor.startswith(prefix) and side.has_marks(prefix) for prefix in side.index.parts
+        ):
+            yield from (" ", link(anchor, name))
+    if change.lines:
+        lines = [element("span", line, "\n", class_=f"is-{_SIGNS.get(line[:1], 'same')}") for line in change.lines]
+        yield element("pre", element("code", *lines))
+
+
+def _items(items: list[Item], outcome: Outcome, side: _Side, words: Words) -> Html:
+    shown = [element("li", *_item(item, side, words)) for item in items[:_MOST_ITEMS]]
+    if len(items) > _MOST_ITEMS:
+        shown.append(element("li", words("and {} more", len(items) - _MOST_ITEMS)))
+    heading = element("h2", f"{words(outcome.value)} ({len(items)})")
+    return element("section", heading, element("ul", *shown), id=outcome.name.lower())
+
+
+def _item(item: Item, side: _Side, words: Words) -> Iterator[str]:
+    anchor = side.index.anchor_at(item.path)
+    is_drawn = any(anchor.startswith(prefix) for prefix in side.index.parts)
+    yield link(anchor if is_drawn else "", element("b", item.place))
+    if item.why:
+        yield f": {item.why}"
+    if item.line:
+        yield from (" ", element("small", words("line {}", item.line)))

@@ -1,0 +1,113 @@
+"""Two projects on a page: which steps and transitions are marked, on which side, and what the lists lead to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lxml import html
+
+import plcopen_sfc as sfc
+from tests.pages.browser import Browser
+from tests.pages.test_project_page import NASTY, nasty_project, parse, words_of
+
+FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
+
+
+@pytest.fixture(scope="module")
+def conveyors() -> tuple[sfc.Project, sfc.Project]:
+    before, after = (sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml") for _ in range(2))
+    chart = after.pou("FB_Pusher").chart
+    chart.rename_step("Jammed", "Blocked")
+    chart.step("Extending").max_time = "T#3s"
+    leaving = next(each for each in chart.transitions if chart.label(each) == "Extending -> Blocked")
+    leaving.condition = "FALSE"
+    chart.add_step("Extra")
+    chart.add_transition("Extra", "Blocked", "TRUE")
+    after.rename("FB_Pusher", "FB_Push")
+    return before, after
+
+
+def marked(tree: html.HtmlElement, side: str, kind: str) -> list[str]:
+    """The titles of what has this mark in the picture on this side, up to the first sentence."""
+    groups = tree.xpath(f"//svg//g[starts-with(@id, '{side}-') and contains(@class, 'diff-{kind}')]")
+    return [group.findtext("title").split(".")[0].split(":")[0] for group in groups]
+
+
+def test_a_diff_marks_what_changed_on_both_sides(conveyors: tuple[sfc.Project, sfc.Project]) -> None:
+    before, after = conveyors
+    text = sfc.diff_page(before, after, sfc.diff(before, after))
+    tree = parse(text)
+    # the other charts are the same
+    assert [link.text for link in tree.xpath("//nav//a")] == ["Differences", "POU FB_Push"]
+    assert marked(tree, "a", "renamed") == ["Step Jammed"]
+    assert marked(tree, "b", "renamed") == ["Step Blocked"]
+    assert marked(tree, "a", "changed") == ["Step Extending", "Transition Extending -> Jammed"]
+    assert marked(tree, "b", "changed") == ["Step Extending", "Transition Extending -> Blocked"]
+    assert marked(tree, "a", "added") == []
+    assert marked(tree, "b", "added") == ["Step Extra", "Transition Extra -> Blocked"]
+    ids = tree.xpath("//@id")
+    assert len(ids) == len(set(ids))
+    links = [link.removeprefix("#") for link in tree.xpath("//a/@href")]
+    assert set(links) <= set(ids)
+    (item,) = [item for item in tree.xpath("//li") if "step Blocked: renamed" in words_of(item)]
+    titles = [tree.get_element_by_id(link[1:]).findtext("title") for link in item.xpath(".//a/@href")]
+    assert [title.split(".")[0] for title in titles] == ["Step Jammed", "Step Blocked"]
+    assert text == sfc.diff_page(before, after, sfc.diff(before, after))
+
+
+def test_a_chart_that_only_one_side_has() -> None:
+    before, after = (sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml") for _ in range(2))
+    before.pous = [pou for pou in before.pous if pou.name != "FB_Pusher"]
+    tree = parse(sfc.diff_page(before, after, sfc.diff(before, after), lang="de"))
+    (section,) = tree.xpath("//section[@data-name='POU FB_Pusher']")
+    assert "keine solche Ablaufkette" in words_of(section)
+    assert len(section.findall(".//svg")) == 1
+
+
+def test_equal_projects() -> None:
+    project = sfc.load(FIXTURES / "iectext" / "mixing_plant.st")
+    tree = parse(sfc.diff_page(project, project, sfc.diff(project, project)))
+    assert "no differences" in words_of(tree.find(".//main"))
+    assert not tree.xpath("//svg")
+
+
+def test_a_conversion_shows_both_charts_and_what_is_not_executed() -> None:
+    source = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
+    with pytest.raises(sfc.LossError) as refused:
+        sfc.convert(source, "codesys")
+    data, report = sfc.convert(source, "codesys", partial=True)
+    tree = parse(sfc.conversion_page(source, report, sfc.loads(data, as_tool=True), lang="de"))
+    (losses,) = tree.xpath("//section[@id='not_executed']")
+    assert len(losses.findall(".//li")) == len(report.with_outcome(sfc.Outcome.NOT_EXECUTED)) > 0
+    assert [svg.findtext("title") for svg in tree.xpath("//svg")] == ["FB_Drill", "FB_Drill"]
+    (step,) = tree.xpath("//g[starts-with(@id, 'a-') and contains(@class, 'found-error')]")
+    assert step.findtext("title").startswith("Step Drill")
+    # nothing was written: the source alone
+    tree = parse(sfc.conversion_page(source, refused.value.report))
+    assert "nothing was written" in words_of(tree)
+    assert len(tree.xpath("//svg")) == 1
+
+
+def test_nothing_of_a_project_becomes_html() -> None:
+    nasty, other = nasty_project(), nasty_project()
+    other.pous[0].chart.steps[0].comment = None
+    other.pous[0].actions[0].body.text += "</script>"
+    tree = parse(sfc.diff_page(nasty, other, sfc.diff(nasty, other)))
+    assert len(tree.xpath("//script")) == 1
+    assert not tree.xpath("//img")
+    assert NASTY in words_of(tree.find(".//h1"))
+
+
+@pytest.mark.slow
+def test_links_in_chromium(browser: Browser, conveyors: tuple[sfc.Project, sfc.Project], tmp_path: Path) -> None:
+    page = tmp_path / "diff.html"
+    page.write_text(sfc.diff_page(*conveyors, sfc.diff(*conveyors)), encoding="ascii")
+    browser.open(page)
+    browser.evaluate("all('li.is-renamed a').at(-1).click()")
+    assert browser.evaluate("document.querySelector(':target').querySelector('title').textContent").startswith(
+        "Step Blo"
+    )
+    tops = browser.evaluate("all('.pair figure').map((each) => each.getBoundingClientRect().top)")
+    assert tops[0] == tops[1]
+    assert browser.messages == []
