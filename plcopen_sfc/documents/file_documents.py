@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, cast
@@ -26,7 +27,7 @@ from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import LOSSES, ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import PROFILES
 
 if TYPE_CHECKING:
@@ -318,8 +319,9 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
                 prepare_body(body, style, positions=False)
         return codec.to_tree(copy, replace(written, marks=marks), notes)
 
-    after = tree(project, before, report)
-    data = patch_xml(source.content, tree(before, None, ConversionReport()), after)
+    after, known = tree(project, before, report), ConversionReport()
+    data = patch_xml(source.content, tree(before, None, known), after)
+    _pass_known_losses(report, known)
     back = tree(codec.read(data).project, None, ConversionReport())
     # comments carry ids in TC6 1.01, which may be others now
     if canonical(back) != canonical(after):
@@ -339,6 +341,27 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
     return data
 
 
+def _pass_known_losses(report: ConversionReport, known: ConversionReport) -> None:
+    """Let an edit of a file in its own format lose nothing that the file could not say before: it keeps that beside.
+
+    `known` is the report on the file as it was. Where names are others now, losses of one kind are counted.
+    """
+    left = Counter(item for item in known.items if item.outcome in LOSSES)
+    new: list[int] = []
+    for place, item in enumerate(report.items):
+        if left[item] > 0:
+            left[item] -= 1
+            report.items[place] = replace(item, outcome=Outcome.EXTENSION_DATA)
+        elif item.outcome in LOSSES:
+            new.append(place)
+    kinds = Counter((item.outcome, item.what) for item in left.elements())
+    for place in new:
+        item = report.items[place]
+        if kinds[item.outcome, item.what] > 0:
+            kinds[item.outcome, item.what] -= 1
+            report.items[place] = replace(item, outcome=Outcome.EXTENSION_DATA)
+
+
 def _patched_text(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the text that was read with the edits in it."""
     from plcopen_sfc.formats.text_patch import patch_text  # noqa: PLC0415  # only to save edits
@@ -347,8 +370,9 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
     before = codec.read(source.content).project
     options = WriteOptions(source.version, same=True, baseline=before)
     text, spans = codec.spans(source.content)
-    after = codec.to_blocks(project, options, report)
-    data, recoded = text.encode(patch_text(text, spans, codec.to_blocks(before, options, ConversionReport()), after))
+    after, known = codec.to_blocks(project, options, report), ConversionReport()
+    data, recoded = text.encode(patch_text(text, spans, codec.to_blocks(before, options, known), after))
+    _pass_known_losses(report, known)
     if recoded:
         why = f"{text.encoding} does not have all of its characters; the file is in UTF-8 now"
         report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)

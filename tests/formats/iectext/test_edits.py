@@ -20,7 +20,7 @@ VERIFAPS = sorted((CORPUS / "iectext").rglob("Algo1_left.sfc"))
 
 def edited(project: m.Project, before: bytes) -> list[str]:
     """The lines of the diff that saving an edit makes; the text says what the model says."""
-    after = sfc.dumps(project, partial=True)
+    after = sfc.dumps(project)
     assert sfc.loads(after) == project
     lines = difflib.unified_diff(before.decode().splitlines(), after.decode().splitlines(), lineterm="", n=0)
     return [line for line in lines if not line.startswith(("---", "+++", "@@"))]
@@ -161,3 +161,25 @@ def test_the_command_line_converts_there_and_back(tmp_path: Path) -> None:
     assert text.read_bytes() == (FIXTURES / "iectext" / "distribution_belt.st").read_bytes()
     assert main(["convert", str(text), str(back), "--to", "codesys", "--strict", "--limit", "0"]) == 0
     assert sfc.load(back) == sfc.load(source)
+
+
+def test_an_edit_loses_nothing_that_the_file_keeps_beside_already() -> None:
+    belt = FIXTURES / "iectext" / "distribution_belt.st"
+    project = sfc.load(belt)
+    chart = project.pou("Ablauf_Band").chart
+    assert chart is not None
+    chart.rename_step("Warten", "Warte2")
+    assert len(edited(project, belt.read_bytes())) < 20
+    chart.step("Zu_Platz3").min_time = "T#1s"  # that is new, and IEC 61131-3 has none
+    with pytest.raises(sfc.LossError, match=r"1 item would not be executed: min time POU Ablauf_Band / step Zu_Platz3"):
+        sfc.dumps(project)
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen-2.01"])
+def test_what_a_conversion_could_not_say_refuses_no_later_edit(target: str) -> None:
+    source = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
+    data, report = sfc.convert(source, target, partial=True)
+    assert report.with_outcome(sfc.Outcome.NOT_EXECUTED)
+    project = sfc.loads(data)
+    project.rename("FB_Drill.Ready", "Rest")
+    assert b'"Rest"' in sfc.dumps(project)
