@@ -170,7 +170,8 @@ def test_an_edit_loses_nothing_that_the_file_keeps_beside_already() -> None:
     assert chart is not None
     chart.rename_step("Warten", "Warte2")
     assert len(edited(project, belt.read_bytes())) < 20
-    chart.step("Zu_Platz3").min_time = "T#1s"  # that is new, and IEC 61131-3 has none
+    project = sfc.load(belt)
+    project.pou("Ablauf_Band").chart.step("Zu_Platz3").min_time = "T#1s"  # that is new, and IEC 61131-3 has none
     with pytest.raises(sfc.LossError, match=r"1 item would not be executed: min time POU Ablauf_Band / step Zu_Platz3"):
         sfc.dumps(project)
 
