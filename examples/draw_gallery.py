@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/drawing.md from the fixtures.
+"""Draw the pictures of docs/drawing.md and docs/pages.md from the fixtures.
 
 Usage: python examples/draw_gallery.py FOLDER
 """
@@ -24,6 +24,7 @@ def main(folder: str) -> None:
         "sorting": sorting.pou("PLC_PRG").chart.to_svg(),
         "drill": sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml").pou("FB_Drill").chart.to_svg(),
         "grafcet": press().to_svg(),
+        "timing": sfc.simulate(sorting, pou="FB_Pusher", inputs=sfc.RandomInputs(4), scans=40).to_svg(),
         "flip-flops": flip_flops.body.to_svg(),
     }
     for name, svg in pictures.items():

@@ -277,7 +277,7 @@ def test_the_pictures_of_the_documentation_are_those_of_today(tmp_path: Path) ->
     run = example(tmp_path, "draw_gallery.py", str(tmp_path))
     assert run.returncode == 0, run.stderr
     drawn = sorted(tmp_path.iterdir())
-    page = (DOCS / "drawing.md").read_text(encoding="utf-8")
+    pages = "".join((DOCS / name).read_text(encoding="utf-8") for name in ("drawing.md", "pages.md"))
     for picture in drawn:
         assert picture.read_bytes() == (DOCS / "images" / picture.name).read_bytes(), "run examples/draw_gallery.py"
-    assert {path.name for path in drawn} >= set(re.findall(r"\(images/([\w-]+\.svg)\)", page))
+    assert {path.name for path in drawn} >= set(re.findall(r"\(images/([\w-]+\.svg)\)", pages))

@@ -127,13 +127,14 @@ class PageIndex:
             place, path = f"{anchor}-body-{number}", pou.report_path_of(found.name)
             placed.append(PlacedBody(found, place, path))
             self._place(found.body, place, path)
-            if found.name in owners:
-                self._anchors[id(owners[found.name])] = place
+            owner = owners.get(found.name)
+            if owner is not None:
+                self._anchors[id(owner)] = place
+            if isinstance(owner, Method) and owner.interface is not None:
+                self._place_variables(owner.interface.variables(), place, path)
             if isinstance(found.body, SfcBody):
                 self._place_chart(found.body.chart, f"{place}-", path)
                 self._charts.setdefault(found.name.casefold(), self.parts[f"{place}-"])
-        for method in pou.methods:
-            self._place_variables(method.interface.variables() if method.interface else [], anchor, pou.report_path)
 
     def _place_chart(self, chart: SfcNetwork, prefix: str, path: str) -> None:
         drawn = self.parts.setdefault(prefix, [])

@@ -161,7 +161,10 @@ class _ProjectContent:
         body, name = placed.found.body, placed.found.name
         heading = Html("") if is_own else element("h3", *self._part_name(placed))
         title = plain(body.title)
-        parts = [heading, element("h4", title) if title else Html(""), self._content(body, placed.anchor)]
+        methods = (each for each in placed.found.pou.methods if self.index.anchor(each) == placed.anchor)
+        sections = [section for each in methods if each.interface is not None for section in each.interface.sections]
+        parts = [heading, element("h4", title) if title else Html(""), self._declarations(sections)]
+        parts.append(self._content(body, placed.anchor))
         if not is_own:
             parts += [self._findings_at(placed.anchor), self._uses(placed.anchor)]
         return element("div", *parts, id=placed.anchor, data_name="" if is_own else name)

@@ -155,6 +155,23 @@ def test_names_are_text_only() -> None:
     assert svg.count("&lt;script&gt;x&lt;/script&gt;") == 7
 
 
+def test_a_long_network_takes_time_in_proportion() -> None:
+    # each step of the layout looks at a wire or a symbol a few times, so a chain of blocks has as many wires as blocks
+    def chain(count: int) -> FbdBody:
+        nodes: list[n.Node] = [n.InputVariable(id=0, expression="Start")]
+        for number in range(1, count + 1):
+            wire = n.InputPin(connections=[n.Connection(source=number - 1)])
+            pins = n.BlockParameters(
+                inputs=[n.BlockVariable(name="IN", input=wire)],
+                outputs=[n.BlockVariable(name="Q", output=n.OutputPin())],
+            )
+            nodes.append(n.Block(id=number, type_name="TON", instance=f"T{number}", parameters=pins))
+        return FbdBody(networks=[n.LogicNetwork(nodes=nodes)])
+
+    lengths = [len(chain(count).to_svg()) for count in (500, 2000)]
+    assert lengths[1] < 4.5 * lengths[0]
+
+
 def test_draw_has_networks_where_there_are_no_charts(tmp_path: Path) -> None:
     project = sfc.load(ROOT / "fixtures" / "training-chain" / "classic_flip-flops.xml")
     assert [name for name, _ in sfc.draw(project, tmp_path / "a.svg")] == ["Ablauf"]

@@ -9,6 +9,7 @@ import pytest
 from lxml import html
 
 import plcopen_sfc as sfc
+from plcopen_sfc import model as sfc_model
 from tests.pages.browser import Browser
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -101,6 +102,23 @@ def test_both_languages_have_all_words() -> None:
     assert [word for word in sorted(used) if f'    "{word}": ' not in listed] == []
     with pytest.raises(sfc.ModelError, match="pages have no language 'fr'"):
         sfc.page(project, lang="fr")
+
+
+def test_variables_of_methods_are_with_their_methods() -> None:
+    methods = [
+        sfc_model.Method(
+            name=name,
+            interface=sfc.Interface(sections=[sfc.VariableSection(variables=[sfc.Variable(name="x", type="BOOL")])]),
+            body=sfc.StBody(text="x := TRUE;"),
+        )
+        for name in ("Start", "Stop")
+    ]
+    pou = sfc.Pou(name="Motor", kind=sfc.PouKind.FUNCTION_BLOCK, methods=methods)
+    tree = parse(sfc.page(sfc.Project(pous=[pou])))
+    for name in ("Start", "Stop"):
+        (method,) = tree.xpath(f"//div[@data-name='Motor.{name}']")
+        (row,) = method.xpath(".//tr[@data-name='x']")
+        assert method.xpath(".//code/a/@href") == [f"#{row.get('id')}"]
 
 
 def nasty_project() -> sfc.Project:

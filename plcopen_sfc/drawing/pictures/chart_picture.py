@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeVar
 
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.drawing.pictures.chart_arrangement import Arrangement
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle, Sheet
@@ -56,12 +57,13 @@ def _picture(chart: SfcNetwork, look: PictureStyle, theme: Theme | None, prefix:
         for step in part.chart.steps
         for enclosure in step.encloses or ()
     }
-    for number, part in enumerate(parts):
-        starred = activated.get(part.name, frozenset()) if number else frozenset()
-        sheet = Sheet(part.chart, look, Wording(part.chart, dialect), prefix + part_prefix(number), starred)
-        part.arrangement = Arrangement(sheet)
     canvas = Canvas(marks)
-    width, height = _place(canvas, parts, prefix)
+    with collecting_rarely():
+        for number, part in enumerate(parts):
+            starred = activated.get(part.name, frozenset()) if number else frozenset()
+            sheet = Sheet(part.chart, look, Wording(part.chart, dialect), prefix + part_prefix(number), starred)
+            part.arrangement = Arrangement(sheet)
+        width, height = _place(canvas, parts, prefix)
     return canvas.document(width, height, theme, _name_of(chart), _description(chart))
 
 

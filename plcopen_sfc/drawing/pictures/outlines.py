@@ -25,10 +25,11 @@ def over(one: Outline, other: Outline) -> Outline:
     found: Outline = []
     i = j = 0
     while i < len(one) and j < len(other):
-        level = min(one[i][0], other[j][0])
-        found.append((level, max(one[i][1], other[j][1])))
-        i += one[i][0] == level
-        j += other[j][0] == level
+        (upper, near), (lower, far) = one[i], other[j]
+        # without min and max: these steps are a fifth of the time of a picture
+        found.append((upper if upper < lower else lower, near if near > far else far))
+        i += upper <= lower
+        j += lower <= upper
     return _short([*found, *one[i:], *other[j:]])
 
 
@@ -49,10 +50,10 @@ def distance(right: Outline, left: Outline) -> int:
     nearest = 0
     i = j = 0
     while i < len(right) and j < len(left):
-        nearest = max(nearest, right[i][1] + left[j][1])
-        level = min(right[i][0], left[j][0])
-        i += right[i][0] == level
-        j += left[j][0] == level
+        (upper, near), (lower, far) = right[i], left[j]
+        nearest = max(nearest, near + far)
+        i += upper <= lower
+        j += lower <= upper
     return nearest
 
 
@@ -65,5 +66,5 @@ def _short(outline: Outline) -> Outline:
     while len(outline) > _MOST_BANDS:
         pairs = zip(outline[::2], outline[1::2], strict=False)
         rest = [outline[-1]] if len(outline) % 2 else []
-        outline = [(lower, max(one, other)) for (_, one), (lower, other) in pairs] + rest
+        outline = [(lower, one if one > other else other) for (_, one), (lower, other) in pairs] + rest
     return outline

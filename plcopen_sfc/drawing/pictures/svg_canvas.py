@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 _FONTS = "Arial, Helvetica, 'Liberation Sans', sans-serif"
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_HARMLESS = re.compile(r"[\w .,:;()\[\]{}/*+=-]*", re.ASCII)
 _ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;"})
 
 
@@ -96,6 +97,8 @@ _RULES = {
 
 def escape(text: str) -> str:
     """Return `text` as characters that mean themselves in XML, in content and in attributes."""
+    if _HARMLESS.fullmatch(text):  # most texts, and pictures have many
+        return text
     clean = _FORBIDDEN.sub("\ufffd", text).translate(_ESCAPES)
     return clean.encode("ascii", "xmlcharrefreplace").decode("ascii")
 
