@@ -113,7 +113,8 @@ class _Reader:
         self.names = Names(project)
         self.dialect = project.dialect
         self.source = source
-        self.addresses = source.dialect
+        of_twincat = source.source is not None and source.source.format == "twincat"
+        self.addresses = Dialect.TWINCAT if of_twincat else source.dialect
         self.whole = Part("")
         self.lists = {s.name.casefold() for s in self.project.global_sections() if s.name}
         self.lists |= {block.name.casefold() for block in project.data_blocks}

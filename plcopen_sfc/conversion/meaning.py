@@ -188,7 +188,7 @@ def type_meaning(type_: DataType | None, dialect: Dialect) -> Meaning | None:
 
 
 def address_meaning(address: str | None, dialect: Dialect) -> Meaning | None:
-    """The bits that an address names: ``%MW2`` is byte 2 for S7 and word 2 for other tools."""
+    """The bits that an address names: ``%MW2`` is byte 2 for S7 and TwinCAT, and word 2 for other tools."""
     if not address:
         return None
     text = address.strip().upper().replace("%", "")
@@ -203,7 +203,7 @@ def address_meaning(address: str | None, dialect: Dialect) -> Meaning | None:
         bits: Hashable = numbers[0] * 8 + numbers[1] if len(numbers) == 2 else tuple(numbers)
     else:
         width = {"B": 8, "W": 16, "D": 32, "L": 64}.get(size, 8)
-        unit = 8 if dialect is Dialect.SCL else width
+        unit = 8 if dialect in (Dialect.SCL, Dialect.TWINCAT) else width
         bits = numbers[0] * unit if len(numbers) == 1 else tuple(numbers)
     return Meaning.of((area, size, bits), address)
 

@@ -276,7 +276,7 @@ def _is_noticed(difference: Difference, noticed: set[str], around_noticed: set[O
     return any(around in noticed for around in path.outwards())
 
 
-_LEFT_TO_THE_READER = frozenset({"static", "arguments", "edge", "extends", "implements", "union"})
+_LEFT_TO_THE_READER = frozenset({"address", "static", "arguments", "edge", "extends", "implements", "union"})
 """Aspects of which no writer speaks: what the target does not say is found when it is read back."""
 
 _OF_THE_CONFIGURATION = frozenset({"task", "program instance", "VAR_CONFIG", PROGRAM_CALL})
@@ -336,7 +336,7 @@ def _why(difference: Difference, tool: str) -> str:
     if aspect == "kind" and left == "program":
         return f"the program is a {right} in {tool}, which nothing calls"
     if aspect == "address" and left == right:
-        return f"{left} is another place in {tool}, which counts words where S7 counts bytes"
+        return f"{left} is another place in {tool}: one tool counts words where the other counts bytes"
     if aspect == "variables" and left == "its own":
         return f"{short.name} has no variables of its own in {tool}: a program has one set of them for all its calls"
     if aspect == "variables":

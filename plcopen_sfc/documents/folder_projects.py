@@ -453,7 +453,9 @@ def _read_back(contents: dict[str, bytes], kind: Format, version: str, *, as_too
     things: list[ProjectObject] = []
     for path, data in contents.items():
         things += add_document(back, path, data, as_tool=as_tool)
-    return with_objects(merged(back.documents, kind), things)
+    project = with_objects(merged(back.documents, kind), things)
+    project.source = back
+    return project
 
 
 def _on_disk(path: Path) -> bytes | None:

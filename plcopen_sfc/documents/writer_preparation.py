@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -10,8 +11,10 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT
+from plcopen_sfc.languages.binding.text_sites import text_sites
 from plcopen_sfc.languages.s7_boxes import translate_boxes
 from plcopen_sfc.languages.s7_results import has_results, name_results
+from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
@@ -72,6 +75,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         _without_il(copy, kind, report)
     if dialect is not None:
         _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour))
+    _note_counted_words(project, kind, report)
     if options.flavour:
         kind.codec().fit(copy, options, report)
         # what its rules would do otherwise is written out, or reported
@@ -176,6 +180,23 @@ _OUTCOMES = {
     Severity.ERROR: Outcome.NOT_EXECUTED,
 }
 """Outcome of a text by the severity of the notes of its translation: without a counterpart it is left as it is."""
+
+
+def _note_counted_words(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Report addresses of words in program text where one tool is TwinCAT, which counts bytes."""
+    of_twincat = project.source is not None and project.source.format == _TWINCAT
+    if of_twincat is (kind.name == _TWINCAT) or not kind.tool or (project.dialect is Dialect.SCL and not of_twincat):
+        return
+    for site in text_sites(project):
+        if site.is_program_text and "%" in site.text:
+            tokens = tokenize(site.text, project.dialect).tokens
+            for text in dict.fromkeys(token.value for token in tokens if _COUNTED.fullmatch(token.value)):
+                why = f"{text} is another place in {kind.tool}: TwinCAT counts bytes, and others words"
+                report.add(Outcome.NOT_EXECUTED, "address", site.report_path, why)
+
+
+_TWINCAT = "twincat"
+_COUNTED = re.compile(r"%[IQM][WDL]0*[1-9]\d*", re.IGNORECASE)
 
 
 def _note_limits(project: Project, report: ConversionReport) -> None:

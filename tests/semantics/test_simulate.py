@@ -192,3 +192,14 @@ def test_the_chart_of_an_action_runs_on_its_own() -> None:
         trace = sfc.simulate(loaded, pou=name, scans=5)
         assert isinstance(trace, Trace)
         assert trace.name == name
+
+
+def test_temporary_variables_of_a_chart_start_anew_in_each_scan() -> None:
+    text = b"""PROGRAM Main
+    VAR_TEMP t : INT := 5; END_VAR
+    VAR n : INT; END_VAR
+    INITIAL_STEP Work: Add(N); END_STEP
+    ACTION Add: t := t + 1; n := t; END_ACTION
+    END_PROGRAM"""
+    trace = sfc.simulate(sfc.loads(text, format="iec-text"), scans=3, record=["n"])
+    assert list(trace["n"]) == [6, 6, 6]

@@ -14,7 +14,7 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.places import Broken, Place
-from plcopen_sfc.semantics.programs.routines import Routines
+from plcopen_sfc.semantics.programs.routines import Routines, write_temporary_starts
 from plcopen_sfc.semantics.programs.scopes import Callee, CompiledChart, Scope, TranslatedMethod, TranslatedPou
 from plcopen_sfc.semantics.programs.types import Direction
 
@@ -154,6 +154,9 @@ def _translate_bodies(callee: Callee, bodies: list[Body], parameters: str) -> No
         Routines(callee.scope).body(texts[0], callee.scope.path, function=callee.run)
         return
     writer = Writer()
+    if isinstance(callee, TranslatedPou) and not callee.is_function:
+        writer.write("v = f.v")
+        write_temporary_starts(callee.layout, writer)
     for body in bodies:
         function = _body_function(callee, body)
         writer.write(f"{callee.library.linker.name(function)}({parameters})")

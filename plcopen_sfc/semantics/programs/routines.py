@@ -21,8 +21,15 @@ from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslato
 from plcopen_sfc.semantics.programs.places import Place, Unknown
 from plcopen_sfc.semantics.programs.scopes import Scope
 from plcopen_sfc.semantics.programs.statements import StatementTranslator
-from plcopen_sfc.semantics.programs.types import Direction, Frame
+from plcopen_sfc.semantics.programs.types import Direction, Frame, Layout
 from plcopen_sfc.semantics.programs.value_code import Code, settled, truth
+
+
+def write_temporary_starts(layout: Layout, writer: Writer) -> None:
+    """Let the variables of VAR_TEMP start with their initial values, as at each call of their POU."""
+    for field in layout.fields:
+        if field.direction is Direction.TEMP:
+            writer.write(f"v[{field.slot}] = {field.initial}")
 
 
 class Routines:
@@ -43,9 +50,7 @@ class Routines:
             return self._routine(writer, path, function)
         unit = self._scope.unit
         if unit is not None and function is unit.run and not unit.is_function:
-            for field in self._scope.layout.fields:
-                if field.direction is Direction.TEMP:
-                    writer.write(f"v[{field.slot}] = {field.initial}")
+            write_temporary_starts(self._scope.layout, writer)
         translator = Translator(self._scope, writer)
         translator.instances = instances
         if isinstance(body, IlBody):

@@ -403,3 +403,17 @@ def test_the_page_lists_every_attribute() -> None:
         for kind, table in ELEMENTS.items()
         for field, attribute in table.items()
     ]
+
+
+def test_words_at_addresses_are_other_places_in_twincat(tmp_path: Path) -> None:
+    text = b"""{plcopen_sfc project.dialect := 'codesys'}
+    PROGRAM Main
+    VAR lamp AT %QW3 : WORD; bit AT %QX3.1 : BOOL; first AT %QW0 : WORD; END_VAR
+    lamp := %IW2 OR %IW0; %QX1.2 := bit;
+    END_PROGRAM"""
+    project = sfc.loads(text, format="iec-text")
+    report = sfc.save(project, tmp_path / "plc", format="twincat", partial=True)
+    lost = {(item.what, item.path) for item in report.with_outcome(Outcome.NOT_EXECUTED)}
+    assert lost == {("address", "POU Main"), ("address", "POU Main / lamp")}
+    back = sfc.convert(sfc.load(tmp_path / "plc"), "codesys", partial=True).report
+    assert {(item.what, item.path) for item in back.with_outcome(Outcome.NOT_EXECUTED)} == lost
