@@ -221,14 +221,18 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     """
     known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {}, None)
     found: list[TranslatedText] = []
+    enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
     for text_site in [
         text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
     ]:
-        if family(target) is Dialect.CODESYS and "**" not in text_site.text:
+        named = enumerations and "#" in text_site.text
+        if family(target) is Dialect.CODESYS and "**" not in text_site.text and not named:
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
         result = _translated(text_site, target, Renames(), project, known)
         is_lost = any(note.severity is not Severity.INFO for note in result.notes)
-        if is_lost or is_foreign(text_site.text, text_site.reading is SiteKind.STATEMENTS, project.dialect, target):
+        if is_lost or is_foreign(
+            text_site.text, text_site.reading is SiteKind.STATEMENTS, project.dialect, target, enumerations
+        ):
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
             text_site.put(result.text)
     return found

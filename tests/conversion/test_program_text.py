@@ -116,3 +116,22 @@ def codesys_text(text: str) -> m.Project:
     head = "{plcopen_sfc format := 1}\n{plcopen_sfc project.dialect := 'codesys'}\n"
     block = f"FUNCTION_BLOCK Body\nVAR {declarations} END_VAR\n{text}\nEND_FUNCTION_BLOCK\n"
     return sfc.loads((head + block).encode(), format="iec-text")
+
+
+def test_values_of_enumerations_are_named_as_the_target_names_them() -> None:
+    text = b"""{plcopen_sfc project.dialect := 'codesys'}
+    TYPE Mode : (Off, Auto); END_TYPE
+    PROGRAM Main
+    VAR m : Mode; en : BOOL; END_VAR
+    INITIAL_STEP Idle: END_STEP
+    STEP Work: Set(N); END_STEP
+    TRANSITION FROM Idle TO Work := en AND m = Mode.Off; END_TRANSITION
+    TRANSITION FROM Work TO Idle := NOT en; END_TRANSITION
+    ACTION Set: m := Mode.Auto; END_ACTION
+    END_PROGRAM"""
+    data = sfc.dumps(sfc.loads(text, format="iec-text"), format="plcopen", strict=True)
+    assert b"m = Mode#Off" in data
+    assert b"m := Mode#Auto" in data
+    back = sfc.dumps(sfc.loads(data, as_tool=True), format="codesys", strict=True)
+    assert b"m = Mode.Off" in back
+    assert b"m := Mode.Auto" in back

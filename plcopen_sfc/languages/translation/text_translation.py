@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
@@ -148,14 +148,23 @@ def _without_chains(node: Node) -> Node:
     return replace(node, **new) if new else node
 
 
-def is_foreign(text: str, is_statements: bool, source: Dialect, target: Dialect) -> bool:
-    """True if `text` has what `target` writes otherwise, beside names: ``q S= a``, ``a AND_THEN b``, ``a ** b``."""
+def is_foreign(
+    text: str, is_statements: bool, source: Dialect, target: Dialect, enumerations: Collection[str] = ()
+) -> bool:
+    """True if `text` has what `target` writes otherwise, beside names: ``q S= a``, ``a AND_THEN b``, ``a ** b``.
+
+    So it does with the values of `enumerations`, named in lower case: ``Color.red`` and ``Color#red``.
+    """
     parsed = parse_statements(text, source) if is_statements else parse_condition(text, source)
-    return any(_is_foreign(node, family(target)) for node in walk(parsed.tree))
+    return any(_is_foreign(node, family(target), enumerations) for node in walk(parsed.tree))
 
 
-def _is_foreign(node: Node, target: Dialect) -> bool:
+def _is_foreign(node: Node, target: Dialect, enumerations: Collection[str]) -> bool:
     match node:
+        case n.Member(base=n.Name(identifier=name)) if name.casefold() in enumerations:
+            return target is Dialect.IEC
+        case n.Literal(text=text) if text.partition("#")[0].casefold() in enumerations:
+            return target is Dialect.CODESYS
         case n.Operation(operator=Operator.POWER):
             return target is Dialect.CODESYS
         case n.Operation(operator=Operator.AND_THEN | Operator.OR_ELSE) | n.AssignmentExpression():
