@@ -15,7 +15,7 @@ from plcopen_sfc.languages.declarations.declaration_writing import write_data_ty
 from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
-from plcopen_sfc.model.conditions import Condition, Expression, NamedCondition
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, Task
 from plcopen_sfc.model.sfc import Step, Transition
@@ -181,14 +181,17 @@ class _ProjectContent:
         if isinstance(body, FbdBody | LdBody):
             text = shown_body(body, self.project.dialect)
             as_text = element("details", element("summary", "ST"), element("pre", element("code", text or "")))
-            self._drawn += 1
-            picture = Html(body_figure(body, f"{self.index.prefix}drawn-{self._drawn}-"))
-            figure = element("figure", element("div", picture, class_="scroll", tabindex="0"))
+            figure = self._networks(body)
             return joined(figure, as_text) if text else figure
         if isinstance(body, OpaqueBody):
             note = self.words("a body in a form that is kept but not read")
             return element("details", element("summary", note), element("pre", body.content))
         return Html("")
+
+    def _networks(self, body: FbdBody | LdBody) -> Html:
+        self._drawn += 1
+        picture = Html(body_figure(body, f"{self.index.prefix}drawn-{self._drawn}-"))
+        return element("figure", element("div", picture, class_="scroll", tabindex="0"))
 
     # -- charts
 
@@ -266,7 +269,7 @@ class _ProjectContent:
             parts += ["NOT " if association.negated else "", self.index.linked(association, "target")]
             if association.value is not None:
                 parts += [" := ", self.index.linked(association, "value")]
-        elif isinstance(association.body, StBody | IlBody):
+        elif association.body is not None and not isinstance(association.body, SfcBody):
             parts.append(self._content(association.body, ""))
         else:
             parts.append(line.what)
@@ -296,7 +299,11 @@ class _ProjectContent:
             text = self.index.linked(condition, "text" if isinstance(condition, Expression) else "name")
             return element("code", *(["NOT (", text, ")"] if condition.negated else [text]))
         told = wording.condition(condition)
-        return element("code", told) if told else element("em", self.words("condition missing"))
+        text = element("code", told) if told else element("em", self.words("condition missing"))
+        if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):
+            drawn = element("details", element("summary", condition.body.language), self._networks(condition.body))
+            return joined(text, drawn)
+        return text
 
     # -- declarations
 

@@ -104,6 +104,17 @@ def test_both_languages_have_all_words() -> None:
         sfc.page(project, lang="fr")
 
 
+def test_drawn_conditions_and_bodies_are_pictures() -> None:
+    tree = parse(sfc.page(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")))
+    (row,) = tree.xpath("//table[@class='steps']//tr[@data-name='Dwell']")
+    figures = row.xpath(".//details[summary='LD' or summary='FBD']/figure")
+    assert figures
+    assert "contact #DrillUp" in words_of(figures[0])
+    conveyor = parse(sfc.page(sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")))
+    (belt,) = conveyor.xpath("//div[@data-name='PLC_PRG.ACT_Belt']")
+    assert "Ladder diagram: 1 network" in words_of(belt.find(".//figure"))
+
+
 def test_variables_of_methods_are_with_their_methods() -> None:
     methods = [
         sfc_model.Method(
