@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.errors import LoweringError
@@ -184,3 +185,17 @@ def test_step_bits_say_at_one_place_what_they_are_when_the_chain_starts_anew(pro
         "// Start the chain anew",
     ]
     assert not any("Init" in line for paragraph in found[at - 2 : at] for line in paragraph)
+
+
+@pytest.mark.parametrize("style", ["exact", "classic"])
+def test_an_input_that_the_chart_reads_does_not_restart_it(style: str) -> None:
+    text = b"""PROGRAM Main
+    VAR_INPUT a : BOOL; b : BOOL; END_VAR
+    VAR_OUTPUT q : BOOL; END_VAR
+    INITIAL_STEP S0: END_STEP
+    STEP S1: q(N); END_STEP
+    TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+    TRANSITION FROM S1 TO S0 := b; END_TRANSITION
+    END_PROGRAM"""
+    with pytest.raises(LoweringError, match="a cannot restart the chart"):
+        sfc.lower(sfc.loads(text, format="iec-text"), "case", style=style, init="a", language="ST")

@@ -92,6 +92,10 @@ class _Conditions:
         if declared is not None:
             if declared != BOOL:
                 self._refuse(f"{name} is there already, and is no BOOL")
+            if tree.identifier.casefold() in map(str.casefold, self._source.names_in_texts()):
+                # the proof would hold it FALSE, and call what needs it unreachable
+                hint = f"stop={name!r}, --stop {name}, restarts the chart by a condition on what it reads."
+                self._refuse(f"{name} cannot restart the chart: the chart itself reads or writes it", hint)
             # as with an input that was added, the proof holds while it is FALSE
             self._code.at_rest[tree.identifier] = False
             return self._code.naming.local(tree.identifier)
