@@ -65,8 +65,8 @@ def test_the_wheel_holds_all_that_is_needed_at_run_time(wheel: Path) -> None:
     schemas = {f"plcopen_sfc/schemas/{path.relative_to(folder).as_posix()}" for path in folder.rglob("*.xsd")}
     assert schemas
     assert schemas <= names
-    modules = {path.relative_to(ROOT).as_posix() for path in (ROOT / "plcopen_sfc").rglob("*.py")}
-    assert modules <= names
+    package = [path for path in (ROOT / "plcopen_sfc").rglob("*.*") if path.suffix in {".py", ".lark", ".css", ".js"}]
+    assert {path.relative_to(ROOT).as_posix() for path in package} <= names
     assert not any(name.startswith(("tests/", "fixtures/", "docs/")) for name in names)
 
 
