@@ -121,12 +121,6 @@ UNREAD: tuple[UnreadFormat, ...] = (
     ),
     UnreadFormat("a project of Control Expert or Unity Pro", _SCHNEIDER, extensions=(".stu", ".sta")),
     UnreadFormat(
-        "a GRAFCET of AGRAFE",
-        "It is not read yet. The PLCopen XML that AGRAFE generates from it is read.",
-        root="Grafcet",
-        extensions=(".grafcet",),
-    ),
-    UnreadFormat(
         "an export of DeltaV (.fhx)",
         "DeltaV exports nothing else that is read.",
         text=r"\A\s*/\*\s*Version:[^*]*\*/[\s\S]{0,200}?\b(?:SCHEMA|LOCALE)\b",

@@ -30,7 +30,6 @@ FILES = {
     "Plant.xef": ("<FEFExchangeFile/>", "no export to PLCopen XML"),
     "Plant.zef": ("PK\3\4\0\0", "no export to PLCopen XML"),
     "Plant.stu": ("\0\1", "no export to PLCopen XML"),
-    "G.grafcet": ('<g:Grafcet xmlns:g="http://www.example.org/grafcet"/>', "PLCopen XML that AGRAFE generates"),
     "Phase.fhx": ('/* Version: 14.3.1 */\n/* "01-Jan-2024" */\n\nSCHEMA\n user="A"\n{\n}\n', "DeltaV"),
     "Main.s7dcl": ('\ufeff{\n    S7_Version := "0.1"\n}\nFUNCTION_BLOCK "Main"\nEND_FUNCTION_BLOCK\n', "Openness"),
     "Type.s7dcl": ("TYPE\n    T : STRUCT\n        x : Int;\n    END_STRUCT;\nEND_TYPE\n", "Openness"),
@@ -138,7 +137,7 @@ def test_our_own_fixtures_are_read() -> None:
 def test_real_files_of_tools_that_are_not_read() -> None:
     require_corpus()
     kinds = {"l5x": ".l5x", "deltav": ".fhx", "schneider": ".xml"}
-    kinds |= {"grafcet": ".grafcet", "simaticml": ".s7dcl"}
+    kinds |= {"simaticml": ".s7dcl"}
     for kind, extension in kinds.items():
         files = [path for path in corpus_files(kind) if path.suffix.lower() == extension]
         assert files

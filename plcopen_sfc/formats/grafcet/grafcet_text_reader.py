@@ -251,12 +251,14 @@ class _Reader:
         assert self._section is not None  # noqa: S101  # the caller has looked
         address = f" AT {found['address']}" if found["address"] else ""
         type_ = (found["type"] or "BOOL").strip()
-        declared = read_declarations(f"VAR {found['name']}{address} : {type_}; END_VAR")
+        # a declaration of another name: people call variables what is no identifier (``2s/X3``)
+        declared = read_declarations(f"VAR x{address} : {type_}; END_VAR")
         variables = [variable for section in declared.sections for variable in section.variables]
         if declared.problems or len(variables) != 1:
             why = declared.problems[0].message if declared.problems else "a line declares one variable"
             raise self._wrong(f"this is no declaration: {why}", "Write: name %I0.0 : TYPE := value")
         variable: Variable = variables[0]
+        variable.name = found["name"]
         self._section.variables.append(variable)
         place = self._add(("variable", variable.name), start, end, 3)
         variable.comment = said

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
+from plcopen_sfc.errors import Location, ModelError
 from plcopen_sfc.formats.grafcet.grafcet_text_reader import CHARTS, SITUATIONS, STORED, TABLES, read_text
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.text_patch import SourceText, WrittenBlock, numbered_blocks
@@ -81,7 +82,7 @@ class _Writer:
         self._report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
         chart = pou.chart or SfcNetwork()
         block = " AS FUNCTION_BLOCK" if pou.kind is PouKind.FUNCTION_BLOCK else ""
-        blocks = [_line(("head", ""), f"GRAFCET {pou.name}{block}", pou.comment, "")]
+        blocks = [_line(("head", ""), f"GRAFCET {_named(pou.name, f'POU {pou.name}')}{block}", pou.comment, "")]
         for section in pou.interface.sections if pou.interface is not None else []:
             word = _TABLE_WORDS.get(section.kind)
             if word is not None:
@@ -93,7 +94,7 @@ class _Writer:
         return WrittenBlock(("grafcet", pou.name), blocks=numbered_blocks(blocks), apart=True)
 
     def _partial(self, partial: PartialChart) -> WrittenBlock:
-        head = f"{_CHART_WORDS[partial.kind]} {partial.name}"
+        head = f"{_CHART_WORDS[partial.kind]} {_named(partial.name, f'chart {partial.name}')}"
         if partial.kind is PartialChartKind.EXPANSION:
             head += f" FROM {partial.entry_step}" if partial.entry_step else ""
             head += f" TO {partial.exit_step}" if partial.exit_step else ""
@@ -119,7 +120,8 @@ class _Writer:
         yield from transitions(True)
 
     def _step(self, step: Step, path: str, indent: str, *, apart: bool) -> WrittenBlock:
-        text = ("INITIAL " if step.initial else "") + ("MACRO" if _expansion(step) else "STEP") + f" {step.name}"
+        text = ("INITIAL " if step.initial else "") + ("MACRO" if _expansion(step) else "STEP")
+        text += f" {_named(step.name, path)}"
         text += f" #{step.number}" if step.number is not None else ""
         if _expansion(step) not in (None, step.name):
             text += f" EXPANDS {_expansion(step)}"
@@ -209,8 +211,18 @@ def _forced(order: ForcingOrder) -> str:
     return f"{order.chart}{{{inside}}}"
 
 
+def _named(name: str, path: str) -> str:
+    """Return a name that can be in a line. Raises `ModelError` for one that would be read as something else."""
+    if not re.fullmatch(r'[^\s,:{}()"]+', name) or "->" in name:
+        hint = "Rename it: blanks, commas, colons, parentheses and quotation marks divide the parts of a line."
+        raise ModelError(f"{name!r} cannot be a name in the text of a GRAFCET", location=Location(path=path), hint=hint)
+    return name
+
+
 def _variable(variable: Variable) -> WrittenBlock:
-    text = variable.name + (f" {variable.address}" if variable.address is not None else "")
+    text = _named(variable.name, f"variable {variable.name}") + (
+        f" {variable.address}" if variable.address is not None else ""
+    )
     initial = write_value(variable.initial) if variable.initial is not None else ""
     if initial or variable.type != ElementaryType(name=Elementary.BOOL):
         text += f" : {' '.join(write_type(variable.type).split())}" + (f" := {initial}" if initial else "")

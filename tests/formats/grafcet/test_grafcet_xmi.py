@@ -1,0 +1,164 @@
+"""``.grafcet`` files: read, written, edited, refused, and checked beside the verdicts of their editor."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import StructureError
+from plcopen_sfc.model import Expression, Project
+from plcopen_sfc.model.numbering import numbered_in_order
+from tests.corpus import corpus_files
+from tests.lowering.random_grafcets import random_grafcet
+
+FILES = corpus_files("grafcet")
+SAMPLES = [path for path in FILES if path.suffix == ".grafcet"]
+VERDICTS = [path for path in FILES if path.name.startswith("Result_AI_veri_")]
+
+
+def fresh(project: Project) -> bytes:
+    return sfc.dumps(sfc.loads(sfc.dumps(project, format="json")), format="grafcet")
+
+
+@pytest.mark.corpus
+@pytest.mark.parametrize("path", SAMPLES, ids=lambda path: path.stem)
+def test_a_sample_comes_back_and_goes_through_text_and_xmi(path: Path) -> None:
+    project = sfc.load(path)
+    assert project.source is not None
+    assert project.source.format == "grafcet"
+    assert sfc.dumps(project, format="grafcet") == path.read_bytes()
+    for form in ("grafcet", "grafcet-text"):
+        written = sfc.loads(sfc.dumps(sfc.loads(sfc.dumps(project, format="json")), format=form))
+        assert numbered_in_order(written).pous == numbered_in_order(project).pous
+
+
+@pytest.mark.parametrize("name", ["four_steps", "two_cylinders"])
+def test_a_text_becomes_a_file_of_the_editor(name: str) -> None:
+    project = sfc.load(Path("fixtures/grafcet") / f"{name}.gct")
+    data, report = sfc.convert(project, "grafcet")
+    assert numbered_in_order(sfc.loads(data)).pous == numbered_in_order(project).pous
+    assert {item.outcome for item in report.items} <= {"kept", "extension data"}
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_random_grafcets_go_through_files(seed: int) -> None:
+    project = Project(name="p", pous=[random_grafcet(seed)])
+    report = sfc.convert(project, "grafcet", partial=True).report
+    lost = [item for item in report.items if item.outcome == "not executed"]
+    # these files have times for a condition as a whole only
+    assert all("as a whole" in item.why or "no term" in item.why for item in lost)
+    data = sfc.convert(project, "grafcet", partial=True).data
+    assert numbered_in_order(sfc.loads(data)).pous == numbered_in_order(project).pous
+
+
+def changed(before: str, after: str) -> list[str]:
+    lines = difflib.ndiff(before.splitlines(), after.splitlines())
+    return [
+        line[0] + " ".join(re.findall(r'<\w+|name="[^"]*"|@\w+\.\d+"', line))
+        for line in lines
+        if line[0] in "+-" and "plcopen_sfc" not in line
+    ]
+
+
+def test_an_edit_is_put_into_the_file_with_its_references() -> None:
+    data = fresh(sfc.load("fixtures/grafcet/two_cylinders.gct"))
+    project = sfc.loads(data)
+    project.rename("Zylinder.2M1", "Vor")
+    text = sfc.dumps(project, format="grafcet").decode()
+    assert changed(data.decode(), text) == [
+        '-<variableDeclarations name="2M1"',
+        '+<variableDeclarations name="Vor"',
+    ]
+    assert project.pous[0].chart is not None
+    chart = project.pous[0].chart.partial_charts[0].chart
+    condition = chart.transitions[0].condition
+    assert isinstance(condition, Expression)
+    condition.text = "NOT 1B2"
+    edited = sfc.loads(sfc.dumps(project, format="grafcet"))
+    assert numbered_in_order(edited).pous == numbered_in_order(project).pous
+    chart.transitions = [t for t in chart.transitions if chart.step("3").id not in (*t.sources, *t.targets)]
+    chart.steps.remove(chart.step("3"))
+    removed = sfc.loads(sfc.convert(project, "grafcet").data)
+    assert numbered_in_order(removed).pous == numbered_in_order(project).pous
+
+
+HEAD = (
+    '<grafcet:Grafcet xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" '
+    'xmlns:grafcet="http://www.example.org/grafcet" xmlns:terms="http://www.example.org/terms">'
+    '\n<steps xsi:type="grafcet:Step" id="1"/><steps xsi:type="grafcet:Step" id="2"/>\n<transitions id="1">%s'
+    "</transitions>\n%s</grafcet:Grafcet>"
+)
+STEPS = '<arcs source="//@steps.0" target="//@steps.1"/>'
+
+
+@pytest.mark.parametrize(
+    ("term", "rest", "message", "line"),
+    [
+        ("", '<arcs source="//@steps.7" target="//@steps.0"/>', "the reference '//@steps.7' leads nowhere", 4),
+        ("", STEPS, "an arc joins two steps", 4),
+        ("", '<arcs source="//@transitions.0" target="//@transitions.0"/>', "an arc joins two transitions", 4),
+        ('<term xsi:type="terms:Variable"/>', "", "the reference '' leads nowhere", 3),
+        ('<term xsi:type="terms:And"/>', "", "the term And has 0 operands", 3),
+        ('<term xsi:type="terms:Until"/>', "", "the term cannot be read: 'Until'", 3),
+    ],
+)
+def test_a_defective_file_is_refused_with_its_line(term: str, rest: str, message: str, line: int) -> None:
+    with pytest.raises(StructureError, match=re.escape(message)) as caught:
+        sfc.loads((HEAD % (term, rest)).encode())
+    assert caught.value.location.line == line
+
+
+@pytest.mark.corpus
+@pytest.mark.skipif(not VERDICTS, reason="no corpus")
+def test_checks_agree_with_the_verdicts_of_the_editor() -> None:
+    both: dict[str, set[str]] = {"race": set(), "hierarchy": set()}
+    ours: dict[str, set[str]] = {"race": set(), "hierarchy": set()}
+    constant: Counter[str] = Counter()
+    for path in VERDICTS:
+        name = path.stem.removeprefix("Result_AI_veri_")
+        sample = next((each for each in SAMPLES if each.stem == name), None)
+        assert sample is not None
+        verdict = path.read_text(encoding="utf-8")
+        project = sfc.load(sample)
+        findings = sfc.check(project)
+        found = {finding.code for finding in findings}
+        for kind, code, words in (
+            ("race", "ACT04", "The following race conditions were detected"),
+            ("hierarchy", "HIE06", "conflicts between hierarchies were detected"),
+        ):
+            if words in verdict:
+                both[kind].add(name)
+            if code in found:
+                ours[kind].add(name)
+        if verdict.startswith("Error"):
+            continue
+        told = set(re.findall(r"Transition (\d+) (always|never) fires", verdict))
+        chart = project.pous[0].chart
+        assert chart is not None
+        numbers = {
+            f"{partial.name} / transition {partial.chart.label(transition)}": str(transition.number)
+            for partial in chart.partial_charts
+            for transition in partial.chart.transitions
+        }
+        mine = set()
+        for finding in findings:
+            if finding.code in ("CND02", "CND03"):
+                place = str(finding.location.path).partition(" / ")[2]
+                mine.add((numbers[place], "always" if finding.code == "CND02" else "never"))
+        constant.update({"both": len(mine & told), "only ours": len(mine - told), "only the editor": len(told - mine)})
+    assert both["hierarchy"] == ours["hierarchy"] == {"hierarchicalConflict1"}
+    # 1: the editor ends with an error; 6: it follows the values of variables
+    assert len(both["race"]) == 7
+    assert ours["race"] - both["race"] == {"conflictingActions1", "conflictingActions6"}
+    assert both["race"] <= ours["race"]
+    assert constant == CONSTANT
+
+
+CONSTANT = {"both": 24, "only ours": 2, "only the editor": 10}
+"""Constant conditions. Two are the same: their terms have the ids of another transition, after which the editor calls
+them (conflictingActions3 and 6). The other 8 are constant by the values that internal variables can have."""
