@@ -49,7 +49,10 @@ def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en")
                 side.mark_change(change)
     pairs = [pair for pair in _pairs(*sides) if any(side.has_marks(prefix) for side, prefix in pair)]
     charts = list(_charts(pairs, words))
-    items = [element("li", *_change(change, sides), class_=f"change is-{change.kind}") for change in changes.changes]
+    shown = tuple(prefix for pair in pairs for _, prefix in pair if prefix)
+    items = [
+        element("li", *_change(change, sides, shown), class_=f"change is-{change.kind}") for change in changes.changes
+    ]
     listed = element("ul", *items) if items else element("p", words("no differences"))
     proofs = [element("li", str(proof), class_="comment") for proof in changes.proofs]
     overview = element(
@@ -206,13 +209,12 @@ def _title(a: Project, b: Project) -> str:
     return " \u2192 ".join(names)
 
 
-def _change(change: Change, sides: tuple[_Side, _Side]) -> Iterator[str]:
+def _change(change: Change, sides: tuple[_Side, _Side], shown: tuple[str, ...]) -> Iterator[str]:
+    """Yield the words of a change, with links to what it is about in the charts of the prefixes `shown`."""
     yield from (element("b", change.place), ": ", change.news)
     for side, name in zip(sides, "AB", strict=True):
         anchor = side.index.anchor_at(change.path)
-        if anchor in side.marks and any(
-            anchor.startswith(prefix) and side.has_marks(prefix) for prefix in side.index.parts
-        ):
+        if anchor in side.marks and anchor.startswith(shown):
             yield from (" ", link(anchor, name))
     if change.lines:
         lines = [element("span", line, "\n", class_=f"is-{_SIGNS.get(line[:1], 'same')}") for line in change.lines]

@@ -193,3 +193,22 @@ class TestInChromium:
         script = "document.head.append(Object.assign(document.createElement('script'), {text: 'document.title = 1'}))"
         browser.evaluate(script)
         assert browser.evaluate("document.title") == NASTY
+
+    @pytest.mark.parametrize("name", ["FB_Pusher", "PLC_PRG.ACT_Belt"])
+    def test_pictures_look_in_pages_as_they_do_alone(
+        self, browser: Browser, conveyor: str, tmp_path: Path, name: str
+    ) -> None:
+        project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+        body = next(body for found, _, body in project.bodies() if found == name)
+        alone = body.chart.to_svg() if isinstance(body, sfc.SfcBody) else body.to_svg()
+        texts = {"page.html": conveyor, "alone.html": f"<!DOCTYPE html><body>{alone}"}
+        shots = []
+        for file, text in texts.items():
+            (tmp_path / file).write_text(text, encoding="ascii")
+            browser.open(tmp_path / file)
+            picture = f"document.querySelector(`[data-name='{name}'] svg`) || document.querySelector('svg')"
+            browser.evaluate(
+                f"document.body.replaceChildren({picture}); document.body.style.cssText = 'margin:0;display:block'"
+            )
+            shots.append(browser.screenshot())
+        assert shots[0] == shots[1]
