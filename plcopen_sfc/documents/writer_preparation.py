@@ -22,6 +22,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import PROFILES, StepVariables, default_profile
 
 
@@ -67,6 +68,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         of_matiec=of_matiec,
         final_scan=profile.final_scan,
     )
+    if profile.graph_parameters and kind.name != TIA_FORMAT:
+        _mark_first_steps(copy, kind, report)
     if kind.xml and not options.same:
         _forget_direct_text(copy)
     if _has_flags(kind) is not _has_flags(project):
@@ -108,6 +111,17 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     prepare(copy, style, positions=kind.positions, replace=replaced, foreign=True)
     kind.codec().adapt(copy, options, report)
     return Prepared(copy, meant, options, behaviour)
+
+
+def _mark_first_steps(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Mark the steps in which only S7-GRAPH starts by itself: the first of a sequence without an initial step."""
+    for name, pou, chart in project.charts():
+        net = Net.of_sequencer(chart)
+        for step in net.steps:
+            if net.initial & step.bit and not step.step.initial:
+                step.step.initial = True
+                why = f"S7-GRAPH starts with the first step of a sequence, {kind.tool or kind.title} with initial ones"
+                report.add(Outcome.TRANSLATED, "initial step", f"{pou.report_path_of(name)} / step {step.path}", why)
 
 
 def _forget_direct_text(project: Project) -> None:

@@ -8,7 +8,7 @@ Enclosures and forcing orders are rules beyond firing; a net only tells that the
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 
@@ -136,6 +136,18 @@ class Net:
     def of(chart: SfcNetwork) -> Net:
         """The net of a chart, whatever is broken in it."""
         return _Builder(chart).net()
+
+    @staticmethod
+    def of_sequencer(chart: SfcNetwork) -> Net:
+        """The net of an S7-GRAPH chart: a sequence without an initial step starts with its first step."""
+        net = Net.of(chart)
+        of_id = {step.step.id: step.bit for step in reversed(net.steps) if step.chart is chart}
+        initial = net.initial
+        for ids in [sequence.steps for sequence in chart.sequences] or [[step.id for step in chart.steps]]:
+            bits = [of_id[each] for each in ids if each in of_id]
+            if bits and not any(bit & net.initial for bit in bits):
+                initial |= bits[0]
+        return net if initial == net.initial else replace(net, initial=initial)
 
     @cached_property
     def leaving(self) -> tuple[tuple[int, ...], ...]:

@@ -223,7 +223,7 @@ class CheckedChart:
     @cached_property
     def net(self) -> Net:
         """The net of the chart, with macro-steps expanded and all partial charts."""
-        return Net.of(self.chart)
+        return (Net.of_sequencer if self.family == "s7graph" else Net.of)(self.chart)
 
     @cached_property
     def graph(self) -> MarkingGraph:

@@ -151,7 +151,7 @@ class _Reader(TextReader):
     def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile) -> None:
         super().__init__(pou, chart, dialect)
         self._profile = profile
-        self._net = Net.of(chart)
+        self._net = Net.of_sequencer(chart)
         self._variables = {v.name.casefold(): v for v in pou.interface.variables()} if pou.interface else {}
 
     def source(self) -> GraphSource:

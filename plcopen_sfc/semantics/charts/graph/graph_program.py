@@ -44,7 +44,7 @@ class GraphProgram:
     """A sequencer under a profile with the parameters of S7-GRAPH."""
 
     def __init__(self, chart: SfcNetwork, scope: Scope, path: str, profile: Profile) -> None:
-        self.net = Net.of(chart)
+        self.net = Net.of_sequencer(chart)
         self.path = path
         self.reached = Reached()
         self._chart = chart
