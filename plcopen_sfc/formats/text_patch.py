@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import codecs
 import re
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Collection, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 from typing import NamedTuple, TypeAlias
@@ -126,6 +126,10 @@ def patch_text(source: SourceText, spans: BlockSpan, before: WrittenBlock, after
     return apply_edits(source.text, _Patch(source.text, source.newline).edits(spans, before, after))
 
 
+def _without(blocks: Iterable[WrittenBlock], idle: Collection[WrittenBlock]) -> tuple[WrittenBlock, ...]:
+    return tuple(block for block in blocks if block not in idle)
+
+
 def _file(block: WrittenBlock, newline: str) -> str:
     return block.whole().replace("\n", newline) + newline
 
@@ -139,6 +143,10 @@ class _Patch:
         if before == after:
             return []
         known = [key for inner in around.spans for key in inner.keys]
+        # what the text does without before the edit, it does without behind it
+        idle = {block for block in before.blocks if block.key not in known}.intersection(after.blocks)
+        if idle:
+            before, after = (replace(each, blocks=_without(each.blocks, idle)) for each in (before, after))
         if not (before.blocks and after.blocks and sorted(known) == sorted(block.key for block in before.blocks)):
             return [self._replaced(around, before, after)]
         return self._children(around, before, after)

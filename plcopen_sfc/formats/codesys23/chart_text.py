@@ -419,7 +419,8 @@ def _associations(step: Step, names: ChartNames, path: str) -> Iterator[str]:
 
 
 def _in_pragma(value: str) -> str:
-    return re.sub(r"\(\*|\*\)|'", " ", value)
+    """Return a text without what begins or ends comments; apostrophes stay, as the text ends with the comment."""
+    return re.sub(r"\(\*|\*\)", " ", value)
 
 
 def _transition_block(chart: SfcNetwork, transition: Transition, names: ChartNames, path: str) -> WrittenBlock:

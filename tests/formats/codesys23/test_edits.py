@@ -190,3 +190,15 @@ def test_edits_of_real_files() -> None:
     assert len(found) == 8
     assert "+TRANSITION FROM _Start TO _Started:=" in found
     assert "+(* @SFCMAXTIME := 't#1m' *)" in found
+
+
+@pytest.mark.parametrize("comment", ["it's", "''", "a (* b", "a *) b"])
+def test_comments_of_steps_stay_as_they_are_beside_an_edit(comment: str) -> None:
+    data = BELT.read_bytes().replace(b"@SFCCOMMENT := ''", f"@SFCCOMMENT := '{comment}'".encode(), 1)
+    assert data != BELT.read_bytes()
+    project = sfc.loads(data)
+    set_condition(project)
+    edited = sfc.dumps(project)
+    assert set(edited.splitlines()) - set(data.splitlines()) == {b"Platz1 AND NOT Platz3"}
+    assert f"'{comment}'".encode() in edited
+    assert b"{plcopen_sfc" not in edited
