@@ -146,6 +146,39 @@ def test_a_signal_that_comes_back_is_a_link() -> None:
     assert texts(link) == ["\u2190 Hold.OUT"]
 
 
+def test_operands_modifiers_and_broken_wires() -> None:
+    def wire(source: int) -> n.InputPin:
+        return n.InputPin(connections=[n.Connection(source=source)])
+
+    inputs = [
+        n.BlockVariable(name="IN1", input=wire(1)),
+        n.BlockVariable(name="IN2", input=wire(2), negated=True),
+        n.BlockVariable(name="IN3", input=wire(99)),
+        n.BlockVariable(name="IN4", hidden=True),
+    ]
+    nodes: list[n.Node] = [
+        n.InputVariable(id=1, expression="A", negated=True),
+        n.InputVariable(id=2, expression="B", negated=True),
+        n.Block(id=3, type_name="AND", parameters=n.BlockParameters(inputs=inputs)),
+        n.InputVariable(id=4, expression="C"),
+        n.OutputVariable(id=5, expression="D", input=wire(4), storage=n.Storage.SET),
+        n.OutputVariable(id=6, expression="E", input=wire(4)),
+        n.Coil(id=7, variable="F", input=wire(4), negated=True),
+    ]
+    tree = etree.fromstring(FbdBody(networks=[n.LogicNetwork(nodes=nodes)]).to_svg().encode("ascii"))
+    found = {g.findtext(f"{SVG}title"): g for g in tree.iter(f"{SVG}g")}
+    # A is at its pin with the circle of its negation; B, negated twice, keeps its own; the wire from nowhere is told
+    assert texts(found["AND"]) == ["AND", "A", "IN1", "IN2", "?", "IN3"]
+    assert len(found["AND"].findall(f"{SVG}circle")) == 2
+    assert "A" not in found
+    assert len(found["B"].findall(f"{SVG}circle")) == 1
+    # C goes to three places: its wire divides at two dots
+    assert set(found) >= {"C", "D", "E"}
+    assert texts(found["D"]) == ["D", "S"]
+    assert texts(found["assignment F"]) == ["F", "/"]
+    assert [circle.get("class") for circle in tree.findall(f"{SVG}circle")] == ["head"] * 2
+
+
 def test_names_are_text_only() -> None:
     nasty = "<script>x</script>"
     node = n.Block(id=1, type_name=nasty, instance=nasty)
