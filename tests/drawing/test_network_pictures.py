@@ -95,6 +95,21 @@ def test_wires_connect_what_they_should_and_nothing_else(circuit: tuple[list[Box
                 assert not (inside and min(y1, y2) < box.y + box.height and max(y1, y2) > box.y), net
 
 
+@pytest.mark.parametrize("up", [False, True])
+def test_wires_beside_each_other_do_not_cross(up: bool) -> None:
+    sources = [Box(40, 20, [], [10]) for _ in range(4)]
+    target = Box(60, 300, [200 + 20 * row for row in range(4)] if not up else [], [])
+    boxes = [*sources, target]
+    if up:
+        boxes = [Box(40, 400, [], [300 + 20 * row for row in range(4)]), *(Box(40, 20, [10], []) for _ in range(4))]
+    wires = [Wire(0, row, 1 + row, 0) if up else Wire(row, 0, 4, row) for row in range(4)]
+    lines = [line for path in NetworkLayout(boxes, wires).paths for line in path.lines]
+    across = [(y, min(x1, x2), max(x1, x2)) for (x1, y), (x2, y2) in lines if y == y2]
+    upright = [(x, min(y1, y2), max(y1, y2)) for (x, y1), (x2, y2) in lines if x == x2 and y1 != y2]
+    assert upright
+    assert not [1 for x, top, bottom in upright for y, left, right in across if left < x < right and top < y < bottom]
+
+
 def drawn(path: str, name: str) -> dict[str, etree._Element]:
     project = sfc.load(ROOT / "fixtures" / path)
     body = next(body for found, _, body in project.bodies() if found == name and isinstance(body, FbdBody | LdBody))

@@ -193,7 +193,9 @@ class NetworkLayout:
         tracks: dict[int, dict[tuple[int, int], int]] = {}
         for column, width in sorted(columns.items()):
             starts[column] = x
-            tracks[column] = _tracks({net: self._span(hops) for net, hops in channels.get(column, {}).items()})
+            tracks[column] = _tracks(
+                {net: (self._ends(hops)[0][1], *self._span(hops)) for net, hops in channels.get(column, {}).items()}
+            )
             x += width + 2 * _CHANNEL + _TRACK * max(tracks[column].values(), default=0)
             self.width = x
         fed = {wire.target for wire in self.wires}
@@ -258,16 +260,25 @@ def _inputs_first(
             pending.append((found[1].source, iter(entering[found[1].source])))
 
 
-def _tracks(spans: dict[tuple[int, int], tuple[int, int]]) -> dict[tuple[int, int], int]:
-    """Return a track for each wire between two columns; those on one track do not touch each other."""
-    ends: list[int] = []
+def _tracks(spans: dict[tuple[int, int], tuple[int, int, int]]) -> dict[tuple[int, int], int]:
+    """Return a track for each wire between two columns; those on one track do not touch each other.
+
+    `spans` are the level of the source, the highest and the lowest level. Of wires that lead down beside each other
+    the upper one is on the right, of those that lead up on the left: so they do not cross.
+    """
+    used: list[list[tuple[int, int]]] = []
     found: dict[tuple[int, int], int] = {}
-    for net, (top, bottom) in sorted(spans.items(), key=lambda item: item[1]):
-        if top == bottom:
-            continue
-        track = next((number for number, end in enumerate(ends) if end < top), len(ends))
-        if track == len(ends):
-            ends.append(bottom)
-        ends[track] = bottom
+    up = [net for net, (level, top, bottom) in spans.items() if top < bottom and level - top > bottom - level]
+    down = [net for net, (level, top, bottom) in spans.items() if top < bottom and level - top <= bottom - level]
+    up.sort(key=lambda net: spans[net])
+    down.sort(key=lambda net: spans[net], reverse=True)
+    for net in (*up, *down):
+        _, top, bottom = spans[net]
+        track = len(used)
+        while track and all(end < top or begin > bottom for begin, end in used[track - 1]):
+            track -= 1
+        if track == len(used):
+            used.append([])
+        used[track].append((top, bottom))
         found[net] = track
     return found
