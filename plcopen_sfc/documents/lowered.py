@@ -34,7 +34,7 @@ from plcopen_sfc.lowering.chart_lowering import faults_of
 from plcopen_sfc.lowering.construction import errors_of
 from plcopen_sfc.lowering.project_lowering import LoweringOptions
 from plcopen_sfc.lowering.proof import ProofOptions, refuse_untested
-from plcopen_sfc.lowering.proof_as_written import prove_written, refuse_comments
+from plcopen_sfc.lowering.proof_as_written import prove_written, refuse_comments, refuse_uncompiled
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -186,6 +186,7 @@ class _Draft:
             whole = partial(load_project, self._path, format=self._format)
             proof = prove_written(chart, lowered, seen or self._seen(), whole, **options.searching)
             refuse_untested(lowered.name, proof, accepted=options.accept_untested)
+            refuse_uncompiled(self.report, lowered.name)
         return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
 
     def _seen(self) -> Project:

@@ -66,6 +66,13 @@ def prove_written(
     return found
 
 
+def refuse_uncompiled(report: ConversionReport, pou: str) -> None:
+    """Raise `LoweringError` where the target does not compile the code of `pou`: the proof knows more than that."""
+    for item in report.with_outcome(Outcome.NOT_EXECUTED):
+        if item.what == "text" and item.path == f"POU {pou}":
+            raise LoweringError(f"the target does not compile the code: {item.why}", location=Location(path=item.path))
+
+
 def refuse_comments(report: ConversionReport, pou: str) -> None:
     """Raise `LoweringError` where a network of `pou` would be in a comment: the proof finds that too, but not why."""
     for item in report.with_outcome(Outcome.EXTENSION_DATA, Outcome.NOT_EXECUTED):
