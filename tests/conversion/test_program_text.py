@@ -135,3 +135,23 @@ def test_values_of_enumerations_are_named_as_the_target_names_them() -> None:
     back = sfc.dumps(sfc.loads(data, as_tool=True), format="codesys", strict=True)
     assert b"m = Mode.Off" in back
     assert b"m := Mode.Auto" in back
+
+
+@pytest.mark.parametrize(
+    ("text", "condition"),
+    [("LD a\nANDN b", b"a AND NOT b"), ("CAL tm(IN := a, PT := T#1s)\nLD tm.Q", b"Condition_of_Idle_Work_is_missing")],
+)
+def test_a_condition_in_instruction_list_is_an_expression_in_codesys_or_refused(text: str, condition: bytes) -> None:
+    source = f"""PROGRAM Main
+    VAR a : BOOL; b : BOOL; tm : TON; END_VAR
+    INITIAL_STEP Idle: END_STEP
+    STEP Work: END_STEP
+    TRANSITION FROM Idle TO Work :
+    {text}
+    END_TRANSITION
+    TRANSITION FROM Work TO Idle := NOT a; END_TRANSITION
+    END_PROGRAM"""
+    data, report = sfc.convert(sfc.loads(source.encode(), format="iec-text"), "codesys", partial=True)
+    assert condition in data
+    assert b"<IL>" not in data
+    assert bool(report.with_outcome(Outcome.NOT_EXECUTED)) is (b"missing" in condition)

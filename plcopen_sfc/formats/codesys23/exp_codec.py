@@ -39,7 +39,9 @@ class ExpCodec(TextCodec):
         from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost  # noqa: PLC0415  # not needed to read
         from plcopen_sfc.formats.plcopen.project_rewriting import rewrite_project  # noqa: PLC0415
 
-        copy, _ = rewrite_project(project, ChartHost("CoDeSys 2.3", is_codesys=True, has_tasks=False), options, report)
+        copy, _ = rewrite_project(
+            project, ChartHost("CoDeSys 2.3", is_codesys=True, has_tasks=False, il_conditions=True), options, report
+        )
         return copy, {id(copy): {SOURCE: project}}
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:

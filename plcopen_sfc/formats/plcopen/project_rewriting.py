@@ -51,7 +51,7 @@ from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
 from plcopen_sfc.languages.s7_results import is_void
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
 from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
 from plcopen_sfc.model.pou import Pou
@@ -252,7 +252,7 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
         bodies += [action for s in chart.steps for action in (s.entry_action, s.main_action, s.exit_action)]
         own = ("P1", "P0") if options.final_scan else ("P1", "P0", "P", "N", "None")
         rows = any(row.negated or row.qualifier in own for _, row in chart.associations())
-        conditions = any(_is_foreign(transition.condition) for transition in chart.transitions)
+        conditions = any(_is_foreign(transition.condition, host) for transition in chart.transitions)
         return rows or conditions or any(isinstance(body, StBody) for body in bodies)
     if any(step.main_action is not None or step.min_time or step.max_time for step in chart.steps):
         return True
@@ -269,9 +269,10 @@ def _flags_in_use(place: Chart) -> frozenset[SfcFlag]:
     return place.chart.flags_in_use(lambda name: name.casefold() in declared)
 
 
-def _is_foreign(condition: Condition | None) -> bool:
+def _is_foreign(condition: Condition | None, host: ChartHost) -> bool:
     """True if CODESYS has no such condition: it takes expressions and names of transition objects."""
-    return condition is not None and (condition.negated or is_network(condition) or condition.kind == "wired")
+    is_il = isinstance(condition, BodyCondition) and isinstance(condition.body, IlBody) and not host.il_conditions
+    return condition is not None and (condition.negated or is_network(condition) or condition.kind == "wired" or is_il)
 
 
 def rewrite_charts(
@@ -332,7 +333,7 @@ class _ChartRewriter:
             return []
         supervised = [step for step in sources if is_supervised(step)]
         timed = [step for step in sources if step.min_time] if not self._host.is_codesys else []
-        foreign = self._host.is_codesys and _is_foreign(condition)
+        foreign = self._host.is_codesys and _is_foreign(condition, self._host)
         if condition is None or not (supervised or timed or foreign):
             return []
         label = f"transition {self._chart.label(transition)}"
