@@ -21,8 +21,10 @@ __all__ = ["report_running"]
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
-_APART = OPERATING_KINDS | {SHOWN_STATE, "retain", "address", "interval", "max time", "maximum time"}
-"""Losses that running a chart does not show: what operates it rests, nothing looks at addresses or times of tasks."""
+_SEARCH = "search for stability"
+_APART = OPERATING_KINDS | {SHOWN_STATE, _SEARCH, "retain", "address", "interval", "max time", "maximum time"}
+"""Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
+the chart of a GRAFCET may have no step that is only passed."""
 
 
 def report_running(

@@ -61,6 +61,9 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
         translate_boxes(copy, dialect, kind.tool, report)
     profile = default_profile(project)
+    if profile.grafcet_terms and kind.tool and not options.same:
+        _put_into_sfc(copy, kind, report)
+        profile = PROFILES["iec"]  # the words of the copy
     options = replace(
         options,
         of_graph=profile.graph_parameters,
@@ -111,6 +114,18 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     prepare(copy, style, positions=kind.positions, replace=replaced, foreign=True)
     kind.codec().adapt(copy, options, report)
     return Prepared(copy, meant, options, behaviour)
+
+
+def _put_into_sfc(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Put GRAFCETs into the words of charts of IEC 61131-3; a run compares both then."""
+    from plcopen_sfc.refactor.grafcet_charts import put_into_sfc  # noqa: PLC0415  # for GRAFCETs only
+
+    def note(outcome: Outcome, what: str, path: str, why: str) -> None:
+        report.add(outcome, what, path, why)
+
+    # the others tell themselves that they have no place for partial charts
+    tells = kind.name not in ("codesys23", "twincat")
+    put_into_sfc(project, note, tells_hierarchy=tells, of_graph=kind.name == TIA_FORMAT)
 
 
 def _mark_first_steps(project: Project, kind: Format, report: ConversionReport) -> None:
