@@ -10,7 +10,7 @@ from plcopen_sfc.analysis.checks.rule import Finding, Rule
 from plcopen_sfc.analysis.regions import Obstacle, Unstructured, find_regions
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.model.actions import ForcedSituation, ForcingOrder
-from plcopen_sfc.model.sfc import PartialChart, Step
+from plcopen_sfc.model.sfc import PartialChart, PartialChartKind, Step
 from plcopen_sfc.semantics.net import NetProblemKind, NetStep
 
 _MACROS = frozenset(NetProblemKind) - {NetProblemKind.MISSING_SOURCE, NetProblemKind.MISSING_TARGET}
@@ -206,6 +206,53 @@ HIE06 = Rule(
     example="two steps of simultaneous branches, one with G2{INIT}, the other with G2{}",
     check=_at_once,
     severity=Severity.ERROR,
+)
+
+
+def _macro_names(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        partial = sheet.partial
+        wanted = {}
+        if partial is not None and partial.kind is PartialChartKind.EXPANSION:
+            wanted = {partial.entry_step: ("entry step", "E"), partial.exit_step: ("exit step", "S")}
+        for step in sheet.steps:
+            what, letter = ("macro-step", "M") if step.macro is not None else wanted.get(step.name, ("", ""))
+            if not step.name.upper().startswith(letter):
+                yield Finding(sheet.at(step), f"the name of the {what} does not begin with {letter}")
+
+
+def _unused(chart: CheckedChart) -> Iterator[Finding]:
+    steps = [step for sheet in chart.sheets for step in sheet.steps]
+    used = {step.macro.expansion.casefold() for step in steps if step.macro is not None and step.macro.expansion}
+    used |= {enclosure.chart.casefold() for step in steps for enclosure in step.encloses or ()}
+    for sheet in chart.sheets:
+        partial = sheet.partial
+        if partial is not None and partial.kind is not PartialChartKind.GLOBAL and partial.name.casefold() not in used:
+            yield Finding(sheet.place, f"no step uses the chart {partial.name}: it is never active")
+
+
+HIE07 = Rule(
+    code="HIE07",
+    title="Names tell macro-steps, and the entry and exit of expansions",
+    why="A macro-step is called M and a number, entry and exit step of its expansion E and S (IEC 60848:2013, 7.4): "
+    "that is how people find one from the other, and tools refuse other names.",
+    hint="Rename the step.",
+    example="a macro-step with the name 3 instead of M3",
+    check=_macro_names,
+    severity=None,
+    severities={"grafcet": Severity.WARNING},
+)
+
+HIE08 = Rule(
+    code="HIE08",
+    title="Every expansion and every enclosed chart is used",
+    why="An expansion is active through its macro-step, an enclosed chart through its enclosing step "
+    "(IEC 60848:2013, 7). Without one it is dead, or the name in the step is wrong.",
+    hint="Name it in a step, or remove it.",
+    example="an expansion M9 without a macro-step of this name",
+    check=_unused,
+    severity=None,
+    severities={"grafcet": Severity.WARNING},
 )
 
 

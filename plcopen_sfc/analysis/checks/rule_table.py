@@ -82,6 +82,8 @@ _ON_CHARTS: tuple[Rule, ...] = (
     hierarchy_rules.HIE04,
     hierarchy_rules.HIE05,
     hierarchy_rules.HIE06,
+    hierarchy_rules.HIE07,
+    hierarchy_rules.HIE08,
     limit_rules.LIM01,
     limit_rules.LOW01,
     limit_rules.LOW02,

@@ -684,6 +684,20 @@ case("HIE06", ruling(*OPPOSED, same=False), ruling(*OPPOSED), "rules G3 as well"
 case("HIE06", ruling(*OPPOSED, same=False), ruling(("G1", "G3"), ("G1", "G2"), same=False), "rules G3", "grafcet")
 
 
+def grafcet(text: str) -> Callable[[], Subject]:
+    """A chart with a macro-step, as text."""
+    return lambda: sfc.loads(f"GRAFCET G\nCHART G1\nINITIAL STEP 1\n{text}".encode())
+
+
+MACRO = "MACRO %s EXPANDS M3\n1 -> %s : a\nEXPANSION M3 FROM %s TO S3\nSTEP %s\nSTEP S3"
+case("HIE07", grafcet(MACRO % ("X3", "X3", "E3", "E3")), grafcet(MACRO % ("M3", "M3", "E3", "E3")), "M", "grafcet")
+case(
+    "HIE07", grafcet(MACRO % ("M3", "M3", "A", "A")), grafcet(MACRO % ("m3", "m3", "e3", "e3")), "entry step", "grafcet"
+)
+UNUSED = "EXPANSION M3 FROM E3 TO S3\nSTEP E3\nSTEP S3\nENCLOSED G2\nSTEP 20"
+case("HIE08", grafcet(UNUSED), grafcet("MACRO M3\nSTEP 2 ENCLOSES G2{20}\n" + UNUSED), "never active", "grafcet")
+
+
 def remark(comment: str) -> Callable[[], Subject]:
     return made(lambda chart: setattr(chart.step("S2"), "comment", comment))
 

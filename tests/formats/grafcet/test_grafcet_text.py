@@ -99,6 +99,43 @@ def test_a_text_is_lowered_and_proven(name: str, construction: str) -> None:
     assert proof.equal
 
 
+COUNTER = """GRAFCET Zaehler
+INPUTS
+    a
+    b
+    NOT_AUS
+OUTPUTS
+    Q1
+INTERNALS
+    n : INT
+CHART G1
+    INITIAL STEP 1
+        ON ACTIVATION n := 0
+    1 -> 2 : a
+    STEP 2
+        Q1
+        ON ACTIVATION n := n + 1
+    2 -> 3 : ↑b
+    STEP 3
+    3 -> 2 : [n<3] * /a
+    3 -> 4 : [n>=3]
+    STEP 4
+    4 -> 1 : a * b
+CHART G2
+    INITIAL STEP 10
+        FORCE G1{INIT}
+    10 -> 11 : NOT_AUS
+    STEP 11
+    11 -> 10 : /NOT_AUS
+"""
+
+
+@pytest.mark.parametrize("construction", ["flipflop", "bits"])
+def test_a_counter_in_a_forced_chart_is_proven(construction: str) -> None:
+    proof = sfc.lower(sfc.loads(COUNTER.encode()), construction).proof
+    assert str(proof).startswith("equal (proof")
+
+
 def extend(_: Project, chart: SfcNetwork) -> None:
     chart.add_step("7")
     chart.add_transition("5", "7", "a")
