@@ -50,6 +50,8 @@ SECTION_KEYWORDS: dict[SectionKind, str] = {kind: word for word, (kind, _) in SE
 
 _IDENTIFIER = re.compile(r"[^\W\d]\w*")
 _RESERVED = KEYWORDS | STATEMENT_KEYWORDS | frozenset("AND OR XOR MOD TRUE FALSE NULL AND_THEN OR_ELSE BEGIN".split())
+_BETWEEN = frozenset({"ON", "WITH", "TASK", "EXTENDS", "IMPLEMENTS"})
+"""Words that tools and our reader take for names wherever a name is declared."""
 _SYSTEM_TYPES = re.compile(
     r"(?:FB|FC|DB|OB|UDT|SFB|SFC)\d+|Void|Variant|Any|Pointer|Block_\w+|DTL|S5Time|Timer|Counter|Struct"
     r"|(?:IEC|HW|OB|CONN|DB|PORT|RTM|PIP|EVENT|AOM|LADDR|TADDR|TCON|TMAIL|ErrorStruct|NREF|CREF|TO)_\w+|ErrorStruct"
@@ -84,7 +86,7 @@ def bare_name(text: str) -> str:
 
 def written_name(name: str, dialect: Dialect) -> str:
     """`name` as it can stand in a declaration: in quotes in SCL; elsewhere what is no name is made one."""
-    if is_identifier(name):
+    if is_identifier(name) or (name.upper() in _BETWEEN and dialect is not Dialect.SCL):
         return name
     if dialect is Dialect.SCL:
         return '"' + re.sub(r'["\r\n]', "_", name) + '"'

@@ -417,3 +417,18 @@ def test_words_at_addresses_are_other_places_in_twincat(tmp_path: Path) -> None:
     assert lost == {("address", "POU Main"), ("address", "POU Main / lamp")}
     back = sfc.convert(sfc.load(tmp_path / "plc"), "codesys", partial=True).report
     assert {(item.what, item.path) for item in back.with_outcome(Outcome.NOT_EXECUTED)} == lost
+
+
+@pytest.mark.parametrize("word", ["On", "With", "Task", "Extends"])
+def test_words_that_stand_between_declarations_are_names(word: str, tmp_path: Path) -> None:
+    text = f"""{{plcopen_sfc project.dialect := 'codesys'}}
+    TYPE Mode : (Off, {word}); END_TYPE
+    PROGRAM Main
+    VAR m : Mode := {word}; END_VAR
+    m := Mode.{word};
+    END_PROGRAM"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    sfc.save(project, tmp_path, format="twincat", strict=True)
+    kept = sfc.load(tmp_path, as_tool=True)
+    assert [value.name for value in kept.data_types[0].type.values] == ["Off", word]
+    assert word.encode() in sfc.dumps(project, format="codesys23", strict=True)
