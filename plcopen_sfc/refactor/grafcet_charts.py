@@ -86,10 +86,6 @@ class _Chart:
         self._note(Outcome.APPROXIMATED, "search for stability", path, why)
         if not self._tells:
             self._report_hierarchy(path)
-        for variable in self._pou.variables():
-            if variable.name[:1].isdecimal():
-                why = "a name begins with no digit there: rename the variable (plcopen-sfc rename)"
-                self._note(Outcome.NOT_EXECUTED, "variable", f"{path} / {variable.name}", why)
         for step in self._chart.steps:
             if step.name.isdecimal():
                 new = f"Step{step.name}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.errors import LossError
+from plcopen_sfc.errors import LossError, ModelError
 from plcopen_sfc.model import Project
 from plcopen_sfc.report import ConversionReport
 
@@ -95,6 +95,15 @@ def test_what_the_tool_has_no_words_for_is_told(line: str, what: str, form: str)
     assert what in found if what else any("partial charts" in each for each in found)
 
 
-def test_a_name_that_begins_with_a_digit_is_told() -> None:
-    text = "GRAFCET G AS FUNCTION_BLOCK\nINPUTS\n    1B1\nINITIAL STEP 1\nSTEP 2\n1 -> 2 : 1B1\n"
-    assert "a name begins with no digit there" in losses(converted(text, "plcopen")[1])["variable"]
+DIGITS = TEXT.replace("B1", "1B1").replace("Q1", "1M1")
+
+
+def test_names_that_begin_with_a_digit_are_for_tia_only() -> None:
+    report = sfc.convert(sfc.loads(DIGITS.encode()), "simaticml").report
+    assert losses(report).keys() == {STABILITY}
+    for form in ("codesys", "plcopen", "twincat"):
+        with pytest.raises(ModelError, match="no digit at the start"):
+            sfc.convert(sfc.loads(DIGITS.encode()), form, partial=True)
+    assert (
+        sfc.loads(sfc.convert(sfc.loads(DIGITS.encode()), "grafcet", partial=True).data).pous[0].interface is not None
+    )
