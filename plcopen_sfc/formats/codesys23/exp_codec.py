@@ -6,6 +6,7 @@ from plcopen_sfc.formats.codesys23.code_pages import decode_export
 from plcopen_sfc.formats.codesys23.exp_outline import OWN_LINE
 from plcopen_sfc.formats.codesys23.exp_reader import read_export
 from plcopen_sfc.formats.codesys23.exp_writer import replace_line_comments, write_blocks, write_export
+from plcopen_sfc.formats.codesys23.later_language import replace_later_language
 from plcopen_sfc.formats.format_interface import Marks, ReadResult, TextCodec, WriteOptions
 from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock
 from plcopen_sfc.languages.edits import without
@@ -50,8 +51,9 @@ class ExpCodec(TextCodec):
         return f"\n{text}\n".replace("\n", "\r\n").encode(page, errors="replace")
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
-        """Write comments as CoDeSys 2.3 has them."""
+        """Write comments as CoDeSys 2.3 has them, and report what it does not compile."""
         replace_line_comments(project, report)
+        replace_later_language(project, report)
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the text of a project, in the blocks that an edit replaces."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -124,3 +126,48 @@ def test_declarations_are_in_terms_of_codesys_2_3() -> None:
     assert "x[1] := 2; (* two *)\n" in text
     assert [item.what for item in report.with_outcome(Outcome.TRANSLATED)] == ["comments"]
     assert sfc.loads(data).pous[0].variables() == project.pous[0].variables()
+
+
+V3_ONLY = """{{plcopen_sfc project.dialect := 'codesys'}}
+TYPE Color : (Red, Green := 5); END_TYPE
+PROGRAM Main
+VAR a : BOOL; q : BOOL; i : INT; t1 : TIME; col : Color; {variable} END_VAR
+INITIAL_STEP Idle: END_STEP
+STEP Work: Act(N); END_STEP
+TRANSITION FROM Idle TO Work := {condition}; END_TRANSITION
+TRANSITION FROM Work TO Idle := NOT a; END_TRANSITION
+ACTION Act: {action} END_ACTION
+END_PROGRAM"""
+
+
+@pytest.mark.parametrize(
+    ("part", "text", "word"),
+    [
+        ("condition", "a AND_THEN q", "AND_THEN"),
+        ("action", "t1 := TO_TIME(i);", "TO_TIME"),
+        ("action", "FOR i := 0 TO 3 DO CONTINUE; END_FOR;", "CONTINUE"),
+        ("action", "q S= a;", "S="),
+        ("action", "t1 := LTIME_TO_TIME(LTIME#5us);", "LTIME#5us"),
+        ("variable", "w : WSTRING;", "WSTRING"),
+        ("variable", "k : ARRAY[0..3] OF LINT;", "LINT"),
+    ],
+)
+def test_what_only_the_later_codesys_has_is_refused(part: str, text: str, word: str) -> None:
+    parts = {"condition": "a", "action": "q := a;", "variable": "", part: text}
+    project = sfc.loads(V3_ONLY.format(**parts).encode(), format="iec-text")
+    with pytest.raises(
+        sfc.LossError,
+        match=re.escape(f"CoDeSys 2.3 has no {word}") + r"|literal " + re.escape(word) + "|function " + word,
+    ):
+        sfc.dumps(project, format="codesys23")
+
+
+def test_values_of_enumerations_have_no_type_before_them() -> None:
+    text = V3_ONLY.format(condition="col = Color.Green", action="col := Color.Red;", variable="")
+    project = sfc.loads(text.encode(), format="iec-text")
+    data = sfc.dumps(project, format="codesys23", strict=True)
+    assert b"col = Green" in data
+    assert b"col := Red;" in data
+    project.pou("Main").chart.step("Work").name = "Red"
+    with pytest.raises(sfc.LossError, match=r"Color\.Red"):
+        sfc.dumps(project, format="codesys23")
