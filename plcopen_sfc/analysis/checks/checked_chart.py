@@ -261,6 +261,10 @@ class CheckedChart:
             self._conditions[id(transition)] = found
         return found
 
+    def as_written(self, text: str) -> str:
+        """Return a text about conditions with edges and times as a GRAFCET has them."""
+        return self._terms.shown(text)
+
     def truth(self, sheet: Sheet, transition: Transition) -> Truth:
         """Whether a condition is always or never true."""
         found = self._truths.get(id(transition))

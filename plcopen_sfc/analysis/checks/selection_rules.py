@@ -53,7 +53,7 @@ def _overlapping(chart: CheckedChart) -> Iterator[Finding]:
         if answer is Answer.NO:
             other = sheet.label(first)
             message = f"it can be true together with {other}, which leaves {step.name} too"
-            yield Finding(sheet.at(second), f"{message}: {why}" if why else message)
+            yield Finding(sheet.at(second), f"{message}: {chart.as_written(why)}" if why else message)
 
 
 def _undecided(chart: CheckedChart) -> Iterator[Finding]:

@@ -55,6 +55,16 @@ def test_edges_and_times_are_taken_out() -> None:
     ]
 
 
+def test_messages_have_terms_as_they_are_written() -> None:
+    chart = chain("1", "2", "3", conditions="↑a;3s/(b*↓a);c")
+    chart.add_transition("1", "3", "X2/5s * ↑(a+b)")
+    project = Project(name="p", pous=[pou_with(chart, "a b c", "Q")])
+    (finding,) = sfc.check(project, profile="grafcet", select=["SEL01"])
+    assert finding.message.partition(": ")[2] == "↑a = TRUE, ↑(a OR b) = TRUE, X2/5s = TRUE"
+    terms = TermTexts()
+    assert terms.shown(terms.read("3s/(b*↓a)")) == "3s/(b AND ↓a)"
+
+
 @pytest.mark.parametrize(
     ("text", "message", "place"),
     [

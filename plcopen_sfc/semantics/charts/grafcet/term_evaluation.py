@@ -8,6 +8,7 @@ variable, and the condition is translated with its name in place of the term.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -58,6 +59,15 @@ class TermTexts:
         except ConditionError:
             return text
 
+    def shown(self, text: str) -> str:
+        """Return a text that has names of terms with the terms as people write them."""
+        written = {edge.name: f"{'↑' if edge.rising else '↓'}{_operand(edge.operand)}" for edge in self.edges}
+        for timer in self.timers:
+            parts = (timer.first, _operand(timer.operand), timer.last)
+            written[timer.name] = "/".join(part.removeprefix("T#") for part in parts if part is not None)
+        found = re.sub(r"GRAFCET_(?:EDGE|TIME)_\d+", lambda name: written.get(name[0], name[0]), text)
+        return found if found == text else self.shown(found)  # terms have terms in them
+
     def edge(self, operand: str, *, rising: bool) -> str:
         """Return the name of an edge."""
         term = ("edge", operand, rising)
@@ -73,6 +83,10 @@ class TermTexts:
             name = self._names[term] = f"GRAFCET_TIME_{len(self._names) + 1}"
             self.timers.append(TimeTerm(name, operand, first, last))
         return self._names[term]
+
+
+def _operand(text: str) -> str:
+    return text if re.fullmatch(r"[\w.]+|\(.*\)", text) else f"({text})"
 
 
 def is_term(name: str) -> bool:
