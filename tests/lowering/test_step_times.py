@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import equivalent
+from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
@@ -75,3 +77,15 @@ def test_what_was_said_of_a_time_holds_whatever_is_asked_later() -> None:
         "X1_time_3(IN := X1, PT := T#24d);",
     ]
     assert len(times.ends()) == len(times.restarts(0, n.Name("again"))) == 3
+
+
+def test_times_that_no_timer_reaches_are_refused() -> None:
+    text = b"""PROGRAM Main
+    VAR a : BOOL; END_VAR
+    INITIAL_STEP S0: END_STEP
+    STEP S1: END_STEP
+    TRANSITION FROM S0 TO S1 := S0.T >= T#24d; END_TRANSITION
+    TRANSITION FROM S1 TO S0 := a AND S1.T >= T#25d; END_TRANSITION
+    END_PROGRAM"""
+    with pytest.raises(LoweringError, match="a step time is compared with T#25d"):
+        sfc.lower(sfc.loads(text, format="iec-text"), "case", language="ST")

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
+from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment, call, conjunction, disjunction, negation, when
 from plcopen_sfc.lowering.code.code_declarations import TIME
@@ -17,6 +20,7 @@ from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
 
+_Node = TypeVar("_Node", bound=Node)
 FOREVER = n.Literal("T#24d")
 """Longer than any step time: TIME of 32 bits ends at 24 days 20 hours."""
 
@@ -97,7 +101,7 @@ def resolve_steps(
     steps = _StepVariables(source, active, times.elapsed, profile)
     for step in sorted(_asked_when_inactive(source, steps.timed)):
         times.keep(step)
-    resolved = source.changed(lambda tree: transform(tree, steps.resolved))
+    resolved = source.changed(lambda tree: transform(steps.within_reach(tree), steps.resolved))
     waited: list[list[Expression]] = [[] for _ in source.net.transitions]
     for step, time in resolved.minimum_times.items():
         over = times.is_over(step, time)
@@ -158,6 +162,20 @@ class _StepVariables:
                 return next(indexes(bits)) if bits and bits & (bits - 1) == 0 else None
         return None
 
+    def within_reach(self, tree: _Node) -> _Node:
+        """Return `tree`. Raises `LoweringError` where it compares the time of a step with one that no timer reaches."""
+        for node in walk(tree):
+            operands = node.operands if isinstance(node, n.Operation) else ()
+            if any(self.timed(operand) is not None for operand in operands):
+                for operand in operands:
+                    if isinstance(operand, n.Literal) and _is_beyond(operand):
+                        raise LoweringError(
+                            f"a step time is compared with {operand.text}: timers of lowered code end at 24 days",
+                            location=Location(path=self._pou),
+                            hint="Count days in a variable of the program.",
+                        )
+        return tree
+
     def resolved(self, node: Node) -> Node:
         """Return the expression in the place of a node."""
         match node:
@@ -175,6 +193,18 @@ class _StepVariables:
             case n.Unary(Operator.NOT, n.Operation() as inner):  # NOT a AND b is never written so: it is NOT (a AND b)
                 return negation(inner)
         return node
+
+
+_LONGEST = 24 * 24 * 3600 * 10**9
+"""Nanoseconds of `FOREVER`."""
+
+
+def _is_beyond(literal: n.Literal) -> bool:
+    try:
+        value = literal_value(literal, Dialect.IEC)
+        return value.kind is LiteralKind.DURATION and isinstance(value.value, int) and value.value > _LONGEST
+    except LiteralError:
+        return False
 
 
 def bits_by_number(net: Net) -> dict[str, int]:
