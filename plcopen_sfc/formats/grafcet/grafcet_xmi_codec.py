@@ -397,11 +397,12 @@ class _Reader:
         """Return the element that a reference leads to: ``//@partialGrafcets.1/@steps.0``."""
         found = self._root
         for segment in reference.removeprefix("//").split("/"):
-            name, _, index = segment.removeprefix("@").partition(".")
-            children = found.findall(name) if re.fullmatch(r"\w+", name) and (index or "0").isdecimal() else []
-            if int(index or 0) >= len(children):
+            parts = re.fullmatch(r"@?(\w+)(?:\.(\d+))?", segment, re.ASCII)
+            children = found.findall(parts[1]) if parts is not None else []
+            index = int(parts[2] or 0) if parts is not None else 0
+            if index >= len(children):
                 raise self._wrong(f"the reference {reference!r} leads nowhere", element)
-            found = children[int(index or 0)]
+            found = children[index]
         return found
 
     def _wrong(self, message: str, element: etree._Element) -> StructureError:

@@ -100,6 +100,8 @@ STEPS = '<arcs source="//@steps.0" target="//@steps.1"/>'
     ("term", "rest", "message", "line"),
     [
         ("", '<arcs source="//@steps.7" target="//@steps.0"/>', "the reference '//@steps.7' leads nowhere", 4),
+        ("", '<arcs source="//@steps.x" target="//@steps.0"/>', "the reference '//@steps.x' leads nowhere", 4),
+        ("", '<arcs source="//%.0" target="//@steps.0"/>', "the reference '//%.0' leads nowhere", 4),
         ("", STEPS, "an arc joins two steps", 4),
         ("", '<arcs source="//@transitions.0" target="//@transitions.0"/>', "an arc joins two transitions", 4),
         ('<term xsi:type="terms:Variable"/>', "", "the reference '' leads nowhere", 3),
