@@ -46,7 +46,11 @@ def read_document(data: bytes, *, format: str | None, path: str | None, as_tool:
     if as_tool:
         data = as_tool_sees(data, kind, path)
     with collecting_rarely():
-        reading = kind.codec().read(data, file=path)
+        try:
+            reading = kind.codec().read(data, file=path)
+        except FormatError as error:
+            error.location = error.location if error.location.file else replace(error.location, file=path)
+            raise
         project = reading.project
         for pou in project.pous:
             for name, _, body in () if pou.is_unread else pou.named_bodies():

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 from typing import NamedTuple, TypeAlias
 
+from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.languages.edits import Edit, apply_edits
 
 # -- encodings
@@ -44,14 +45,21 @@ _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16-le"), (c
 
 
 def decode_text(data: bytes) -> SourceText:
-    """Return the text of a file: in the encoding of its byte order mark, in UTF-8, else in a code page (a guess)."""
+    """Return the text of a file: in the encoding of its byte order mark, in UTF-8, else in a code page (a guess).
+
+    Raises `EncodingError` where a file with the mark of UTF-16 is damaged: no code page is meant by that.
+    """
     marked = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), "utf-8")
     # cp1252 leaves five bytes undefined (0x81, 0x8d, 0x8f, 0x90, 0x9d); Latin-1 below takes any.
     for encoding in (marked, "cp1252"):
         try:
             return SourceText(data.decode(encoding), encoding, guessed=encoding != marked)
-        except UnicodeDecodeError:
-            continue
+        except UnicodeDecodeError as error:
+            if encoding.startswith("utf-16"):
+                line = data[: error.start].decode(encoding, errors="replace").count("\n") + 1
+                message = f"the file has the byte order mark of UTF-16, and byte {error.start} is none of it"
+                hint = "The file is damaged: export or copy it again."
+                raise EncodingError(message, location=Location(line=line), hint=hint) from error
     return SourceText(data.decode("latin-1"), "latin-1", guessed=True)
 
 

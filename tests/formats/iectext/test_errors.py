@@ -124,6 +124,16 @@ def test_encodings(encoding: str) -> None:
 def test_a_text_full_of_nul_bytes_is_none() -> None:
     with pytest.raises(EncodingError, match="NUL"):
         sfc.loads(GOOD.encode("utf-16-le"), format="iec-text", path="a.st")
+
+
+def test_damaged_utf_16_is_no_code_page() -> None:
+    for data, line in (
+        (GOOD.encode("utf-16")[:-1], 4),
+        (GOOD.encode("utf-16").replace("A:".encode("utf-16-le"), b"\x00\xdc\x00\xd8", 1), 2),
+    ):
+        with pytest.raises(EncodingError, match="byte order mark of UTF-16") as caught:
+            sfc.loads(data, format="iec-text", path="a.st")
+        assert (caught.value.location.file, caught.value.location.line) == ("a.st", line)
     project = load(GOOD.replace("x;", "x\0;"))
     assert [code for code, _, _ in findings(project)] == ["IEC110"]
 
