@@ -153,7 +153,7 @@ class _Patch:
         known = [key for inner in around.spans for key in inner.keys]
         # what the text does without before the edit, it does without behind it
         idle = {block for block in before.blocks if block.key not in known}.intersection(after.blocks)
-        if idle:
+        if known and idle:
             before, after = (replace(each, blocks=_without(each.blocks, idle)) for each in (before, after))
         if not (before.blocks and after.blocks and sorted(known) == sorted(block.key for block in before.blocks)):
             return [self._replaced(around, before, after)]

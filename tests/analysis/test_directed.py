@@ -200,12 +200,16 @@ def mutants(text: str) -> Iterator[tuple[str, str]]:
         assert node.span is not None
         return text[: node.span[0]] + new + text[node.span[1] :]
 
-    for node in walk(parse_statements(text).tree):
+    tree = parse_statements(text).tree
+    # ELSIF sets a variable back that other code may write too: here is none, so that it may do so in every scan
+    backs = {branch.span for node in walk(tree) if isinstance(node, n.If) for branch in node.branches[1:]}
+    for node in walk(tree):
         match node:
             case n.Branch(condition=condition):
                 assert condition.span is not None
                 yield "negated", put(condition, f"NOT ({text[slice(*condition.span)]})")
-                yield "always", put(condition, "TRUE")
+                if node.span not in backs:
+                    yield "always", put(condition, "TRUE")
             case n.Assignment(value=n.Literal(text="TRUE")):
                 yield "nowhere", put(node, ";")
             case n.Assignment(value=n.Operation(Operator.ADD, (_, n.Literal() as one))):

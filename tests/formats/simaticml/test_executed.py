@@ -212,7 +212,6 @@ def test_qualifiers_that_graph_does_not_have_are_no_others(qualifier: str) -> No
         {"condition": "a"},
         {"target": None, "body": {"language": "ST", "text": "IF b THEN a := TRUE; END_IF;"}},
         {"target": None, "body": {"language": "ST", "text": "q := Run.X AND a;"}},
-        {"target": None, "body": {"language": "IL", "text": "LD a\nST q"}},
         {"value": "a AND b"},
         {"kind": "onEvent"},
     ],
@@ -221,6 +220,12 @@ def test_what_a_row_cannot_say_is_not_written(fields: dict[str, object]) -> None
     data, report = converted(project_with(action("N", **{"target": "q", **fields})))  # type: ignore[arg-type]
     assert rows(data) == []
     assert len(lost(report, "action")) == 1
+
+
+def test_instruction_list_of_one_assignment_is_a_row() -> None:
+    data, report = converted(project_with(action("N", body={"language": "IL", "text": "LD a\nST q"})))
+    assert rows(data) == [("N", "", "#q", "#a")]
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
 
 
 def test_actions_of_instances_are_not_called() -> None:
