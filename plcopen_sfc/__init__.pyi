@@ -45,6 +45,7 @@ from plcopen_sfc.errors import (
     LoweringError as LoweringError,
     ModelError as ModelError,
     OldVersionError as OldVersionError,
+    ScriptError as ScriptError,
     SfcError as SfcError,
     SimulationError as SimulationError,
 )

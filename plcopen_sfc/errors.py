@@ -165,6 +165,10 @@ class ArgumentError(SfcError, TypeError):
     """A function was given an object of a type that it does not take."""
 
 
+class ScriptError(SfcError, ValueError):
+    """A script that cannot be run on files, or is run with settings that it does not have."""
+
+
 def check_argument(value: object, types: type | tuple[type, ...], need: str, hint: str = "") -> None:
     """Raise `ArgumentError` if `value` is not of `types`; `need` says who needs what: ``loads needs bytes``."""
     if not isinstance(value, types):

@@ -40,6 +40,7 @@ def _app() -> typer.Typer:
         _convert,
         _diff,
         _rename,
+        _apply,
         _simulate,
         _lower,
         _draw,
@@ -237,6 +238,28 @@ def _rename(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import rename  # noqa: PLC0415
 
         screen.exit_code = rename.run(screen, file, old, new, dry_run=dry_run)
+
+
+def _apply(  # noqa: PLR0917  # typer calls it by name
+    script: o.Script,
+    files: o.Files,
+    settings: o.ScriptSettings = None,
+    write: o.Write = False,
+    diff: o.Patch = None,
+    jobs: o.FileJobs = 1,
+    report: o.Report = None,
+    as_json: o.AsJson = False,
+    quiet: o.Quiet = False,
+    verbose: o.Verbose = 0,
+) -> None:
+    """Run a script on many files, and show what it changes.
+
+    The script is a Python file with a function refactor(project). Files are changed with --write only.
+    """
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
+        from plcopen_sfc.cli.commands import apply  # noqa: PLC0415
+
+        screen.exit_code = apply.run(screen, script, files, settings or [], write=write, patch=diff, jobs=jobs)
 
 
 def _simulate(  # noqa: PLR0917  # typer calls it by name

@@ -147,6 +147,14 @@ Undo = Annotated[bool, _option("--undo", "Take out again what was written.")]
 OldName = Annotated[str, typer.Argument(metavar="OLD", help="What to rename: Main, Main.S3, GVL.x, Type.member.")]
 NewName = Annotated[str, typer.Argument(metavar="NEW", help="Its new name.")]
 
+# -- scripts ----------------------------------------------------------------------------------------------------------
+
+Script = Annotated[str, typer.Argument(metavar="SCRIPT", help="A Python file with a function refactor(project).")]
+ScriptSettings = Annotated[list[str] | None, _option("--set", "Give the script a setting. Repeatable.", "NAME=VALUE")]
+Write = Annotated[bool, _option("--write", "Change the files; without it only show what would change.")]
+Patch = Annotated[Path | None, _option("--diff", "Write the changes as a unified diff without context.", "FILE")]
+FileJobs = Annotated[int, _option("--jobs", "Work on so many files at a time, each in a process.", "N", min=1)]
+
 # -- simulating -------------------------------------------------------------------------------------------------------
 
 Inputs = Annotated[

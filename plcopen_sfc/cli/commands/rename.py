@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterator
 from typing import Any
 
 from plcopen_sfc.api import save
+from plcopen_sfc.batch import FileChange, difference
 from plcopen_sfc.cli.reading import STANDARD_STREAM, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.folder_projects import edited_files
-from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.languages.binding import Use
 from plcopen_sfc.report import LOSSES, Outcome, RenameResult
 
@@ -31,9 +29,9 @@ def run(screen: Screen, file: str, old: str, new: str, *, dry_run: bool) -> int:
             screen.finding(finding, result=False)  # the name may be in it too
     if dry_run:
         files = edited_files(project, file)
-        diff = [line for name, before, after in files for line in _difference(before, after, name)]
+        diff = [line for each in files for line in difference(FileChange(*each))]
         for line in () if screen.as_json else diff:
-            screen.line((line, _DIFF_STYLES.get(line[:1], "")))
+            screen.line((line, DIFF_STYLES.get(line[:1], "")))
         screen.result(_data(file, result) | {"diff": diff})
     else:
         with written_to_stdout(screen, file, "") as target:
@@ -55,7 +53,7 @@ def run(screen: Screen, file: str, old: str, new: str, *, dry_run: bool) -> int:
     return _FINDINGS if result.undecided else 0
 
 
-_DIFF_STYLES = {"+": "green", "-": "red", "@": "cyan"}
+DIFF_STYLES = {"+": "green", "-": "red", "@": "cyan"}
 
 
 def _show(screen: Screen, result: RenameResult) -> None:
@@ -88,18 +86,3 @@ def _use(use: Use) -> dict[str, Any]:
         "column": use.column,
         "text": use.text,
     }
-
-
-def _difference(before: bytes, after: bytes, name: str) -> Iterator[str]:
-    """The unified difference of two contents of the file `name`, without context."""
-    codec = _encoding(before or after, name)
-    old, new = (data.decode(codec, "replace").lstrip("\ufeff").splitlines() for data in (before, after))
-    yield from difflib.unified_diff(old, new, name, name, n=0, lineterm="")
-
-
-def _encoding(data: bytes, name: str) -> str:
-    if not recognise(data, file=name).xml:
-        return "utf-8"
-    from plcopen_sfc.formats.xml.xml_parsing import detect_encoding  # noqa: PLC0415  # only for XML
-
-    return detect_encoding(data, file=name).codec
