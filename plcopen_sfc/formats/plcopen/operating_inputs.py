@@ -78,6 +78,8 @@ class OperatingInputs:
             for step in steps if _OFF in edges else ():
                 self._add(step, off, edges[_OFF])
             steps.append(off)
+            if _INIT not in edges:  # charts of CODESYS end with a jump
+                self._add(off, off, "FALSE")
         if _INIT in edges:
             stops = [f"NOT {as_term(edges[_OFF])}"] if _OFF in edges else []
             for step in steps:
