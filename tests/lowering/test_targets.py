@@ -14,7 +14,7 @@ from lxml import etree
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
-from plcopen_sfc.formats.codesys.codesys_schema import validate_codesys
+from plcopen_sfc.formats.codesys.codesys_codec import validate_codesys
 from plcopen_sfc.languages.networks import draw_fbd
 from plcopen_sfc.languages.networks.sheets import on_one_sheet
 from plcopen_sfc.languages.st import parse_statements

@@ -1,7 +1,6 @@
 """CoDeSys 2.3 and TwinCAT 2: exports of projects and of single objects (``.EXP``), in their code pages.
 
-`exp_outline` finds the objects of a file and their parts, `exp_reader` and `exp_writer` are the two ways between text
-and model, `chart_text` has both for charts, `code_pages` finds and chooses the code page, `later_language` what
-only CODESYS V3 has. Comments of this package hold
-what the text cannot express, see `plcopen_sfc.formats.remainder_comments`.
+`exp_outline` finds the objects of a file and their parts, `exp_reader` and `exp_codec` are the two ways between text
+and model, `chart_text` has both for charts. Comments of this package hold what the text cannot express, see
+`plcopen_sfc.formats.remainder_comments`.
 """

@@ -25,8 +25,7 @@ from dataclasses import dataclass, field
 from itertools import takewhile
 
 from plcopen_sfc.formats.codesys23.exp_outline import PRAGMA, Span, after_comments, core, find_end, is_in_comment
-from plcopen_sfc.formats.declared_blocks import Place, block_span, plain_lines
-from plcopen_sfc.formats.text_patch import Key, WrittenBlock
+from plcopen_sfc.formats.text_patch import Key, Place, WrittenBlock, block_span, plain_lines
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il import OPERATORS, is_il

@@ -1,17 +1,476 @@
-"""``.EXP`` files: read, write, and put edits into the text."""
+"""``.EXP`` files: read, write, and put edits into the text, in the code page of the file. `exp_reader` reads them.
+
+CoDeSys 2.3 writes the code page of its Windows, and no file names it.
+
+What the text cannot express is in comments that the reader takes back: the text is read as it was written, and the rest
+of the model is put behind it.
+
+What CODESYS V3 has and CoDeSys 2.3 has not (CoDeSys 2.3 manual, "Operators", "Data types" and "Statements") is found
+before: values of enumerations get the name that they have there; operators, statements, conversions and types are
+reported, as a program with them does not compile.
+"""
 
 from __future__ import annotations
 
-from plcopen_sfc.formats.codesys23.code_pages import decode_export
+import codecs
+import re
+from collections import Counter
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from functools import partial
+
+from plcopen_sfc.errors import EncodingError
+from plcopen_sfc.formats.codesys23.chart_text import ChartNames, body_text, chart_blocks
 from plcopen_sfc.formats.codesys23.exp_outline import OWN_LINE
-from plcopen_sfc.formats.codesys23.exp_reader import read_export
-from plcopen_sfc.formats.codesys23.exp_writer import replace_line_comments, write_blocks, write_export
-from plcopen_sfc.formats.codesys23.later_language import replace_later_language
+from plcopen_sfc.formats.codesys23.exp_reader import CODE_PAGE, DIVIDER, HEADER, KINDS, footer_of, read_export
 from plcopen_sfc.formats.format_interface import Marks, ReadResult, TextCodec, WriteOptions
-from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock
-from plcopen_sfc.languages.edits import without
+from plcopen_sfc.formats.remainder_comments import keys_of
+from plcopen_sfc.formats.text_patch import (
+    BlockSpan,
+    SourceText,
+    WrittenBlock,
+    decode_text,
+    numbered_blocks,
+    section_block,
+)
+from plcopen_sfc.languages.binding.text_sites import SiteKind, text_sites
+from plcopen_sfc.languages.declarations import write_type, write_value
+from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
+from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.edits import Edit, apply_edits, without
+from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node, transform, walk
+from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
+from plcopen_sfc.languages.st.rendering import render
+from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
+from plcopen_sfc.model.compare import path_of
+from plcopen_sfc.model.conditions import BodyCondition, Expression
+from plcopen_sfc.model.numbering import take_ids
+from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.model.text import Text, plain
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataType,
+    DataTypeDeclaration,
+    Elementary,
+    ElementaryType,
+    EnumType,
+    PointerType,
+    StringType,
+    StructType,
+)
+from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+USUAL = "cp1252"
+_CODE_PAGES = (USUAL, "cp1250", "cp1251", "cp1253", "cp1254", "cp1257", "cp932", "cp936", "cp949", "cp950")
+_NAMED = re.compile(rb"\{plcopen_sfc code_page := '(cp\d{3,4})'\}")
+_LETTERS = re.compile(rb"[\x80-\xff]")
+_LONG_RUN = re.compile(rb"[\xa8\xb8\xc0-\xff]{3,}")
+"""Letters of Cyrillic words. In Western and Central European words such letters are alone or in pairs."""
+
+
+class CodePageText(SourceText):
+    """Text of a file in a code page, which it keeps."""
+
+    __slots__ = ()
+
+    def encode(self, text: str) -> tuple[bytes, bool]:
+        """Return `text` in the code page of the file, and False. Raises `EncodingError`."""
+        try:
+            return text.encode(self.encoding), False
+        except UnicodeEncodeError as error:
+            raise EncodingError(
+                f"{text[error.start]!r} is not in the code page {self.encoding} of this file",
+                hint="CoDeSys 2.3 has one code page in a file, and no Unicode. Use characters of that code page.",
+            ) from error
+
+
+def decode_export(data: bytes) -> CodePageText:
+    """Return the text of a file: in UTF-8 where it is that, else in the code page that it has, which is a guess."""
+    named = _NAMED.search(data)
+    encoding = named[1].decode() if named is not None and named[1].decode() in _CODE_PAGES else ""
+    marked = data.startswith((codecs.BOM_UTF8, codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    if not encoding and not marked:
+        if data.isascii():
+            return CodePageText(data.decode("ascii"), USUAL)
+        encoding = "cp1251" if _is_cyrillic(data) else USUAL
+        encoding = "utf-8" if _is_utf8(data) else encoding
+    try:
+        return CodePageText(data.decode(encoding), encoding, guessed=named is None)
+    except (UnicodeDecodeError, LookupError):
+        found = decode_text(data)
+        return CodePageText(found.text, found.encoding, guessed=found.guessed)
+
+
+def code_page_for(text: str) -> str:
+    """Return the first code page that has all characters of `text`, or the usual one if none has."""
+    return next((page for page in _CODE_PAGES if _has_all(page, text)), USUAL)
+
+
+def _has_all(page: str, text: str) -> bool:
+    try:
+        text.encode(page)
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _is_utf8(data: bytes) -> bool:
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _is_cyrillic(data: bytes) -> bool:
+    return 2 * sum(map(len, _LONG_RUN.findall(data))) > len(_LETTERS.findall(data))
+
+
+_DIALECT = Dialect.CODESYS
+_KEYWORDS = {kind: word for word, kind in KINDS.items()} | {PouKind.ORGANIZATION_BLOCK: "PROGRAM"}
+
+
+def write_export(project: Project, meant: Project, report: ConversionReport) -> tuple[str, str]:
+    """Return the text of a project, and the code page that has its characters. `meant` as in `write_blocks`."""
+    page = code_page_for("\n".join(block.whole() for block in _objects(project, ConversionReport())))
+    return write_blocks(project, meant, report, page).whole(), page
+
+
+def write_blocks(project: Project, meant: Project, report: ConversionReport, page: str = "") -> WrittenBlock:
+    """Return the text of a project, in the blocks that an edit replaces.
+
+    `meant` comes back from it: the project itself, or what it was before it was put into the terms of the tool.
+    `page`: characters that this code page does not have are replaced, and are in comments.
+    """
+    blocks = [_in_page(block, page) if page else block for block in numbered_blocks(_objects(project, report))]
+    written = WrittenBlock(("file", ""), blocks=tuple(blocks))
+    # the text is read back, and whatever differs goes into comments: no list of what it lacks can be incomplete
+    back = read_export(SourceText(written.whole() + "\n", USUAL)).project
+    meant = meant.model_copy(deep=True)
+    take_ids(meant, back)
+    left = list(changes(plain_fields(back), plain_fields(meant), guarded=True))
+    for change in left:
+        path = path_of(meant, keys_of(meant, change))
+        report.add(Outcome.EXTENSION_DATA, _field(change), path, "CoDeSys 2.3 cannot express it; it is in a comment")
+    if page not in ("", USUAL):
+        left.insert(0, RemainderEntry((CODE_PAGE,), page))
+    if left:
+        rest = "\n".join(f"(* {_ascii(f'{{plcopen_sfc {change}}}')} *)" for change in left)
+        blocks.append(WrittenBlock(("rest", ""), rest, apart=True))
+    return WrittenBlock(("file", ""), blocks=tuple(blocks))
+
+
+def _field(change: RemainderEntry) -> str:
+    return next(segment for segment in reversed(change.path) if isinstance(segment, str)).replace("_", " ")
+
+
+def _ascii(text: str) -> str:
+    """Return a comment of this package in characters that every code page has."""
+    return "".join(c if c.isascii() else "".join(f"$u{unit:04X}" for unit in _utf16(c)) for c in text)
+
+
+def _utf16(character: str) -> Iterator[int]:
+    data = character.encode("utf-16-be", "surrogatepass")
+    return (int.from_bytes(data[at : at + 2]) for at in range(0, len(data), 2))
+
+
+def _in_page(block: WrittenBlock, page: str) -> WrittenBlock:
+    text = block.text.encode(page, errors="replace").decode(page)
+    return replace(block, text=text, blocks=tuple(_in_page(each, page) for each in block.blocks))
+
+
+# -- objects
+
+
+def _objects(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
+    for declaration in project.data_types:
+        report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
+        yield _data_type(declaration)
+    yield from _global_lists(project, report)
+    for pou in project.pous:
+        report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
+        yield WrittenBlock(("POU", pou.name), blocks=numbered_blocks(_pou(pou, report)), apart=True)
+    for name, text in kept(project.carried).items():
+        if re.fullmatch(r"section\d+", name):
+            yield WrittenBlock(("other", name), text, apart=True, verbatim=True)
+    if plain(project.comment):
+        yield WrittenBlock(("comment", ""), _comments(project.comment), apart=True)
+
+
+def _data_type(declaration: DataTypeDeclaration) -> WrittenBlock:
+    texts = kept(declaration.carried)
+    initial = write_value(declaration.initial, _DIALECT) if declaration.initial is not None else ""
+    type_ = _bare_lists(_block_comments(write_type(declaration.type, _DIALECT)))
+    is_struct = isinstance(declaration.type, StructType)
+    lines = [_comments(declaration.comment)] if plain(declaration.comment) else []
+    lines += [f"TYPE {declaration.name} :", type_] if is_struct else [f"TYPE {declaration.name} : {type_}"]
+    value = _bare_lists(f" := {initial};") if initial else "" if is_struct else ";"
+    text = _tabs("\n".join(lines)) + value
+    blocks = [*_header(texts), WrittenBlock(("type", ""), f"{text}\nEND_TYPE")]
+    if "undivided" not in texts:
+        blocks.append(WrittenBlock(("divider", ""), DIVIDER))
+    return WrittenBlock(("type", declaration.name), blocks=tuple(blocks), apart=True)
+
+
+def _global_lists(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
+    """Yield the lists: sections of one name that follow each other are one list."""
+    lists: list[list[VariableSection]] = []
+    for section in _global_sections(project):
+        same = lists and lists[-1][0].name == section.name and "header" not in kept(section.carried)
+        if same and (section.name or "unlisted" in kept(lists[-1][0].carried)):
+            lists[-1].append(section)
+        else:
+            lists.append([section])
+    for number, sections in enumerate(lists, 1):
+        texts = kept(sections[0].carried)
+        name = sections[0].name or ("" if "unlisted" in texts else f"Globals_{number}")
+        report.add(Outcome.KEPT, "global variables", name)
+        blocks = _header(texts, f"(* @GLOBAL_VARIABLE_LIST := '{name}' *)" if name else "")
+        blocks += [_section(section) for section in sections]
+        footer = texts.get("footer", footer_of(name))
+        if footer:
+            blocks.append(WrittenBlock(("footer", ""), footer, apart="footer" not in texts))
+        yield WrittenBlock(("global variables", name), blocks=numbered_blocks(blocks), apart=True)
+
+
+def _global_sections(project: Project) -> Iterator[VariableSection]:
+    """Yield all sections of global variables: a project of CoDeSys 2.3 has one controller."""
+    yield from project.global_variables
+    for configuration in project.configurations:
+        yield from configuration.global_variables
+        for resource in configuration.resources:
+            yield from resource.global_variables
+    for application in project.applications:
+        yield from application.global_variables
+
+
+def _pou(pou: Pou, report: ConversionReport) -> Iterator[WrittenBlock]:
+    texts = kept(pou.carried)
+    yield from _header(texts)
+    if plain(pou.comment):
+        yield WrittenBlock(("comment", ""), _comments(pou.comment))
+    keyword = _KEYWORDS[pou.kind]
+    result = pou.interface.return_type if pou.interface is not None else None
+    type_ = f" : {write_type(result, _DIALECT)}" if result is not None else ""
+    yield WrittenBlock(("head", ""), f"{keyword} {pou.name}{type_}")
+    for section in pou.interface.sections if pou.interface is not None else []:
+        yield _section(section)
+    if "undivided" not in texts:
+        yield WrittenBlock(("divider", ""), DIVIDER)
+    names = ChartNames(pou, report)
+    yield from _body(pou.body, names, f"POU {pou.name}")
+    yield WrittenBlock(("end", ""), f"END_{keyword}")
+    for action in pou.actions:
+        report.add(Outcome.KEPT, "action", f"POU {pou.name} / action {action.name}")
+        yield _action(action, names, f"POU {pou.name} / action {action.name}")
+    for action in names.added:
+        yield _action(action, names, f"POU {pou.name} / action {action.name}")
+
+
+def _action(action: Action, names: ChartNames, path: str) -> WrittenBlock:
+    blocks = [WrittenBlock(("head", ""), f"ACTION {action.name}:")]
+    for pragma in filter(None, kept(action.carried).get("pragmas", "").split("\n")):
+        name = re.search(r"@(\w+)", pragma)
+        blocks.append(WrittenBlock(("pragma", name[1] if name is not None else ""), pragma))
+    blocks += _body(action.body, names, path)
+    blocks.append(WrittenBlock(("end", ""), "END_ACTION"))
+    return WrittenBlock(("action", action.name), blocks=numbered_blocks(blocks), apart=True)
+
+
+def _body(body: Body | None, names: ChartNames, path: str) -> Iterator[WrittenBlock]:
+    if isinstance(body, SfcBody):
+        yield from chart_blocks(body, names, path)
+    elif text := body_text(body):
+        yield WrittenBlock(("body", ""), text, verbatim=True)
+
+
+# -- parts
+
+
+def _header(texts: dict[str, str], listed: str = "") -> list[WrittenBlock]:
+    text = texts.get("header", HEADER)
+    if listed:
+        first, _, others = text.partition("\n")
+        text = "\n".join(filter(None, (first, listed, others)))
+    return [WrittenBlock(("header", ""), text)] if text else []
+
+
+def _section(section: VariableSection) -> WrittenBlock:
+    return _each_text(section_block(section, _DIALECT))
+
+
+def _each_text(block: WrittenBlock) -> WrittenBlock:
+    """Return a block of declarations in the terms of CoDeSys 2.3, at the start of the line as it has them."""
+    text = _bare_lists(_block_comments(block.text))
+    if block.key[0] in ("head", "end"):
+        text = "\n".join(line.lstrip() for line in text.split("\n"))
+    else:
+        text = re.sub(r"^\t", "", _tabs(text), flags=re.MULTILINE)
+    return replace(block, text=text, blocks=tuple(map(_each_text, block.blocks)))
+
+
+def _bare_lists(text: str) -> str:
+    """Return declarations with the initial values of arrays as CoDeSys 2.3 has them: ``:= 1, 2, 3(7)``."""
+    tokens = tokenize(text, _DIALECT).tokens if "[" in text else []
+    edits: list[Edit] = []
+    for index, token in enumerate(tokens[:-1]):
+        if token.type != "ASSIGN" or tokens[index + 1].type != "LSQB":
+            continue
+        end = next((at for at in range(index + 2, len(tokens)) if tokens[at].type in ("LSQB", "RSQB")), index)
+        inside = {each.type for each in tokens[index + 2 : end]}
+        # the list of an array in an array would not be told from its elements, and one value not from a list
+        if end > index and tokens[end].type == "RSQB" and inside & {"COMMA", "LPAR"}:
+            edits += [Edit(*tokens[index + 1].span, ""), Edit(*tokens[end].span, "")]
+    return apply_edits(text, edits)
+
+
+def _tabs(text: str) -> str:
+    """Return `text` indented by tabs, as CoDeSys 2.3 does it."""
+    return re.sub(r"^(?: {4})+", lambda found: "\t" * (len(found.group()) // 4), text, flags=re.MULTILINE)
+
+
+def _comments(text: Text | None) -> str:
+    return "\n".join(f"(* {_inside(line)} *)" for line in LINE_END.split(plain(text)))
+
+
+def replace_line_comments(project: Project, report: ConversionReport) -> None:
+    """Write the comments up to the end of a line in program text of `project` as others: `_block_comments`."""
+    for name, pou, body in project.bodies():
+        before = len(report.items)
+        for text in _texts(body):
+            replaced = _block_comments(text.text)
+            if replaced != text.text:
+                text.text = replaced
+                if len(report.items) == before:
+                    why = "// is no comment in CoDeSys 2.3, (* *) is"
+                    report.add(Outcome.TRANSLATED, "comments", pou.report_path_of(name), why)
+
+
+def _texts(body: Body) -> Iterator[StBody | IlBody | Expression]:
+    if isinstance(body, StBody | IlBody):
+        yield body
+    if not isinstance(body, SfcBody):
+        return
+    for step in body.chart.steps:
+        inner = [step.entry_action, step.main_action, step.exit_action, *(each.body for each in step.actions)]
+        for action in inner:
+            if action is not None and not isinstance(action, str):
+                yield from _texts(action)
+    for transition in body.chart.transitions:
+        if isinstance(transition.condition, Expression):
+            yield transition.condition
+        elif isinstance(transition.condition, BodyCondition):
+            yield from _texts(transition.condition.body)
+
+
+def _block_comments(text: str) -> str:
+    """Return `text` with its comments up to the end of a line in the form that CoDeSys 2.3 has for all."""
+    found = tokenize(text, _DIALECT).comments if "//" in text else []
+    lines = [each for each in found if each.kind is CommentKind.LINE]
+    return apply_edits(text, [Edit(*each.span, f"(* {_inside(each.text[2:].strip())} *)") for each in lines])
+
+
+def _inside(text: str) -> str:
+    return text.replace("(*", "( *").replace("*)", "* )")
+
+
+_TYPES = frozenset({Elementary.LINT, Elementary.ULINT, Elementary.LWORD, Elementary.LTIME})
+_TYPED = re.compile(r'(?:LTIME|LINT|ULINT|LWORD)#|"', re.IGNORECASE)
+_CONVERSION = re.compile(r"TO_[A-Z]+", re.IGNORECASE)
+
+
+def replace_later_language(project: Project, report: ConversionReport) -> None:
+    """Write values of enumerations in `project` as CoDeSys 2.3 does, and report what it does not compile."""
+    enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
+    plain = partial(_plain, _unique_values(project))
+    for site in text_sites(project):
+        if not site.is_program_text or site.reading not in (SiteKind.STATEMENTS, SiteKind.EXPRESSION):
+            continue
+        parse = parse_statements if site.reading is SiteKind.STATEMENTS else parse_condition
+        parsed = parse(site.text, project.dialect)
+        tree = transform(parsed.tree, plain)
+        if tree is not parsed.tree and tree != parsed.tree:
+            site.put(render(parsed, tree))
+            why = "values of enumerations without the name of their type, which CoDeSys 2.3 does not write"
+            report.add(Outcome.TRANSLATED, "text", site.report_path, why)
+        for word in dict.fromkeys(word for node in walk(tree) for word in _words(node, enumerations)):
+            report.add(
+                Outcome.NOT_EXECUTED, "text", site.report_path, f"CoDeSys 2.3 has no {word}: it does not compile"
+            )
+    declared = [(f"{pou.report_path} / {v.name}", v.type) for pou in project.pous for v in pou.variables()]
+    for section in project.global_sections():
+        declared += [(f"global variable {section.name}.{v.name}", v.type) for v in section.variables]
+    declared += [(each.report_path, each.type) for each in project.data_types]
+    for path, kind in declared:
+        for name in dict.fromkeys(_later_types(kind)):
+            report.add(Outcome.NOT_EXECUTED, "data type", path, f"CoDeSys 2.3 has no {name}: it does not compile")
+
+
+def _unique_values(project: Project) -> set[tuple[str, str]]:
+    """Return the values that nothing else in the project is called as, each with its type, in lower case."""
+    types = [(each.name, each.type.values) for each in project.data_types if isinstance(each.type, EnumType)]
+    names = Counter(value.name.casefold() for _, values in types for value in values)
+    names.update(thing.name.casefold() for thing in project.objects())
+    names.update(v.name.casefold() for section in project.global_sections() for v in section.variables)
+    for pou in project.pous:
+        names.update(variable.name.casefold() for variable in pou.variables())
+        names.update(action.name.casefold() for action in pou.actions)
+        names.update(transition.name.casefold() for transition in pou.transitions)
+        charts = (body.chart for body in pou.bodies if isinstance(body, SfcBody))
+        names.update(step.name.casefold() for chart in charts for step in chart.steps)
+    found = ((name.casefold(), value.name.casefold()) for name, values in types for value in values)
+    return {each for each in found if names[each[1]] == 1}
+
+
+def _plain(unique: Collection[tuple[str, str]], node: n.Node) -> n.Node:
+    match node:
+        case n.Member(base=n.Name(identifier=base), name=n.Name(identifier=name)):
+            return node.name if (base.casefold(), name.casefold()) in unique else node
+    return node
+
+
+def _words(node: n.Node, enumerations: Collection[str]) -> Iterator[str]:
+    match node:
+        case n.Operation(operator=n.Operator.AND_THEN | n.Operator.OR_ELSE as operator):
+            yield operator.value
+        case n.Assignment(kind=kind) if kind is not n.AssignmentKind.ASSIGN:
+            yield kind.value
+        case n.AssignmentExpression():
+            yield f"assignment in an expression (`{print_node(node)}`)"
+        case n.Continue():
+            yield "CONTINUE"
+        case n.Call(callee=n.Name(identifier=name)) if _CONVERSION.fullmatch(name):
+            yield f"function {name}, which names the type it converts to only"
+        case n.Member(base=n.Name(identifier=base), name=n.Name(identifier=name)):
+            if base.casefold() in enumerations:
+                yield f"value of an enumeration by its type (`{base}.{name}`)"
+            elif name.startswith("%"):
+                yield f"part of a word (`.{name}`)"
+        case n.Literal(text=text) if _TYPED.match(text):
+            yield f"literal {text}"
+
+
+def _later_types(kind: DataType | None) -> Iterator[str]:
+    match kind:
+        case ElementaryType(name=name) if name in _TYPES:
+            yield name.value
+        case StringType(wide=True):
+            yield "WSTRING"
+        case EnumType(base=base) if base is not None:
+            yield "enumeration with a type of its values"
+        case ArrayType(base=base) | PointerType(base=base):
+            yield from _later_types(base)
+        case StructType(members=members):
+            for member in members:
+                yield from _later_types(member.type)
+        case _:
+            pass
+
 
 SOURCE = "source"
 """Name of the project beside its copy in the terms of the tool."""

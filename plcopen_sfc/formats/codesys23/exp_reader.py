@@ -1,4 +1,4 @@
-"""Reads ``.EXP`` files: the project, and the place of each object in the text. `exp_writer` is the way back."""
+"""Reads ``.EXP`` files: the project, and the place of each object in the text. `exp_codec` is the way back."""
 
 from __future__ import annotations
 
@@ -30,9 +30,16 @@ from plcopen_sfc.formats.codesys23.exp_outline import (
     core,
     outline_of,
 )
-from plcopen_sfc.formats.declared_blocks import Place, block_span, head_places, plain_lines, section_places
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, Entry, put_back, read_entries
-from plcopen_sfc.formats.text_patch import BlockSpan, SourceText
+from plcopen_sfc.formats.text_patch import (
+    BlockSpan,
+    Place,
+    SourceText,
+    block_span,
+    head_places,
+    plain_lines,
+    section_places,
+)
 from plcopen_sfc.languages.declarations import Declared, read_declarations, read_interface
 from plcopen_sfc.languages.declarations.declaration_comments import said
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept

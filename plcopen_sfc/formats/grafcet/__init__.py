@@ -1,10 +1,8 @@
 """GRAFCETs (IEC 60848): a text to write and review them, and the files of an editor.
 
-`grafcet_text_codec`    reads and writes ``grafcet-text``
+`grafcet_text_codec`    the text of a project (``grafcet-text``), in the blocks that an edit replaces
 `grafcet_text_reader`   the grammar, and the project of a text with the places of its objects
-`grafcet_text_writer`   the text of a project, in the blocks that an edit replaces
-`grafcet_xmi_codec`     reads and writes ``.grafcet``
+`grafcet_xmi_codec`     ``.grafcet`` files, written: references made of positions
 `grafcet_xmi_reader`    references by position, resolved
-`grafcet_xmi_writer`    references made of positions
 `grafcet_xmi_terms`     terms of these files, and conditions as text
 """

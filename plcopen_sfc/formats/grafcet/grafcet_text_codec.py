@@ -1,15 +1,261 @@
-"""GRAFCETs as text: read, write, and put edits into the text."""
+"""GRAFCETs as text (``grafcet-text``): read, write, and put edits into the text. `grafcet_text_reader` reads them.
+
+What the text cannot express is in comments that the reader takes back: the text is read as it was written, and the rest
+of the model is put behind it.
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Sequence
 
+from plcopen_sfc.errors import Location, ModelError
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
-from plcopen_sfc.formats.grafcet.grafcet_text_reader import read_text
-from plcopen_sfc.formats.grafcet.grafcet_text_writer import write_blocks
-from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode_text
+from plcopen_sfc.formats.grafcet.grafcet_text_reader import CHARTS, SITUATIONS, STORED, TABLES, read_text
+from plcopen_sfc.formats.remainder_comments import keys_of
+from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode_text, numbered_blocks
+from plcopen_sfc.languages.declarations import write_type, write_value
+from plcopen_sfc.languages.networks.shown_text import shown_condition
+from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
+from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, ForcingOrder, Qualifier
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.compare import path_of
+from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.numbering import take_ids
+from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.model.sfc import PartialChart, PartialChartKind, SfcNetwork, Step, Transition
+from plcopen_sfc.model.text import Text, plain
+from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_TABLE_WORDS = {kind: word for word, kind in TABLES.items()}
+_CHART_WORDS = {kind: word for word, kind in CHARTS.items()}
+_SITUATION_WORDS = {situation: word for word, situation in SITUATIONS.items()}
+_STORED_WORDS = {kind: word for word, kind in STORED.items()}
+_OF_SFC = {
+    Qualifier.NONE: (ActionKind.CONTINUOUS, None),
+    Qualifier.N: (ActionKind.CONTINUOUS, None),
+    Qualifier.L: (ActionKind.LIMITED, None),
+    Qualifier.D: (ActionKind.DELAYED, None),
+    Qualifier.S: (ActionKind.ON_ACTIVATION, "TRUE"),
+    Qualifier.R: (ActionKind.ON_ACTIVATION, "FALSE"),
+    Qualifier.R0: (ActionKind.ON_ACTIVATION, "FALSE"),
+    Qualifier.P: (ActionKind.ON_ACTIVATION, None),
+    Qualifier.P1: (ActionKind.ON_ACTIVATION, None),
+    Qualifier.P0: (ActionKind.ON_DEACTIVATION, None),
+}
+"""The actions of IEC 60848 that do what qualifiers do, and the value that they store."""
+
+
+def write_blocks(project: Project, report: ConversionReport) -> WrittenBlock:
+    """Return the text of a project, in the blocks that an edit replaces."""
+    blocks = [*numbered_blocks(_Writer(pou, report).grafcet() for pou in project.pous if pou.chart is not None)]
+    if not blocks:  # a text has a head, to be recognised
+        blocks.append(WrittenBlock(("grafcet", ""), f"GRAFCET {project.name or 'empty'}"))
+    written = WrittenBlock(("file", ""), blocks=tuple(blocks))
+    # the text is read back, and whatever differs goes into comments: no list of what it lacks can be incomplete
+    back = read_text(SourceText(written.whole() + "\n", "utf-8")).project
+    meant = project.model_copy(deep=True)
+    take_ids(meant, back)
+    left = list(changes(plain_fields(back), plain_fields(meant), guarded=True))
+    for change in left:
+        path = path_of(meant, keys_of(meant, change))
+        report.add(Outcome.EXTENSION_DATA, _field(change), path, "a GRAFCET has no word for it; it is in a comment")
+    if left:
+        rest = "\n".join(f"// {{plcopen_sfc {change}}}" for change in left)
+        blocks.append(WrittenBlock(("rest", ""), rest, apart=True))
+    return WrittenBlock(("file", ""), blocks=tuple(blocks))
+
+
+def _field(change: RemainderEntry) -> str:
+    return next(segment for segment in reversed(change.path) if isinstance(segment, str)).replace("_", " ")
+
+
+class _Writer:
+    def __init__(self, pou: Pou, report: ConversionReport) -> None:
+        self._pou = pou
+        self._report = report
+
+    def grafcet(self) -> WrittenBlock:
+        pou = self._pou
+        self._report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
+        chart = pou.chart or SfcNetwork()
+        block = " AS FUNCTION_BLOCK" if pou.kind is PouKind.FUNCTION_BLOCK else ""
+        blocks = [_line(("head", ""), f"GRAFCET {_named(pou.name, f'POU {pou.name}')}{block}", pou.comment, "")]
+        for section in pou.interface.sections if pou.interface is not None else []:
+            word = _TABLE_WORDS.get(section.kind)
+            if word is not None:
+                head = _line(("head", ""), word, section.comment, "")
+                variables = numbered_blocks(_variable(variable) for variable in section.variables)
+                blocks.append(WrittenBlock(("table", word), blocks=(head, *variables), apart=True))
+        blocks += self._elements(chart, f"POU {pou.name}", "")
+        blocks += [self._partial(partial) for partial in chart.partial_charts]
+        return WrittenBlock(("grafcet", pou.name), blocks=numbered_blocks(blocks), apart=True)
+
+    def _partial(self, partial: PartialChart) -> WrittenBlock:
+        head = f"{_CHART_WORDS[partial.kind]} {_named(partial.name, f'chart {partial.name}')}"
+        if partial.kind is PartialChartKind.EXPANSION:
+            head += f" FROM {partial.entry_step}" if partial.entry_step else ""
+            head += f" TO {partial.exit_step}" if partial.exit_step else ""
+        blocks = [_line(("head", ""), head, partial.comment, "")]
+        blocks += self._elements(partial.chart, f"POU {self._pou.name} / {partial.name}", "    ")
+        return WrittenBlock(("chart", partial.name), blocks=numbered_blocks(blocks), apart=True)
+
+    def _elements(self, chart: SfcNetwork, path: str, indent: str) -> Iterator[WrittenBlock]:
+        """Yield the steps, and below each the transitions whose steps are all above them, in the order of the model."""
+        waiting = list(chart.transitions)
+        written: set[int] = set()
+        labels = chart.labels()
+
+        def transitions(every: bool) -> Iterator[WrittenBlock]:
+            while waiting and (every or written.issuperset(waiting[0].sources)):
+                transition = waiting.pop(0)
+                yield self._transition(chart, transition, f"{path} / transition {labels[transition.id]}", indent)
+
+        for number, step in enumerate(chart.steps):
+            yield self._step(step, f"{path} / step {step.name}", indent, apart=not number and not indent)
+            written.add(step.id)
+            yield from transitions(False)
+        yield from transitions(True)
+
+    def _step(self, step: Step, path: str, indent: str, *, apart: bool) -> WrittenBlock:
+        text = ("INITIAL " if step.initial else "") + ("MACRO" if _expansion(step) else "STEP")
+        text += f" {_named(step.name, path)}"
+        text += f" #{step.number}" if step.number is not None else ""
+        if _expansion(step) not in (None, step.name):
+            text += f" EXPANDS {_expansion(step)}"
+        if step.encloses:
+            text += " ENCLOSES " + ", ".join(
+                each.chart + (f"{{{', '.join(each.activated_steps)}}}" if each.activated_steps else "")
+                for each in step.encloses
+            )
+        blocks = [_line(("head", ""), text, step.comment, indent)]
+        for action in step.actions:
+            line = self._action(action, f"{path} / action {action.target or 'in place'}")
+            if line is not None:
+                blocks.append(_line(("action", ""), line, action.comment, indent + "    "))
+        for name in ("entry_action", "main_action", "exit_action"):
+            if getattr(step, name) is not None:
+                self._lost("step action", path, "IEC 60848 has no step actions")
+        return WrittenBlock(("step", step.name), blocks=numbered_blocks(blocks), apart=apart)
+
+    def _action(self, action: ActionAssociation, path: str) -> str | None:
+        """Return the line of an action; None where GRAFCET has none that does the same."""
+        if action.forcing is not None:
+            return f"FORCE {_forced(action.forcing)}"
+        kind, value = action.kind, action.value
+        if kind is None:
+            translated = _OF_SFC.get(action.qualifier)
+            if translated is None or action.event is not None or action.interlock or action.negated:
+                self._lost("action", path, f"IEC 60848 has no action that does the same as {action.qualifier}")
+                return None
+            kind, stored = translated
+            value = value or stored
+            self._report.add(Outcome.TRANSLATED, "action", path, f"{action.qualifier} is {kind} in IEC 60848")
+        body = action.body
+        named = self._pou.find_action(action.target) if action.target is not None else None
+        if named is not None and body is None:
+            body = named.body
+        if isinstance(body, StBody) and "//" not in body.text:
+            done = f"{{ {' '.join(body.text.split())} }}"
+        elif action.target is None or named is not None:
+            self._lost("action", path, "the body of the action is no structured text in one line")
+            return None
+        else:
+            done = action.target + (f" := {' '.join(value.split())}" if value is not None else "")
+        condition = _expression(action.condition)
+        if kind in _STORED_WORDS:
+            return f"ON {_STORED_WORDS[kind]} {done}"
+        if kind is ActionKind.ON_EVENT:
+            return f"ON EVENT {condition or 'FALSE'} : {done}"
+        if condition:
+            done += f" IF {condition}"
+        if kind in (ActionKind.DELAYED, ActionKind.LIMITED):
+            done += f" {'AFTER' if kind is ActionKind.DELAYED else 'FOR'} {_time(action.duration or '0s')}"
+        return done
+
+    def _transition(self, chart: SfcNetwork, transition: Transition, path: str, indent: str) -> WrittenBlock:
+        names = {step.id: step.name for step in chart.steps}
+        sources, targets = (
+            [names[each] for each in side if each in names] for side in (transition.sources, transition.targets)
+        )
+        designation = transition.name or ("" if transition.number is None else str(transition.number))
+        text = f"({designation}) " if designation and not re.search(r"[()\n]", designation) else ""
+        text = f"{text}{', '.join(sources)} -> {', '.join(targets)}".strip()
+        condition = _expression(transition.condition)
+        if transition.condition is not None and not condition:
+            shown = shown_condition(chart, transition, Dialect.IEC, self._pou.transitions)
+            if shown is None or shown[1]:
+                self._lost("condition", path, "no text expresses it")
+                condition = "FALSE"
+            else:
+                condition = " ".join(shown[0].split())
+        if condition:
+            text = f"{text.rstrip()} : {condition}"
+        key = ("transition", f"{','.join(sources)} -> {','.join(targets)}")
+        return _line(key, text, transition.comment, indent)
+
+    def _lost(self, what: str, path: str, why: str) -> None:
+        self._report.add(Outcome.NOT_EXECUTED, what, path, why)
+
+
+def _expansion(step: Step) -> str | None:
+    return step.macro.expansion if step.macro is not None else None
+
+
+def _forced(order: ForcingOrder) -> str:
+    inside = _SITUATION_WORDS.get(order.situation, ", ".join(order.steps))
+    if order.situation is ForcedSituation.EXPLICIT and not order.steps:
+        inside = ""
+    return f"{order.chart}{{{inside}}}"
+
+
+def _named(name: str, path: str) -> str:
+    """Return a name that can be in a line. Raises `ModelError` for one that would be read as something else."""
+    if not re.fullmatch(r'[^\s,:{}()"]+', name) or "->" in name:
+        hint = "Rename it: blanks, commas, colons, parentheses and quotation marks divide the parts of a line."
+        raise ModelError(f"{name!r} cannot be a name in the text of a GRAFCET", location=Location(path=path), hint=hint)
+    return name
+
+
+def _variable(variable: Variable) -> WrittenBlock:
+    text = _named(variable.name, f"variable {variable.name}") + (
+        f" {variable.address}" if variable.address is not None else ""
+    )
+    initial = write_value(variable.initial) if variable.initial is not None else ""
+    if initial or variable.type != ElementaryType(name=Elementary.BOOL):
+        text += f" : {' '.join(write_type(variable.type).split())}" + (f" := {initial}" if initial else "")
+    return _line(("variable", variable.name), text, variable.comment, "    ")
+
+
+def _expression(condition: Condition | None) -> str:
+    if not isinstance(condition, Expression):
+        return ""
+    text = " ".join(condition.text.split())
+    return f"NOT ({text})" if condition.negated else text
+
+
+def _time(text: str) -> str:
+    found = re.fullmatch(r"L?T(?:IME)?#((?:\d+(?:\.\d+)?(?:ms|d|h|m|s))+)", text, re.IGNORECASE)
+    return text if found is None else re.sub(r"(?<=\d)m$", "min", found[1].lower())
+
+
+def _line(key: tuple[str, str], text: str, comment: Text | None, indent: str) -> WrittenBlock:
+    first, *others = plain(comment).split("\n") if comment is not None else [None]
+    lines = [indent + text + (f" {_quoted(first)}" if first is not None else "")]
+    return WrittenBlock(key, "\n".join([*lines, *(f"{indent}    {_quoted(each)}" for each in _told(others))]))
+
+
+def _told(lines: Sequence[str | None]) -> Iterator[str]:
+    return (line for line in lines if line is not None)
+
+
+def _quoted(text: str) -> str:
+    doubled = text.replace('"', '""')
+    return f'"{doubled}"'
+
 
 _OWN_LINES = re.compile(r"^[ \t]*// *\{plcopen_sfc[^\r\n]*(?:\r\n|\r|\n)?", re.MULTILINE)
 

@@ -1,4 +1,4 @@
-"""Reads ``grafcet-text``: the project, and the place of each object. `grafcet_text_writer` is the way back.
+"""Reads ``grafcet-text``: the project, and the place of each object. `grafcet_text_codec` is the way back.
 
 Each line is a statement of its own; `docs/formats/grafcet-text.md` has the grammar. A text in quotation marks is a
 comment, as in drawings of GRAFCETs: at the end of a line, or in the lines below it.

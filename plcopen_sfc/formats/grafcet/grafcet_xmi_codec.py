@@ -1,25 +1,366 @@
 """``.grafcet`` files of the open editor for GRAFCETs (AGRAFE): EMF XMI, references by position.
 
 ``//@partialGrafcets.1/@steps.0`` is the first step of the second chart. References are resolved when a file is read,
-and made of the positions when it is written. Arcs and synchronizations are the several steps of a transition.
+and made of the positions of steps, variables and charts when it is written. Arcs and synchronizations are the several
+steps of a transition. `grafcet_xmi_reader` reads them.
 """
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from typing import TypeVar
+
 from lxml import etree
 
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
-from plcopen_sfc.formats.grafcet.grafcet_xmi_reader import XmiOrder, XmiReader
-from plcopen_sfc.formats.grafcet.grafcet_xmi_writer import XmiWriter
+from plcopen_sfc.formats.grafcet.grafcet_xmi_reader import (
+    SECTIONS,
+    SITUATIONS,
+    STORED,
+    TYPES,
+    UNNAMED,
+    XmiOrder,
+    XmiReader,
+)
+from plcopen_sfc.formats.grafcet.grafcet_xmi_terms import XSI_TYPE, ReadCondition, TermError, TermWriter
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 from plcopen_sfc.languages.pragmas import changes, plain_fields
+from plcopen_sfc.model.actions import ActionAssociation, ActionKind
 from plcopen_sfc.model.compare import path_of
+from plcopen_sfc.model.conditions import Condition, Expression
 from plcopen_sfc.model.numbering import take_ids
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import PartialChart, PartialChartKind, SfcNetwork, Step
+from plcopen_sfc.model.types import Elementary
 from plcopen_sfc.report import ConversionReport, Outcome
+
+_XMI = "http://www.omg.org/XMI"
+_NAMESPACES = {
+    "xmi": _XMI,
+    "xsi": "http://www.w3.org/2001/XMLSchema-instance",
+    "grafcet": "http://www.example.org/grafcet",
+    "terms": "http://www.example.org/terms",
+}
+_Item = TypeVar("_Item")
+
+
+class XmiWriter:
+    """Writes the GRAFCET of `pou`; what is referred to by position stays in the `order` of the file."""
+
+    def __init__(self, pou: Pou | None, report: ConversionReport, order: XmiOrder) -> None:
+        self._pou = pou
+        self._order = order
+        self._report = report
+        self._root = etree.Element(f"{{{_NAMESPACES['grafcet']}}}Grafcet", nsmap=_NAMESPACES)
+        self._root.set(f"{{{_XMI}}}version", "2.0")
+        self._charts: dict[str, str] = {}
+        self._steps: dict[str, str] = {}
+        self._terms = TermWriter({})
+        self._numbers: dict[int, str] = {}
+
+    def run(self) -> etree._Element:
+        """Return the root of the file."""
+        pou = self._pou
+        if pou is None or pou.chart is None:
+            return self._root
+        if pou.name != UNNAMED:
+            self._root.set("name", pou.name)
+        self._report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
+        chart = pou.chart
+        parts: list[tuple[str, SfcNetwork, PartialChart | None]] = [("/", chart, None)]
+        for number, partial in enumerate(chart.partial_charts):
+            path = f"//@partialGrafcets.{number}"
+            self._charts[partial.name.casefold()] = path
+            parts.append((path, partial.chart, partial))
+        for path, network, found in parts:
+            self._place_steps(path, network, found)
+        self._variables(pou, [network for _, network, _ in parts])
+        for path, network, found in parts:
+            element = self._root
+            if found is not None:
+                element = etree.SubElement(self._root, "partialGrafcets")
+                is_expansion = found.kind is PartialChartKind.EXPANSION
+                element.set(XSI_TYPE, f"grafcet:{'MacrostepExpansion' if is_expansion else 'PartialGrafcet'}")
+                element.set("name", found.name)
+                self._enclosing(element, found, parts)
+            self._chart(element, path, network, found)
+        # the root's own elements come last where it has partial charts, as the metamodel lists them
+        return self._root
+
+    def _place_steps(self, path: str, network: SfcNetwork, partial: PartialChart | None) -> None:
+        counts = {"steps": 0, "macrosteps": 0}
+        for step in network.steps:
+            tag = _tag(step, partial)
+            reference = f"{path}/@{tag}"
+            if tag in counts:
+                reference += f".{counts[tag]}"
+                counts[tag] += 1
+            self._numbers[id(step)] = reference
+            for name in (step.name, "" if step.number is None else str(step.number)):
+                self._steps.setdefault(name.casefold(), reference)
+
+    def _variables(self, pou: Pou, networks: Iterable[SfcNetwork]) -> None:
+        container = etree.SubElement(self._root, "variableDeclarationContainer")
+        positions: dict[str, str] = {}
+        words = {kind: word for word, kind in SECTIONS.items()}
+        declared = [(v, s.kind) for s in (pou.interface.sections if pou.interface else []) for v in s.variables]
+        texts = " ".join(_texts(networks))
+        flags = {
+            f"X{step.name}": self._numbers[id(step)]
+            for network in networks
+            for step in network.steps
+            if f"X{step.name}" in self._order.variables
+            or re.search(rf"(?<!\w)X{re.escape(step.name)}(?!\w)", texts, re.IGNORECASE)
+        }
+
+        def add(name: str, kind: str, sort: str) -> etree._Element:
+            number = len(positions)
+            positions.setdefault(name.casefold(), f"//@variableDeclarationContainer/@variableDeclarations.{number}")
+            element = etree.SubElement(container, "variableDeclarations", name=name)
+            if kind != "input":  # the first literal is the default, which EMF leaves out
+                element.set("variableDeclarationType", kind)
+            etree.SubElement(element, "sort", {XSI_TYPE: f"terms:{sort}", "id": f"9{number + 1:03d}"})
+            return element
+
+        entries: list[tuple[str, str, str]] = []
+        for variable, kind in declared:
+            sort = {TYPES["Bool"]: "Bool"}.get(getattr(variable.type, "name", None), "Integer")  # type: ignore[arg-type]
+            if kind not in words or getattr(variable.type, "name", None) not in _INTEGER_TYPES:
+                self._lost(
+                    "variable", f"POU {pou.name} / {variable.name}", "a .grafcet file has BOOL and integers only"
+                )
+            entries.append((variable.name, words.get(kind, "internal"), sort))
+        entries += [(name, "step", "Bool") for name in flags]
+        for name, word, sort in _arranged(entries, lambda entry: entry[0], self._order.variables):
+            made = add(name, word, sort)
+            if word == "step":
+                made.set("step", flags[name])
+        self._terms = TermWriter(positions)
+
+    def _enclosing(
+        self,
+        element: etree._Element,
+        partial: PartialChart,
+        parts: Iterable[tuple[str, SfcNetwork, PartialChart | None]],
+    ) -> None:
+        for _, network, _ in parts:
+            for step in network.steps:
+                if any(each.chart.casefold() == partial.name.casefold() for each in step.encloses or ()):
+                    element.set("enclosingStep", self._numbers[id(step)])
+
+    def _chart(self, element: etree._Element, path: str, network: SfcNetwork, partial: PartialChart | None) -> None:
+        where = f"POU {self._pou.name if self._pou else ''}" + (f" / {partial.name}" if partial is not None else "")
+        linked = {
+            name.casefold()
+            for other in self._networks()
+            for step in other.steps
+            for each in step.encloses or ()
+            if partial is not None and each.chart.casefold() == partial.name.casefold()
+            for name in each.activated_steps
+        }
+        for step in sorted(network.steps, key=lambda s: list(_STEP_TAGS).index(_tag(s, partial))):
+            tag = _tag(step, partial)
+            made = etree.SubElement(element, tag)
+            if tag == "steps":
+                made.set(XSI_TYPE, f"grafcet:{'Step' if step.encloses is None else 'EnclosingStep'}")
+            made.set("id", _id_of(step, tag))
+            if step.initial:
+                made.set("initial", "true")
+            if step.name.casefold() in linked:
+                made.set("activationLink", "true")
+            if step.encloses:
+                charts = [self._charts.get(each.chart.casefold(), "") for each in step.encloses]
+                made.set("partialGrafcets", " ".join(charts))
+            if tag == "macrosteps" and step.macro is not None:
+                made.set("expansion", self._charts.get((step.macro.expansion or "").casefold(), ""))
+        for number, transition in enumerate(network.transitions):
+            made = etree.SubElement(element, "transitions")
+            made.set("id", str(transition.number if transition.number is not None else number + 1))
+            label = f"{where} / transition {network.label(transition)}"
+            self._condition(made, "term", transition.condition, f"{path}/@transitions.{number}", label)
+        self._arcs(element, path, network)
+        self._actions(element, path, network, where)
+
+    def _networks(self) -> Iterator[SfcNetwork]:
+        chart = self._pou.chart if self._pou is not None else None
+        if chart is not None:
+            yield chart
+            yield from (partial.chart for partial in chart.partial_charts)
+
+    def _arcs(self, element: etree._Element, path: str, network: SfcNetwork) -> None:
+        references = {step.id: self._numbers[id(step)] for step in network.steps}
+        arcs: list[tuple[str, str]] = []
+        bars: list[Hashable] = []
+        for transition in network.transitions:
+            sides = (tuple(transition.sources), tuple(transition.targets))
+            bars += [(*sides, side is sides[0]) for side in sides if len(side) > 1]
+        bars = _arranged(bars, lambda bar: bar, self._order.bars.get(path, []))
+        for _ in bars:
+            etree.SubElement(element, "synchronizations")
+        for number, transition in enumerate(network.transitions):
+            own = f"{path}/@transitions.{number}"
+            for ids, before in ((transition.sources, True), (transition.targets, False)):
+                ends = [references[each] for each in ids if each in references]
+                bar = own
+                if len(ends) > 1:
+                    key = (tuple(transition.sources), tuple(transition.targets), before)
+                    bar = f"{path}/@synchronizations.{bars.index(key)}"
+                    arcs.append((bar, own) if before else (own, bar))
+                arcs += [(end, bar) if before else (bar, end) for end in ends]
+        for source, target in arcs:
+            etree.SubElement(element, "arcs", source=source, target=target)
+
+    def _actions(self, element: etree._Element, path: str, network: SfcNetwork, where: str) -> None:
+        links: list[tuple[str, int]] = []
+        found = [(step, index, action) for step in network.steps for index, action in enumerate(step.actions)]
+        order = self._order.actions.get(path, [])
+        for step, _, action in _arranged(found, lambda each: (each[0].name, each[1]), order):
+            number = len(links)
+            own = f"{path}/@actionTypes.{number}"
+            label = f"{where} / step {step.name} / action {action.target or 'in place'}"
+            made = etree.SubElement(element, "actionTypes")
+            if self._action(made, action, own, label):
+                made.set("id", str(number + 1))
+                links.append((self._numbers[id(step)], number))
+            else:
+                element.remove(made)
+        for reference, number in links:
+            etree.SubElement(element, "actionLinks", step=reference, actionType=f"{path}/@actionTypes.{number}")
+
+    def _action(self, made: etree._Element, action: ActionAssociation, own: str, label: str) -> bool:
+        """Fill the element of an action; False where the format has none that does the same."""
+        made.set("id", "1")
+        if action.forcing is not None:
+            made.set(XSI_TYPE, "grafcet:ForcingOrder")
+            made.set("partialGrafcet", self._charts.get(action.forcing.chart.casefold(), ""))
+            if action.forcing.steps:
+                steps = [self._steps.get(name.casefold(), "") for name in action.forcing.steps]
+                made.set("forcedSteps", " ".join(steps))
+            word = next(word for word, each in SITUATIONS.items() if each is action.forcing.situation)
+            if word != "currentSituation":
+                made.set("forcingOrderType", word)
+            return True
+        if action.kind is None or action.target is None or action.body is not None:
+            self._lost("action", label, "a .grafcet file has actions of IEC 60848 on variables only")
+            return False
+        try:
+            variable = etree.SubElement(made, "variable")
+            self._terms.variable(variable, action.target, "11")
+            stored = next((word for word, kind in STORED.items() if kind is action.kind), None)
+            made.set(XSI_TYPE, f"grafcet:{'StoredAction' if stored is not None else 'ContinuousAction'}")
+            if stored is not None:
+                if stored != "activation":
+                    made.set("storedActionType", stored)
+                value = ReadValue(action.value or "TRUE")
+                self._terms.write(made, "value", value.tree, value, f"{own}/@value")
+            elif action.value not in (None, "TRUE", "1"):
+                raise TermError("a continuous action assigns TRUE")
+            if action.kind is ActionKind.CONDITIONAL:
+                made.set("continuousActionType", "assignationCondition")
+            if action.kind in (ActionKind.DELAYED, ActionKind.LIMITED):
+                _set_time(made, action.duration or "T#0s", "delayTime")
+                word = "timeDelayed" if action.kind is ActionKind.DELAYED else "timeLimited"
+                made.set("timeConditionType", word)
+        except TermError as error:
+            self._lost("action", label, str(error))
+            return False
+        self._condition(made, "term", action.condition, own, label)
+        return True
+
+    def _condition(self, made: etree._Element, tag: str, condition: Condition | None, own: str, label: str) -> None:
+        if condition is None:
+            return
+        try:
+            if not isinstance(condition, Expression):
+                raise TermError("only an expression is a term")
+            text = f"NOT ({condition.text})" if condition.negated else condition.text
+            read = ReadCondition(text)
+            if read.delay_of_all is not None:
+                made.set("timeConditionType", "timeDependent")
+                for time, name in ((read.delay_of_all.first, "delayTime"), (read.delay_of_all.last, "resetTime")):
+                    if time is not None:
+                        _set_time(made, time, name)
+            self._terms.write(made, tag, read.tree, read, f"{own}/@{tag}")
+        except TermError as error:
+            self._lost("condition", label, str(error))
+            for child in made.findall(tag):
+                made.remove(child)
+
+    def _lost(self, what: str, path: str, why: str) -> None:
+        self._report.add(Outcome.NOT_EXECUTED, what, path, why)
+
+
+class ReadValue(ReadCondition):
+    """The value of a stored action: structured text, a number too."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__("TRUE")
+        self.tree = self._parsed(text)
+
+
+def _arranged(items: Sequence[_Item], key: Callable[[_Item], Hashable], order: Sequence[Hashable]) -> list[_Item]:
+    """Return `items` in the order of the file: new ones take the places of those that are gone, or come last."""
+    waiting = {key(item): item for item in reversed(items)}
+    new = [item for item in items if key(item) not in order]
+    found: list[_Item] = []
+    for each in dict.fromkeys(order):
+        if each in waiting:
+            found.append(waiting[each])
+        elif new:
+            found.append(new.pop(0))
+    return found + new
+
+
+_STEP_TAGS = ("steps", "macrosteps", "entryStep", "exitStep")
+_INTEGER_TYPES = (Elementary.BOOL, Elementary.SINT, Elementary.INT, Elementary.DINT)
+
+
+def _tag(step: Step, partial: PartialChart | None) -> str:
+    if partial is not None and partial.kind is PartialChartKind.EXPANSION:
+        if step.name == partial.entry_step:
+            return "entryStep"
+        if step.name == partial.exit_step:
+            return "exitStep"
+    return "macrosteps" if step.macro is not None and step.macro.expansion is not None else "steps"
+
+
+def _id_of(step: Step, tag: str) -> str:
+    letter = {"macrosteps": "M", "entryStep": "E", "exitStep": "S"}.get(tag, "")
+    text = step.name.removeprefix(letter)
+    return text if text.isdecimal() else str(step.number if step.number is not None else step.id)
+
+
+def _texts(networks: Iterable[SfcNetwork]) -> Iterator[str]:
+    for network in networks:
+        conditions = [transition.condition for transition in network.transitions]
+        for _, action in network.associations():
+            conditions.append(action.condition)
+            yield action.value or ""
+            yield action.target or ""
+        yield from (each.text for each in conditions if isinstance(each, Expression))
+
+
+def _set_time(element: etree._Element, literal: str, name: str) -> None:
+    """Set a time, in seconds where it and the one before are such. Raises `TermError`."""
+    found = re.fullmatch(r"(?:L?T(?:IME)?#)?((?:\d+(?:\.\d+)?(?:ms|min|d|h|m|s))+)", literal, re.IGNORECASE)
+    if found is None:
+        raise TermError(f"{literal} is no time of a .grafcet file")
+    factors = {"ms": 1, "s": 1000, "m": 60_000, "min": 60_000, "h": 3_600_000, "d": 86_400_000}
+    parts = re.findall(r"(\d+(?:\.\d+)?)(ms|min|d|h|m|s)", found[1].lower())
+    total = round(sum(float(amount) * factors[unit] for amount, unit in parts))
+    if element.get("unit") == "ms" or total % 1000:
+        for other in ("delayTime", "resetTime"):
+            if element.get(other) is not None and element.get("unit") != "ms":
+                element.set(other, str(int(element.get(other, "0")) * 1000))
+        element.set("unit", "ms")
+        element.set(name, str(total))
+    else:
+        element.set(name, str(total // 1000))
 
 
 class GrafcetXmiCodec(XmlCodec):

@@ -1,4 +1,4 @@
-"""Reads the parts of a chart: steps with their associations, and transitions. The writer is `chart_text_writer`."""
+"""Reads the parts of a chart: steps with their associations, and transitions. The writer is `pou_text_writer`."""
 
 from __future__ import annotations
 

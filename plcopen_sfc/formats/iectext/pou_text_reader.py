@@ -20,9 +20,9 @@ from plcopen_sfc.formats.iectext.chart_text_reader import (
     read_step,
     read_transition,
 )
-from plcopen_sfc.formats.iectext.drawings_in_pragmas import put_drawing
 from plcopen_sfc.formats.iectext.text_declarations import read_return_type, read_section
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart
+from plcopen_sfc.formats.iectext.text_printing import put_drawing
 from plcopen_sfc.formats.iectext.text_source import (
     Annotations,
     TextBlock,

@@ -1,33 +1,441 @@
-"""Writes programs, function blocks, functions, and the actions and methods in them. The reader is `pou_text_reader`."""
+"""Writes programs, function blocks, functions, the actions and methods in them, and the parts of their charts.
+
+The readers are `pou_text_reader`, and `chart_text_reader` for steps with their associations, and transitions.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from itertools import count
+
 from pydantic import BaseModel
 
-from plcopen_sfc.formats.iectext.chart_text_reader import body_fields
-from plcopen_sfc.formats.iectext.chart_text_writer import ChartTextWriter
-from plcopen_sfc.formats.iectext.drawings_in_pragmas import drawn_changes
+from plcopen_sfc.formats.iectext.chart_text_reader import (
+    STEP_ACTIONS,
+    association_fields,
+    body_fields,
+    ids_within,
+    unnegated,
+)
 from plcopen_sfc.formats.iectext.text_declarations import write_interface
 from plcopen_sfc.formats.iectext.text_outline import KEYWORDS, PartKind, outline
 from plcopen_sfc.formats.iectext.text_printing import (
     TextPrinter,
     comment_lines,
+    drawn_changes,
     foreign_pragmas,
     is_text_body,
     missing,
     note_changes,
     nothing_right,
+    pragma,
     pragmas,
     split,
 )
-from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, indented, unwrapped
-from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks
-from plcopen_sfc.languages.networks import shown_body, shown_named_condition
+from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, format_comment, indented, unwrapped, wrapped
+from plcopen_sfc.formats.text_patch import Key, WrittenBlock, numbered_blocks
+from plcopen_sfc.languages.networks import shown_body, shown_condition, shown_named_condition
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
+from plcopen_sfc.languages.pragmas.remainder import Numbered, Segment
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.report import Outcome
+
+_STEP_QUALIFIERS = {"entry": "P1", "main": "N", "exit": "P0"}
+WriteAction = Callable[[str, Body, str], str]
+"""Writes an action in place: its name, its body, the indentation."""
+
+
+@dataclass(slots=True)
+class ChartTextWriter:
+    """Writes one chart of the POU or action at `path`. `objects` are the transition objects of the POU."""
+
+    printer: TextPrinter
+    chart: SfcNetwork
+    path: str
+    objects: list[NamedTransition]
+    write_action: WriteAction
+    indent: str = INDENT
+    names: dict[int, str] = field(default_factory=dict)
+    explicit: frozenset[int] = frozenset()
+    unused: list[int] = field(default_factory=list)
+    unique: bool = True
+    late: list[RemainderEntry] = field(default_factory=list)
+    named: frozenset[str] = frozenset()
+    labels: dict[int, str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Transitions are called by their labels in the report."""
+        self.labels = self.chart.labels()
+
+    def blocks(self) -> Iterator[tuple[Key, str]]:
+        """Yield the steps and transitions, each with a key that stays when it is renamed."""
+        self._choose_names()
+        self.named = frozenset(one.name.casefold() for one in self.objects)
+        rest = plain_fields(self.chart, leave=frozenset({"steps", "transitions"}))
+        ids = self._ids()
+        self.unique = len(set(ids)) == len(ids)
+        if not self.unique or any(True for _ in ids_within(rest)) or self._has_big_parts():
+            self.explicit = frozenset(ids)
+        else:
+            self.explicit, self.unused = _explicit_ids(ids)
+        if self.explicit:
+            self.printer.note(Outcome.EXTENSION_DATA, "ids", self.path, "IEC text knows names only")
+        transitions = list(self.chart.transitions)
+        shown: set[int] = set()
+        known = {step.id for step in self.chart.steps}
+        for index, step in enumerate(self.chart.steps):
+            yield ("step", str(step.id)), self.step(index, step)
+            shown.add(step.id)
+            last = index + 1 == len(self.chart.steps)
+            while transitions and (last or set(transitions[0].sources) & known <= shown):
+                yield ("transition", str(transitions[0].id)), self.transition(transitions.pop(0))
+        for transition in transitions:
+            yield ("transition", str(transition.id)), self.transition(transition)
+
+    def _choose_names(self) -> None:
+        taken: set[str] = set()
+        for index, step in enumerate(self.chart.steps):
+            name = step.name
+            if not self.printer.is_name(name) or name.casefold() in taken:
+                own = self.printer.used
+                self.printer.used = own | taken | {s.name.casefold() for s in self.chart.steps}
+                name = self.printer.new_name(name or "Step")
+                self.printer.used = own | {name.casefold()}
+            taken.add(name.casefold())
+            self.names[index] = name
+
+    def _ids(self) -> list[int]:
+        ids = [i for s in self.chart.steps for i in (s.id, *(a.id for a in s.actions))]
+        ids += [t.id for t in self.chart.transitions]
+        return ids
+
+    def _has_big_parts(self) -> bool:
+        parts = [*self.chart.steps, *self.chart.transitions, *(a for _, a in self.chart.associations())]
+        return any(
+            part.carried is not None
+            or (isinstance(part, Transition) and _is_drawn(part.condition))
+            or (isinstance(part, Step) and any(_is_drawn(s.condition) for s in (part.interlock, part.supervision) if s))
+            for part in parts
+        )
+
+    # -- steps --------------------------------------------------------------------------------------------------------
+
+    def step(self, index: int, step: Step) -> str:
+        """``STEP name: associations END_STEP``, and the actions in place that belong to it."""
+        path = f"{self.path} / step {step.name}"
+        self.printer.note(Outcome.KEPT, "step", path)
+        in_place: list[tuple[str, Body]] = []
+        lift = self._lifter(self.names[index], in_place)
+        leave = frozenset({"id", "actions", *(f"{kind}_action" for kind in STEP_ACTIONS)})
+        intended = plain_fields(step, lift, leave)
+        if step.id in self.explicit:
+            intended["id"] = step.id
+        read_back: Fields = {"name": self.names[index]} | ({"initial": True} if step.initial else {})
+        text = comment_lines(intended, read_back, self.indent) + foreign_pragmas(intended, read_back, self.indent)
+        inner = self.indent + INDENT
+        near = self._near(read_back, intended, ("steps", Numbered(step.id)), path)
+        lines = ""
+        for kind in STEP_ACTIONS:
+            value = getattr(step, f"{kind}_action")
+            if value is not None:
+                lines += self._step_action(kind, value, in_place, self.names[index], inner)
+                self.printer.note(Outcome.TRANSLATED, f"{kind} action", path, "an association with a pragma")
+        for number, association in enumerate(step.actions):
+            lines += self._association(association, number, in_place, index, path)
+        keyword = "INITIAL_STEP" if step.initial else "STEP"
+        text += f"{self.indent}{keyword} {self.names[index]}:{_beside(near, inner)}{lines}{self.indent}END_STEP\n"
+        return text + self._actions(in_place)
+
+    def _actions(self, in_place: list[tuple[str, Body]]) -> str:
+        return "".join("\n" + self.write_action(name, body, self.indent) for name, body in in_place)
+
+    def _lifter(self, wish: str, in_place: list[tuple[str, Body]]) -> Callable[[BaseModel], Fields | None]:
+        """Bodies inside an element become actions in place that it refers to."""
+
+        def lift(thing: BaseModel) -> Fields | None:
+            if not is_text_body(thing):
+                return None
+            name = self.printer.new_name(f"{wish}_body")
+            in_place.append((name, thing))  # type: ignore[arg-type]
+            return {"body_of": name}
+
+        return lift
+
+    def _near(self, read_back: Fields, intended: Fields, place: tuple[Segment, ...], path: str) -> list[RemainderEntry]:
+        """Return the changes to write beside an element; those too big for it are left for the end of the unit."""
+        near, late = split(changes(read_back, intended))
+        note_changes(self.printer, (*near, *late), path, leave=("id", "target", "body", *_BEYOND))
+        if self.unique and all(one.id in self.explicit for one in place if isinstance(one, Numbered)):
+            self.late += [RemainderEntry(("chart", *place, *change.path), change.value) for change in late]
+        else:
+            near += late
+        return sorted(near, key=lambda change: change.path[0] != "id")
+
+    def _step_action(
+        self, kind: str, value: str | Body, in_place: list[tuple[str, Body]], step: str, inner: str
+    ) -> str:
+        if isinstance(value, str):
+            target = value
+        else:
+            target = self.printer.new_name(f"{step}_{kind}")
+            in_place.append((target, value))
+        qualifier = _STEP_QUALIFIERS[kind]
+        wanted = {"target": target} | ({"qualifier": qualifier} if qualifier != Qualifier.N else {})
+        shown, read_back = self._call(wanted)
+        return f"{inner}{shown};{_beside(list(changes(read_back, wanted | {'step_action': kind})), inner + INDENT)}"
+
+    def _association(
+        self, association: ActionAssociation, number: int, in_place: list[tuple[str, Body]], index: int, path: str
+    ) -> str:
+        inner = self.indent + INDENT
+        step, name = self.chart.steps[index], self.names[index]
+        body = association.body
+        alone = body is not None and association.target is None and is_text_body(body)
+        intended = plain_fields(
+            association, self._lifter(name, in_place), frozenset({"id", "body"} if alone else {"id"})
+        )
+        if association.id in self.explicit:
+            intended["id"] = association.id
+        wanted: Fields = {k: intended[k] for k in ("target", "qualifier", "duration", "indicator") if k in intended}
+        if association.qualifier is Qualifier.R0:
+            wanted["qualifier"] = Qualifier.R
+        if alone and body is not None:
+            wanted["target"] = self.printer.new_name(f"{name}_action_{number + 1}")
+            in_place.append((wanted["target"], body))
+        beyond = [key for key in _BEYOND if key in intended] + (["step"] if step.negated else [])
+        if association.qualifier in _OF_GRAPH:
+            beyond.append("qualifier")
+        place = f"{path} / {association.target or wanted.get('target', '')}"
+        guarded = None
+        if beyond == ["condition"]:
+            guarded = self._guarded(association, step)
+        elif beyond == ["qualifier"] and association.qualifier is Qualifier.CALL:
+            guarded = self._called(association, step)
+        if guarded is not None:
+            if alone and body is not None:
+                in_place.pop()
+                intended["body"] = plain_fields(body)
+            wanted["target"] = self.printer.new_name(f"{name}_{association.target or 'call'}")
+            wanted.pop("qualifier", None)
+            in_place.append((wanted["target"], guarded))
+            self.printer.note(Outcome.TRANSLATED, "action", place, "in an action; the association in pragmas")
+        elif beyond:
+            wanted["target"] = missing(self.printer, association.target or name)
+            for key in beyond:
+                self.printer.note(Outcome.NOT_EXECUTED, key, place, nothing_right(wanted["target"]))
+        shown, read_back = self._call(wanted)
+        if guarded is not None:
+            read_back["body"] = {"body_of": read_back.pop("target")}
+        elif alone and beyond:
+            intended["body"] = {"body_of": in_place[-1][0]}
+        elif alone:
+            intended["body"] = read_back["body"] = {"body_of": read_back.pop("target")}
+        self.printer.note(Outcome.KEPT, "association", f"{path} / {association.target or wanted.get('target', '')}")
+        comment = intended.get("comment")
+        beside = format_comment(comment, inner) if isinstance(comment, str) else None
+        if beside is not None:
+            read_back["comment"] = comment
+        near = self._near(read_back, intended, ("steps", Numbered(step.id), "actions", Numbered(association.id)), path)
+        return f"{inner}{shown};" + (f" {beside}" if beside else "") + _beside(near, inner + INDENT)
+
+    def _guarded(self, association: ActionAssociation, step: Step) -> Body | None:
+        """Return a body that does the same as the qualifier N with a variable under a condition.
+
+        It is executed once more when the step is left (IEC 61131-3, 6.7.4.6), which makes the variable FALSE.
+        """
+        target, condition = association.target or "", association.condition
+        plain = association.qualifier in (Qualifier.N, Qualifier.NONE) and association.body is None
+        if not plain or not self.printer.is_name(target) or target.casefold() in self.printer.actions:
+            return None
+        if not isinstance(condition, Expression) or not self.printer.is_expression(condition.text.strip()):
+            return None
+        text = f"({condition.text.strip()})"
+        return StBody(text=f"{target} := {step.name}.X AND {'NOT ' if condition.negated else ''}{text};")
+
+    def _called(self, association: ActionAssociation, step: Step) -> Body | None:
+        """Return a body for the call of a row of S7-GRAPH, in each cycle in which its step is active."""
+        if not isinstance(association.body, StBody) or association.target is not None or association.duration:
+            return None
+        statements = association.body.text.strip()
+        text = f"IF {step.name}.X THEN\n    {statements}\nEND_IF;"
+        _, comes_back = self.printer.code(text)
+        return StBody(text=text) if comes_back and "\n" not in statements else None
+
+    def _call(self, wanted: Fields) -> tuple[str, Fields]:
+        """``target(qualifier, time, indicator)`` as far as it can be written, and the fields read from that."""
+        qualifier = wanted.get("qualifier", "N")
+        for keys in (("duration", "indicator"), ("duration",), ("indicator",), ()):
+            arguments = [] if qualifier == Qualifier.NONE else [qualifier, *(wanted[k] for k in keys if k in wanted)]
+            shown = f"{wanted.get('target', '')}({', '.join(arguments)})"
+            read_back = self._taken(shown)
+            if read_back is not None and read_back.get("target") == wanted.get("target"):
+                return shown, read_back
+        shown = self.printer.new_name(wanted.get("target") or "Action")
+        shown += "()" if qualifier == Qualifier.NONE else f"({qualifier})"
+        return shown, self._taken(shown) or {}
+
+    def _taken(self, shown: str) -> Fields | None:
+        found = tokenize(shown, self.printer.dialect, KEYWORDS)
+        if found.problems or found.comments or "\r" in shown or "\x00" in shown:
+            return None
+        if any(t.type == "SEMICOLON" or t.type in KEYWORDS for t in found.tokens):
+            return None
+        return association_fields(shown, found.tokens)
+
+    # -- transitions --------------------------------------------------------------------------------------------------
+
+    def transition(self, transition: Transition) -> str:
+        """``TRANSITION name (PRIORITY := n) FROM (..) TO (..) := condition; END_TRANSITION``."""
+        path = f"{self.path} / transition {self.labels[transition.id]}"
+        self.printer.note(Outcome.KEPT, "transition", path)
+        in_place: list[tuple[str, Body]] = []
+        name = transition.name if self.printer.is_name(transition.name) else ""
+        intended = plain_fields(transition, leave=frozenset({"id", "condition"}))
+        if transition.id in self.explicit:
+            intended["id"] = transition.id
+        read_back: Fields = {"name": name} if name else {}
+        text = comment_lines(intended, read_back, self.indent) + foreign_pragmas(intended, read_back, self.indent)
+        head = f"{self.indent}TRANSITION" + (f" {name}" if name else "")
+        if transition.priority is not None and transition.priority >= 0:
+            head += f" (PRIORITY := {transition.priority})"
+            read_back["priority"] = transition.priority
+        head += self._side("FROM", "sources", transition, read_back) + self._side(
+            "TO", "targets", transition, read_back
+        )
+        condition, shown = self._condition(transition, intended, in_place)
+        near = self._near(read_back | shown, intended, ("transitions", Numbered(transition.id)), path)
+        return f"{text}{head}{_beside(near, self.indent + INDENT)}{condition}{self.indent}END_TRANSITION\n" + (
+            self._actions(in_place)
+        )
+
+    def _side(self, keyword: str, side: str, transition: Transition, read_back: Fields) -> str:
+        ids = getattr(transition, side)
+        by_id: dict[int, str] = {}
+        for index, step in enumerate(self.chart.steps):
+            by_id.setdefault(step.id, self.names[index])
+        names = [by_id[i] for i in ids if i in by_id]
+        if names:
+            read_back[side] = [i for i in ids if i in by_id]
+        for data in transition.carried.data if transition.carried is not None else ():
+            kept = unwrapped(data.content)
+            if kept is not None and kept[0] == keyword.lower() and self.printer.is_name(kept[1]):
+                names.append(kept[1])
+                read_back.setdefault("carried", {}).setdefault("data", []).append(wrapped(*kept))
+        return f" {keyword} {names[0]}" if len(names) == 1 else f" {keyword} ({', '.join(names)})"
+
+    def _condition(
+        self, transition: Transition, intended: Fields, in_place: list[tuple[str, Body]]
+    ) -> tuple[str, Fields]:
+        """Return the lines of the condition and the fields read from them; those of the model go into `intended`."""
+        condition = transition.condition
+        if condition is None:
+            return "", {}
+        inner = self.indent + INDENT
+        wish = transition.name or "Transition"
+        if isinstance(condition, Expression | NamedCondition):
+            intended["condition"] = plain_fields(condition)
+            text = (condition.text if isinstance(condition, Expression) else condition.name).strip()
+            if not self.printer.is_expression(text):
+                return self._nothing_right(transition, inner)
+            read_back: Fields = {"kind": "expression", "text": text}
+            if condition.negated:
+                shown = f"NOT {text}" if self.printer.is_name(text) else f"NOT ({text})"
+                back: Fields = {"text": shown}
+                unnegated(back)
+                if back["text"] != text:
+                    return self._nothing_right(transition, inner)
+                text = shown
+            if read_back["text"].casefold() in self.named:
+                read_back = {"kind": "named", "name": read_back["text"]}
+            return f"{inner}:= {text};\n", {"condition": read_back}
+        if isinstance(condition, BodyCondition) and getattr(condition.body, "language", "") in ("ST", "IL"):
+            text = condition.body.text  # type: ignore[union-attr]
+            lines, comes_back = self.printer.code(text)
+            if comes_back and lines.whole() == lines.text and lines.text:
+                tokens = tokenize(text, self.printer.dialect, KEYWORDS).tokens
+                intended["condition"] = plain_fields(condition)
+                shown = f"{inner}:\n{indented(text, inner + INDENT)}\n"
+                return shown, {"condition": {"kind": "body", "body": body_fields(text, tokens)}}
+        if self.unique and _is_drawn(condition):
+            return self._drawn(transition, inner), {}
+        intended["condition"] = plain_fields(condition, self._lifter(wish, in_place))
+        return self._nothing_right(transition, inner)
+
+    def _drawn(self, transition: Transition, inner: str) -> str:
+        """Return the lines that show a drawn condition; the drawing is at the end of the unit."""
+        path = f"{self.path} / transition {self.labels[transition.id]}"
+        found = shown_condition(self.chart, transition, self.printer.dialect, self.objects)
+        shown, lines = "", ""
+        if found is not None and found[1]:
+            code, comes_back = self.printer.code(found[0])
+            if comes_back and code.whole() == code.text:
+                shown, lines = code.text, f"{inner}:\n{indented(code.text, inner + INDENT)}\n"
+        elif found is not None and self.printer.is_expression(found[0]):
+            shown, lines = found[0], f"{inner}:= {found[0]};\n"
+        if lines:
+            self.printer.note(Outcome.TRANSLATED, "condition", path, "shown as text; the drawing in pragmas")
+        else:
+            lines, read_back = self._nothing_right(transition, inner)
+            shown = read_back["condition"]["text"]
+        place = ("chart", "transitions", Numbered(transition.id))
+        self.late += drawn_changes(plain_fields(transition.condition) if transition.condition else {}, shown, place)
+        return lines
+
+    def _nothing_right(self, transition: Transition, inner: str) -> tuple[str, Fields]:
+        """Return a condition that does not compile: without one the transition would be always true."""
+        text = missing(self.printer, self.labels[transition.id])
+        path = f"{self.path} / transition {self.labels[transition.id]}"
+        self.printer.note(Outcome.NOT_EXECUTED, "condition", path, nothing_right(text))
+        return f"{inner}:= {text};\n", {"condition": {"kind": "expression", "text": text}}
+
+
+def _is_drawn(condition: Condition | None) -> bool:
+    """True if a condition is a drawing, which is written at the end of the unit."""
+    if isinstance(condition, BodyCondition):
+        return condition.body.language not in ("ST", "IL")
+    return isinstance(condition, WiredCondition)
+
+
+_BEYOND = ("event", "value", "negated", "kind", "condition", "forcing")
+"""Fields of an association that decide when it acts, or its effect, and that no text expresses."""
+_OF_GRAPH = frozenset("CALL ON OFF CS CU CD CR TL TD TR TF DL".split())
+"""Qualifiers that IEC 61131-3 does not have. R0 is R."""
+_MOST_GAPS = 8
+
+
+def _explicit_ids(ids: list[int]) -> tuple[frozenset[int], list[int]]:
+    """Return the ids that must be written, and the numbers without an owner: readers give free numbers in order."""
+    given = set(ids)
+    explicit: set[int] = set()
+    unused: list[int] = []
+    following = 0
+    for one in ids:
+        # a file has gaps where its bars and blocks had numbers; a short one is listed once for the whole chart
+        gap = list(range(following, one)) if following < one <= following + _MOST_GAPS else []
+        if one == following or (gap and given.isdisjoint(gap)):
+            unused += gap
+            following = one + 1
+        else:
+            explicit.add(one)
+    taken = explicit | set(unused)
+    numbers = (number for number in count() if number not in taken)
+    # the rule of the reader: ids are left out only if it gives each element the one it has
+    fits = all(one in explicit or one == next(numbers) for one in ids)
+    return (frozenset(explicit), unused) if fits and len(unused) <= _MOST_GAPS else (frozenset(ids), [])
+
+
+def _beside(near: list[RemainderEntry], indent: str) -> str:
+    """Return an id before the element on its line, other pragmas below."""
+    if not near or near[0].path[0] not in ("id", "step_action"):
+        return "\n" + pragmas(near, indent)
+    return f" {pragma(near[0])}\n" + pragmas(near[1:], indent)
+
 
 _KEYWORDS = {
     PouKind.PROGRAM: "PROGRAM",

@@ -1,9 +1,11 @@
-"""Whole files: projects as text, and texts as projects."""
+"""Whole files: projects as text, and texts as projects, with configurations, resources, tasks and global variables."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 from pydantic import ValidationError
 
@@ -12,28 +14,351 @@ from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.iectext.chart_text_reader import apply_change
 from plcopen_sfc.formats.iectext.pou_text_reader import read_pou
 from plcopen_sfc.formats.iectext.pou_text_writer import write_pou
-from plcopen_sfc.formats.iectext.text_configurations import (
-    read_configuration,
-    read_global_section,
-    write_application,
-    write_configuration,
-    write_global_section,
+from plcopen_sfc.formats.iectext.text_declarations import (
+    listing_text,
+    read_listing,
+    read_section,
+    read_types,
+    write_section_text,
+    write_type_text,
 )
-from plcopen_sfc.formats.iectext.text_declarations import read_listing, read_types, write_type_text
-from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
-from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, pragmas, split
-from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, unwrapped, wrapped
+from plcopen_sfc.formats.iectext.text_outline import KEYWORDS, POUS, PartKind, TextPart, outline
+from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, foreign_pragmas, label, pragmas, split
+from plcopen_sfc.formats.iectext.text_source import (
+    INDENT,
+    Annotations,
+    TextSource,
+    indented,
+    newlines,
+    unwrapped,
+    wrapped,
+)
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
 from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks
-from plcopen_sfc.languages.declarations import write_config_section
+from plcopen_sfc.languages.declarations import write_access_section, write_config_section
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
-from plcopen_sfc.languages.pragmas.remainder import Append, Named
+from plcopen_sfc.languages.pragmas.remainder import Append, Named, Segment
+from plcopen_sfc.languages.st.lexer import Token, tokenize
+from plcopen_sfc.languages.task_schedules import duration_literal, iec_form
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
 from plcopen_sfc.model.types import DataTypeDeclaration
-from plcopen_sfc.model.variables import ConfigSection
+from plcopen_sfc.model.variables import ConfigSection, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
+
+CONFIG_NAME = "Config"
+ON_PLACE = "on"
+_LIST_FIELDS = {"VAR_ACCESS": "access_variables", "VAR_CONFIG": "config_variables"}
+_LISTS = frozenset({"resources", "global_variables", "access_variables", "config_variables", "tasks", "instances"})
+
+
+def read_global_section(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
+    """Read a list of global variables with the changes of the pragmas before it."""
+    sections = read_section(src, part, gap, place)
+    annotations = src.annotations(gap[0], part.start, place)
+    for fields in sections[:1]:
+        typed = [c for c, _ in annotations.changes if c.path == ("declaration_ends",)]
+        if typed:
+            start = src.core(*gap)[0]
+            start += len(src.text[start : part.start]) - len(src.text[start : part.start].lstrip())
+            fields["declaration"] = newlines(src.text[start : part.end]) + str(typed[0].value)
+            fields.pop("comment", None)
+            fields.pop("carried", None)
+        for found, offset in annotations.changes:
+            if found.path != ("declaration_ends",):
+                apply_change(src, fields, (found, offset), place)
+    return sections
+
+
+def write_global_section(printer: TextPrinter, section: VariableSection, indent: str) -> str:
+    """Write a list of global variables, with pragmas before it for the fields that its declaration lacks."""
+    intended = plain_fields(section)
+    typed = listing_text(printer, section, intended)
+    text, read_back = typed if typed is not None else write_section_text(printer, section, indent)
+    return pragmas(changes(read_back, intended), indent) + text + "\n"
+
+
+def read_configuration(src: TextSource, part: TextPart, gap: tuple[int, int]) -> tuple[Fields, bool]:
+    """Read a configuration; True besides it if it is an application of CODESYS or TwinCAT."""
+    annotations = src.annotations(*gap)
+    application = any(c.path == ("application",) for c, _ in annotations.changes)
+    return config_fields(src, part, gap), application
+
+
+def write_configuration(printer: TextPrinter, configuration: Configuration) -> str:
+    """``CONFIGURATION name .. END_CONFIGURATION``."""
+    printer.note(Outcome.KEPT, "configuration", f"configuration {configuration.name}")
+    writer = _ConfigurationWriter(printer)
+    lines = writer.configuration(configuration, [])
+    return lines.rstrip("\n")
+
+
+def write_application(printer: TextPrinter, application: Resource) -> str:
+    """Write an application of CODESYS or TwinCAT: a resource without a configuration, which gets one."""
+    printer.note(
+        Outcome.TRANSLATED, "application", f"application {application.name}", "a configuration with one resource"
+    )
+    writer = _ConfigurationWriter(printer)
+    around = Configuration(name=application.name, resources=[application])
+    return writer.configuration(around, [RemainderEntry(("application",), True)]).rstrip("\n")
+
+
+def config_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fields:
+    """Return the fields of a configuration or a resource."""
+    place = f"{part.kind.lower()} {part.name}"
+    fields: Fields = {"name": part.name}
+    annotations = src.annotations(*gap, place)
+    position = part.inside[0]
+    head = src.outline.tokens(part.head)
+    if len(head) > 3 and head[-1].value != "PLC":
+        fields["carried"] = {"data": [wrapped(ON_PLACE, head[-1].value)]}
+    for inner in part.parts:
+        here = (position, inner.start)
+        position = inner.end
+        if inner.kind is PartKind.VAR:
+            _add_section(src, inner, here, fields, place)
+        elif inner.kind is PartKind.RESOURCE:
+            fields.setdefault("resources", []).append(config_fields(src, inner, here))
+        else:
+            _read_statements(src, inner, here, fields, place)
+    if part.kind is PartKind.CONFIGURATION:
+        alone = {name: fields.pop(name) for name in ("tasks", "instances") if name in fields}
+        if alone:  # a configuration of one resource may leave its name and its keywords out
+            fields.setdefault("resources", []).append({"name": ""} | alone)
+    annotations.extend(src.annotations(position, part.inside[1], place))
+    annotations.put_into(fields)
+    for found in annotations.changes:
+        if found[0].path != ("application",):
+            apply_change(src, fields, found, place)
+    return fields
+
+
+def _add_section(src: TextSource, part: TextPart, gap: tuple[int, int], fields: Fields, place: str) -> None:
+    name = _LIST_FIELDS.get(part.keyword)
+    sections = read_listing(src, part, gap, place) if name else read_global_section(src, part, gap, place)
+    if name is None:
+        fields.setdefault("global_variables", []).extend(sections)
+        return
+    for section in sections:
+        if name in fields:
+            fields[name].setdefault("variables", []).extend(section.get("variables", []))
+        else:
+            fields[name] = section
+
+
+def _read_statements(src: TextSource, part: TextPart, gap: tuple[int, int], fields: Fields, place: str) -> None:
+    """``TASK ..;`` and ``PROGRAM ..;``."""
+    position = gap[0]
+    for tokens in _statements(src.outline.tokens(part.tokens)):
+        annotations = src.annotations(position, tokens[0].span[0], place)
+        position = tokens[-1].span[1]
+        word = tokens[0].value.upper()
+        if word == "TASK" and len(tokens) > 1:
+            fields.setdefault("tasks", []).append(_task(src, tokens, annotations, place))
+        elif word == "PROGRAM" and len(tokens) > 1:
+            _add_instance(src, tokens, annotations, fields, place)
+        elif fields.get("resources") is None or tokens[0].type != "SEMICOLON":
+            text = newlines(src.text[tokens[0].span[0] : position])
+            src.note("IEC105", f"{text[:40]!r} is no task and no program instance", tokens[0].span[0], place)
+            fields.setdefault("carried", {}).setdefault("data", []).append(wrapped("statement", text))
+
+
+def _statements(tokens: list[Token]) -> Iterator[list[Token]]:
+    group: list[Token] = []
+    for token in tokens:
+        if token.type == "SEMICOLON":
+            if group:
+                yield group
+            group = []
+        else:
+            group.append(token)
+    if group:
+        yield group
+
+
+def _task(src: TextSource, tokens: list[Token], annotations: Annotations, place: str) -> Fields:
+    fields: Fields = {"name": tokens[1].value}
+    keyword, value = "", tokens[:0]
+    for token in [*tokens[3:], None]:
+        if token is None or token.type == "COMMA" or token is tokens[-1]:
+            if keyword and value:
+                text = newlines(src.text[value[0].span[0] : value[-1].span[1]])
+                if keyword == "PRIORITY" and text.isdecimal():
+                    fields |= {"priority": int(text)} if int(text) else {}
+                elif keyword in ("SINGLE", "INTERVAL"):
+                    fields[keyword.lower()] = text
+                else:
+                    fields.setdefault("carried", {}).setdefault("data", []).append(wrapped(keyword, text))
+            keyword, value = "", []
+        elif token.type == "ASSIGN" and not keyword:
+            keyword, value = value[0].value.upper() if value else "", []
+        else:
+            value = [*value, token]
+    read_back = {name: fields.get(name) for name in ("interval", "single")}
+    fields = _with_annotations(src, fields, annotations, place)
+    if "settings" in fields:
+        try:
+            form = iec_form(Task.model_validate(fields | {"instances": []}))
+        except ValidationError:
+            return fields  # what is wrong is told of the whole project
+        if read_back != {"interval": duration_literal(form["interval"]), "single": form["single"]}:
+            fields.update(read_back)  # edited since the settings of CODESYS were put beside it
+            del fields["settings"]
+    return fields
+
+
+def _add_instance(src: TextSource, tokens: list[Token], annotations: Annotations, fields: Fields, place: str) -> None:
+    instance: Fields = {"name": tokens[1].value}
+    rest = tokens[2:]
+    task = ""
+    if len(rest) > 1 and rest[0].value.upper() == "WITH":
+        task, rest = rest[1].value, rest[2:]
+    if len(rest) > 1 and rest[0].type == "COLON":
+        end = next((i for i, token in enumerate(rest) if token.type == "LPAR"), len(rest))
+        type_name = src.text[rest[1].span[0] : rest[end - 1].span[1]]
+        if type_name != instance["name"]:
+            instance["type_name"] = type_name
+        if end < len(rest):
+            text = newlines(src.text[rest[end].span[0] : rest[-1].span[1]])
+            instance["carried"] = {"data": [wrapped("arguments", text)]}
+    instance = _with_annotations(src, instance, annotations, place)
+    for known in fields.get("tasks", []):
+        if task and known["name"].casefold() == task.casefold():
+            known.setdefault("instances", []).append(instance)
+            return
+    if task:
+        src.note("IEC106", f"there is no task {task!r} in this resource", tokens[0].span[0], place)
+        instance.setdefault("carried", {}).setdefault("data", []).append(wrapped("with", task))
+    fields.setdefault("instances", []).append(instance)
+
+
+def _with_annotations(src: TextSource, fields: Fields, annotations: Annotations, place: str) -> Fields:
+    annotations.put_into(fields)
+    for found in annotations.changes:
+        apply_change(src, fields, found, place)
+    return fields
+
+
+@dataclass(slots=True)
+class _ConfigurationWriter:
+    printer: TextPrinter
+    late: list[RemainderEntry] = field(default_factory=list)
+
+    def configuration(self, configuration: Configuration, extra: list[RemainderEntry]) -> str:
+        resources = configuration.resources
+        name = self._name(configuration.name)
+        top = self._top(configuration, name, "", place=[], extra=extra)
+        text = f"{top}CONFIGURATION {name}\n"
+        text += self._sections(configuration.global_variables, INDENT)
+        unique = len({resource.name.casefold() for resource in resources}) == len(resources)
+        for resource in resources:
+            place: list[Segment] | None = ["resources", Named(resource.name)] if unique else None
+            text += "\n" + self._resource(resource, place)
+        if configuration.access_variables is not None:
+            shown = write_access_section(configuration.access_variables, self.printer.dialect)
+            text += self._listing("access_variables", shown, plain_fields(configuration.access_variables))
+        if configuration.config_variables is not None:
+            shown = write_config_section(configuration.config_variables, self.printer.dialect)
+            text += self._listing("config_variables", shown, plain_fields(configuration.config_variables))
+        return text + ("\n" + pragmas(self.late, INDENT) if self.late else "") + "END_CONFIGURATION\n"
+
+    def _listing(self, name: str, section: str, intended: Fields) -> str:
+        """``VAR_ACCESS`` or ``VAR_CONFIG``, unless it does not come back from text."""
+        lines = indented(section, INDENT) + "\n"
+        src = TextSource(outline(f"CONFIGURATION x\n{lines}END_CONFIGURATION\n", self.printer.dialect))
+        if not src.outline.problems and [p.kind for p in src.outline.parts[0].parts] == [PartKind.VAR]:
+            read_back = config_fields(src, src.outline.parts[0], (0, 0)).get(name)
+            if read_back is not None and not src.diagnostics:
+                self.late += changes(read_back, intended, (name,))
+                return "\n" + lines
+        self.late.append(RemainderEntry((name,), intended))
+        return ""
+
+    def _resource(self, resource: Resource, place: list[Segment] | None) -> str:
+        name = self._name(resource.name)
+        processor = next((kept[1] for kept in self._kept(resource) if kept[0] == ON_PLACE), "PLC")
+        text = self._top(resource, name, INDENT, place=place)
+        text += f"{INDENT}RESOURCE {name} ON {processor}\n"
+        inner = INDENT * 2
+        text += self._sections(resource.global_variables, inner)
+        for task in resource.tasks:
+            text += self._task(task, inner)
+        for instance in resource.instances:
+            text += self._instance(instance, None, inner)
+        return text + f"{INDENT}END_RESOURCE\n"
+
+    def _sections(self, sections: list[VariableSection], indent: str) -> str:
+        return "".join(write_global_section(self.printer, section, indent) for section in sections)
+
+    def _kept(self, resource: Resource) -> list[tuple[str, str]]:
+        data = resource.carried.data if resource.carried is not None else []
+        return [kept for kept in (unwrapped(one.content) for one in data) if kept is not None]
+
+    def _name(self, name: str) -> str:
+        return name if self.printer.is_name(name) else self.printer.new_name(name or CONFIG_NAME)
+
+    def _top(
+        self,
+        thing: Configuration | Resource | Task | PouInstance,
+        name: str,
+        indent: str,
+        *,
+        place: list[Segment] | None = None,
+        extra: list[RemainderEntry] | None = None,
+        read_back: Fields | None = None,
+    ) -> str:
+        """Return the lines above a thing: its comment and the fields that its text lacks. Big data goes to the end."""
+        intended = plain_fields(thing, leave=_LISTS)
+        read_back = Fields(name=name) | (read_back or {})
+        text = comment_lines(intended, read_back, indent) if str(intended.get("comment", "")).strip() else ""
+        text += foreign_pragmas(intended, read_back, indent)
+        if isinstance(thing, Resource):
+            for found, data in zip(self._kept(thing), intended.get("carried", {}).get("data", []), strict=False):
+                if found[0] == ON_PLACE:
+                    read_back.setdefault("carried", {}).setdefault("data", []).append(data)
+        near, late = split([*(extra or []), *changes(read_back, intended)])
+        for change in (*near, *late):
+            self.printer.note(Outcome.EXTENSION_DATA, label(change), thing.name, "IEC text has no place for it")
+        if place is None:
+            near += late
+        else:
+            self.late += [RemainderEntry((*place, *change.path), change.value, change.instead) for change in late]
+        return text + pragmas(near, indent)
+
+    def _task(self, task: Task, indent: str) -> str:
+        name = self._name(task.name)
+        read_back: Fields = {}
+        arguments = []
+        form = iec_form(task)
+        for keyword, shown in (("SINGLE", form["single"]), ("INTERVAL", duration_literal(form["interval"]))):
+            if shown is not None and self._is_argument(shown):
+                arguments.append(f"{keyword} := {shown}")
+                read_back[keyword.lower()] = shown
+        if task.priority >= 0:
+            arguments.append(f"PRIORITY := {task.priority}")
+            read_back |= {"priority": task.priority} if task.priority else {}
+        text = self._top(task, name, indent, read_back=read_back) + f"{indent}TASK {name}({', '.join(arguments)});\n"
+        return text + "".join(self._instance(instance, name, indent) for instance in task.instances)
+
+    def _is_argument(self, text: str) -> bool:
+        tokens = tokenize(text, self.printer.dialect, KEYWORDS).tokens
+        plain = all(t.type not in ("COMMA", "LPAR", "RPAR") and t.type not in KEYWORDS for t in tokens)
+        return self.printer.is_expression(text) and plain
+
+    def _instance(self, instance: PouInstance, task: str | None, indent: str) -> str:
+        name = self._name(instance.name)
+        type_name = instance.type_name if self.printer.is_name(instance.type_name) else name
+        read_back: Fields = {} if type_name == name else {"type_name": type_name}
+        data = instance.carried.data if instance.carried is not None else []
+        kept = [found for found in (unwrapped(each.content) for each in data) if found is not None]
+        arguments = next((words for place, words in kept if place == "arguments"), "")
+        if arguments:
+            read_back["carried"] = {"data": [wrapped("arguments", arguments)]}
+        text = self._top(instance, name, indent, read_back=read_back)
+        within = f" WITH {task}" if task is not None else ""
+        return f"{text}{indent}PROGRAM {name}{within} : {type_name}{arguments and f' {arguments}'};\n"
+
 
 _DIALECT = re.compile(r"\{\s*plcopen_sfc\s+project\.dialect\s*:=\s*'(\w+)'\s*\}")
 

@@ -6,8 +6,15 @@ from graphlib import CycleError, TopologicalSorter
 
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.matiec.matiec_charts import ChartFitter
-from plcopen_sfc.formats.matiec.matiec_declarations import TypeFitter, declare_globals, name_structures, quote_strings
-from plcopen_sfc.formats.matiec.matiec_names import give_plain_names, note_undeclared, used_types
+from plcopen_sfc.formats.matiec.matiec_declarations import (
+    TypeFitter,
+    declare_globals,
+    give_plain_names,
+    name_structures,
+    note_undeclared,
+    quote_strings,
+    used_types,
+)
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, give_iec_pins
 from plcopen_sfc.formats.matiec.matiec_statements import (
     compilable_instructions,

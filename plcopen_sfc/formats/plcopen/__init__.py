@@ -4,9 +4,9 @@ Public: `tc6_codec.CODEC`, `tc6_versions.validate_tc6`.
 
 * `tc6_versions`: versions of TC6 XML, recognised and validated. `tc6_reading`, `tc6_writing`: common parts of readers
   and writers, extension data among them.
-* Elements, read and written: `tc6_project`, `tc6_configurations`, `tc6_declarations`, `tc6_types`, `tc6_bodies` (POUs
-  too), `tc6_networks`, `tc6_pins`. Charts: `tc6_chart_reader`, then `tc6_chart_meaning`; `tc6_chart_writer`.
+* `tc6_codec`: the entry in the table of formats, and whole projects. Elements, read and written: `tc6_configurations`,
+  `tc6_declarations`, `tc6_bodies` (POUs too), `tc6_networks`, `tc6_pins`. Charts: `tc6_charts`; `tc6_chart_meaning`.
 * What a tool has no element for is written in other terms: `project_rewriting`, with `step_rewriting` for actions,
-  `step_checks` for interlocks, supervisions and events, `shown_state`, `permanent_rewriting` and `global_variables`.
+  `step_checks` for interlocks, supervisions and events, `sequencer_rewriting` and `global_variables`.
   `chart_hosts` has the abilities of the tools, `source_marks` restore the source.
 """

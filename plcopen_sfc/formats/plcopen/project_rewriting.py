@@ -28,9 +28,7 @@ from plcopen_sfc.formats.plcopen.global_variables import (
     has_lists,
     report_types,
 )
-from plcopen_sfc.formats.plcopen.operating_inputs import OperatingInputs
-from plcopen_sfc.formats.plcopen.permanent_rewriting import PermanentRewriter
-from plcopen_sfc.formats.plcopen.shown_state import ShownState
+from plcopen_sfc.formats.plcopen.sequencer_rewriting import OperatingInputs, PermanentRewriter, ShownState
 from plcopen_sfc.formats.plcopen.source_marks import (
     NO_RESULT_FIELD,
     REWRITTEN_FIELD,

@@ -1,6 +1,6 @@
 """Meaning of the symbols of a chart, once all are read: its steps, transitions, conditions, and its errors.
 
-`tc6_chart_reader` fills a `DrawnChart` element by element; `DrawnChart.interpret` makes the fields of the chart of it.
+`tc6_charts` fills a `DrawnChart` element by element; `DrawnChart.interpret` makes the fields of the chart of it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""PLCopen TC6 XML in the table of formats: reading, writing, the tree for patching, and the lines of objects.
+"""PLCopen TC6 XML in the table of formats: projects from bytes and as a tree, and the lines of objects.
 
 The flavour for Beremiz, OpenPLC and the readers that share their code is TC6 2.01. Its charts are drawn plainly
 (`plcopen_sfc.drawing`): wires with points, no branches that end in nothing but a jump, no nested bars of one kind,
@@ -8,27 +8,391 @@ other terms, or refused, before it is written.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
+from datetime import datetime
 from typing import ClassVar
 
 from lxml import etree
+from pydantic import ValidationError
 
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.format_interface import Marks, ReadResult, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_project import fit_project
 from plcopen_sfc.formats.plcopen.chart_hosts import TC6_CHARTS, ChartHost
 from plcopen_sfc.formats.plcopen.project_rewriting import is_rewritten, rewrite_project
+from plcopen_sfc.formats.plcopen.source_marks import is_added_configuration
+from plcopen_sfc.formats.plcopen.tc6_bodies import read_pou, unfit_data, write_pou
+from plcopen_sfc.formats.plcopen.tc6_configurations import read_configuration, write_configuration
+from plcopen_sfc.formats.plcopen.tc6_declarations import read_data_type_declaration, write_data_type_declaration
 from plcopen_sfc.formats.plcopen.tc6_networks import TAGS
-from plcopen_sfc.formats.plcopen.tc6_project import load_tc6, write_project
-from plcopen_sfc.formats.plcopen.tc6_reading import line_of, whole_number
-from plcopen_sfc.formats.plcopen.tc6_versions import V2_01, Tc6Version, find_version, validate_tc6, version_named
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6Dialect
+from plcopen_sfc.formats.plcopen.tc6_reading import (
+    APPLICATION_FIELD,
+    FIELDS_DATA,
+    DataReader,
+    Fields,
+    Tc6ReadContext,
+    attributes,
+    decimal_or_none,
+    keep_attributes,
+    keep_element,
+    line_of,
+    read_comment,
+    read_common,
+    read_fields,
+    read_text,
+    whole_number,
+)
+from plcopen_sfc.formats.plcopen.tc6_versions import (
+    NO_TIME,
+    V2_01,
+    XHTML,
+    Tc6Version,
+    find_version,
+    validate_tc6,
+    version_named,
+)
+from plcopen_sfc.formats.plcopen.tc6_writing import (
+    Tc6Dialect,
+    Tc6WriteContext,
+    add_child,
+    decimal,
+    finish_element,
+    given_attributes,
+    write_text,
+)
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
-from plcopen_sfc.formats.xml.xml_parsing import parse_xml
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.s7_flip_flops import put_logic
 from plcopen_sfc.model.body import Body, SfcBody
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import Configuration, Project, Scaling
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.report import ConversionReport
+
+
+def load_tc6(
+    data: bytes,
+    *,
+    file: str | None = None,
+    data_readers: dict[str, DataReader] | None = None,
+    usual_text_element: str = "p",
+    placeless: bool = False,
+    finish_chart: Callable[[Tc6ReadContext, Fields], None] | None = None,
+) -> ReadResult:
+    """Read a TC6 file. Raises `FormatError` where it cannot be read at all."""
+    with collecting_rarely():
+        root = parse_xml(data, file=file)
+        version = find_version(root, file=file)
+        fields, ctx = read_project(
+            root,
+            version,
+            file=file,
+            lines=SourceLines(root, data),
+            data_readers=data_readers,
+            usual_text_element=usual_text_element,
+            placeless=placeless,
+            finish_chart=finish_chart,
+        )
+        try:
+            project = Project.model_validate(fields)
+        except ValidationError as error:
+            raise unfit_data(error, file) from error
+    return ReadResult(project, ctx.diagnostics, version.name)
+
+
+def read_project(
+    root: etree._Element,
+    version: Tc6Version,
+    *,
+    file: str | None = None,
+    lines: SourceLines | None = None,
+    data_readers: dict[str, DataReader] | None = None,
+    usual_text_element: str = "p",
+    placeless: bool = False,
+    finish_chart: Callable[[Tc6ReadContext, Fields], None] | None = None,
+) -> tuple[Fields, Tc6ReadContext]:
+    """Read ``project`` into the fields of a `Project`; findings are in the context returned."""
+    ctx = Tc6ReadContext(
+        version,
+        file=file,
+        lines=lines,
+        data_readers=data_readers,
+        usual_text_element=usual_text_element,
+        placeless=placeless,
+    )
+    ctx.finish_chart = finish_chart
+    ctx.comment_reader = read_comment
+    ctx.data_readers = {FIELDS_DATA: read_fields, **ctx.data_readers}
+    fields: Fields = {"configurations": [], "applications": [], "pous": ctx.pous, "data_types": ctx.data_types}
+    for child in root:
+        local = ctx.tags.get(child.tag)
+        reader = _PROJECT_READERS.get(local or "")
+        if reader is not None:
+            reader(ctx, child, fields)
+        else:
+            read_common(ctx, fields, child, local, "project")
+    if ctx.global_variables:
+        fields["global_variables"] = [*fields.get("global_variables", ()), *ctx.global_variables]
+    for required in ("fileHeader", "contentHeader", "types", "instances"):
+        if root.find(ctx.version.qualified[required]) is None:
+            ctx.error("XML207", f"<project> has no <{required}>", root)
+    keep_attributes(fields, attributes(root))
+    return fields, ctx
+
+
+def _read_file_header(ctx: Tc6ReadContext, element: etree._Element, fields: Fields) -> None:
+    left = attributes(element)
+    header: Fields = {
+        "company": left.pop("companyName", ""),
+        "company_url": left.pop("companyURL", None),
+        "product": left.pop("productName", ""),
+        "version": left.pop("productVersion", ""),
+        "release": left.pop("productRelease", None),
+        "created": "" if (created := left.pop("creationDateTime", "")) == NO_TIME else created,
+        "description": left.pop("contentDescription", None),
+    }
+    if left:
+        header["carried"] = {"attributes": left}
+    for child in element:
+        keep_element(ctx, header, child)
+    fields["header"] = header
+
+
+def _read_content_header(ctx: Tc6ReadContext, element: etree._Element, fields: Fields) -> None:
+    left = attributes(element)
+    content: Fields = {}
+    fields.update(
+        name=left.pop("name", ""),
+        version=left.pop("version", None),
+        modified=left.pop("modificationDateTime", None),
+        organization=left.pop("organization", None),
+        author=left.pop("author", None),
+        language=left.pop("language", None),
+    )
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        if local == "Comment":
+            fields["content_comment"] = child.text or ""
+        elif local == "coordinateInfo":
+            fields["scales"] = _read_scales(ctx, child)
+        elif local == "addDataInfo":
+            fields["foreign_data_infos"] = [_read_info(ctx, info) for info in child if ctx.tags.get(info.tag) == "info"]
+        else:
+            read_common(ctx, content, child, local, "contentHeader")
+    if left:
+        content.setdefault("carried", {"data": [], "attributes": {}, "elements": []})["attributes"].update(left)
+    if "carried" in content:
+        fields["content_carried"] = content["carried"]
+
+
+def _read_scales(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
+    scales: Fields = {}
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        if local == "pageSize":
+            scales["page"] = _read_scale(child)
+        elif local in ("fbd", "ld", "sfc"):
+            for scaling in child:
+                if ctx.tags.get(scaling.tag) == "scaling":
+                    scales[local] = _read_scale(scaling)
+    return scales
+
+
+def _read_scale(element: etree._Element) -> Fields:
+    return {"x": decimal_or_none(element.get("x")) or 0, "y": decimal_or_none(element.get("y")) or 0}
+
+
+def _read_info(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
+    info: Fields = {
+        "name": element.get("name", ""),
+        "vendor": element.get("vendor", ""),
+        "version": element.get("version"),
+    }
+    for child in element:
+        if ctx.tags.get(child.tag) == "description":
+            info["description"] = read_text(ctx, child)
+    return info
+
+
+def _read_types(ctx: Tc6ReadContext, element: etree._Element, fields: Fields) -> None:
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        for part in child if local in ("dataTypes", "pous") else ():
+            kind = ctx.tags.get(part.tag)
+            if kind == "dataType" and local == "dataTypes":
+                ctx.data_types.append(read_data_type_declaration(ctx, part, ""))
+            elif kind == "pou" and local == "pous":
+                ctx.pous.append(read_pou(ctx, part, ""))
+            else:
+                keep_element(ctx, fields, part)
+        if local not in ("dataTypes", "pous"):
+            keep_element(ctx, fields, child)
+
+
+def _read_instances(ctx: Tc6ReadContext, element: etree._Element, fields: Fields) -> None:
+    for child in element:
+        if ctx.tags.get(child.tag) != "configurations":
+            keep_element(ctx, fields, child)
+            continue
+        for part in child:
+            if ctx.tags.get(part.tag) == "configuration":
+                configuration = read_configuration(ctx, part)
+                stands_for_another = configuration.pop(APPLICATION_FIELD, False)
+                also = [name for name, held in configuration.items() if held and name not in ("name", "resources")]
+                if stands_for_another and len(configuration["resources"]) == 1 and not also:
+                    fields["applications"].extend(configuration["resources"])
+                elif not is_added_configuration(configuration):
+                    fields["configurations"].append(configuration)
+            else:
+                keep_element(ctx, fields, part)
+
+
+_PROJECT_READERS = {
+    "fileHeader": _read_file_header,
+    "contentHeader": _read_content_header,
+    "types": _read_types,
+    "instances": _read_instances,
+}
+
+
+_HEADERS = frozenset(
+    {"name", "header", "version", "modified", "organization", "author", "language", "content_comment"}
+    | {"content_carried", "scales", "foreign_data_infos"}
+)
+_TIME = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)?")
+
+
+def write_project(
+    project: Project,
+    dialect: Tc6Dialect,
+    report: ConversionReport,
+    options: WriteOptions,
+    stale: frozenset[int] = frozenset(),
+) -> etree._Element:
+    """Return the tree of the file for `project`; what becomes of each item goes into `report`.
+
+    `stale` are the objects (by `id()`) whose declaration as text is left out.
+    """
+    ctx = Tc6WriteContext(dialect, report, project, options, stale)
+    nsmap: dict[str | None, str] = {None: dialect.version.namespace}
+    if dialect.declares_xhtml:
+        nsmap["xhtml"] = XHTML
+    root = etree.Element(ctx.names["project"], nsmap=nsmap)  # type: ignore[arg-type]  # lxml-stubs: str keys only
+    _write_file_header(ctx, root, project)
+    _write_content_header(ctx, root, project)
+    hidden = dialect.native_fields.get("resource", frozenset())
+    types = add_child(ctx, root, "types")
+    data_types = add_child(ctx, types, "dataTypes")
+    for declaration in project.data_types:
+        if not declaration.place or "place" not in hidden:
+            write_data_type_declaration(ctx, data_types, declaration, in_place=not declaration.place)
+    pous = add_child(ctx, types, "pous")
+    for pou in project.pous:
+        if not pou.place or "place" not in hidden:
+            write_pou(ctx, pous, pou, in_place=not pou.place)
+    instances = add_child(ctx, root, "instances")
+    configurations = add_child(ctx, instances, "configurations")
+    for configuration in project.configurations:
+        write_configuration(ctx, configurations, configuration)
+    if "applications" not in dialect.native_fields.get("project", frozenset()):
+        for application in project.applications:
+            holder = Configuration(name=application.name, resources=[application])
+            write_configuration(ctx, configurations, holder, is_application=True)
+    native = _HEADERS | {
+        "data_types",
+        "pous",
+        "configurations",
+        "applications",
+        "dialect",
+    }  # the format has its dialect
+    if project.header.created != _time(ctx, project.header.created) or (
+        project.header.carried is not None and not ctx.takes_markup
+    ):
+        native = native - {"header"}
+    if project.modified is not None and project.modified != (_time(ctx, project.modified) or None):
+        native = native - {"modified"}
+    if ctx.version.first_generation:
+        native = native - {"content_carried", "foreign_data_infos"}
+    finish_element(ctx, root, project, "project", native, documents=not ctx.version.first_generation)
+    return root
+
+
+def _time(ctx: Tc6WriteContext, text: str) -> str:
+    """Return a time as the schema wants it: some tools write ``2007-07-07 11:58:26``. Empty for what is no time.
+
+    In a file of the same format it stays as it was.
+    """
+    if ctx.same:
+        return text
+    time = text.strip().replace(" ", "T", 1)
+    if not _TIME.fullmatch(time):
+        return ""
+    try:
+        datetime.fromisoformat(time)
+    except ValueError:
+        return ""
+    return time
+
+
+def _write_file_header(ctx: Tc6WriteContext, root: etree._Element, project: Project) -> None:
+    header = project.header
+    element = add_child(
+        ctx,
+        root,
+        "fileHeader",
+        given_attributes(
+            (
+                ("companyName", header.company),
+                ("companyURL", header.company_url),
+                ("productName", header.product),
+                ("productVersion", header.version),
+                ("productRelease", header.release),
+                ("creationDateTime", _time(ctx, header.created) or NO_TIME),
+                ("contentDescription", header.description),
+            )
+        ),
+    )
+    if header.carried is not None and ctx.takes_markup:
+        for name, value in header.carried.attributes.items():
+            element.set(name, value)
+
+
+def _write_content_header(ctx: Tc6WriteContext, root: etree._Element, project: Project) -> None:
+    element = add_child(
+        ctx,
+        root,
+        "contentHeader",
+        given_attributes(
+            (
+                ("name", project.name),
+                ("version", project.version),
+                ("modificationDateTime", _time(ctx, project.modified or "") or None),
+                ("organization", project.organization),
+                ("author", project.author),
+                ("language", project.language),
+            )
+        ),
+    )
+    if project.content_comment is not None:
+        add_child(ctx, element, "Comment").text = project.content_comment
+    scales = project.scales
+    coordinates = add_child(ctx, element, "coordinateInfo")
+    if scales.page is not None:
+        add_child(ctx, coordinates, "pageSize", _written_scale(scales.page))
+    for name, scale in (("fbd", scales.fbd), ("ld", scales.ld), ("sfc", scales.sfc)):
+        add_child(ctx, add_child(ctx, coordinates, name), "scaling", _written_scale(scale))
+    if project.foreign_data_infos is not None and not ctx.version.first_generation:
+        infos = add_child(ctx, element, "addDataInfo")
+        for info in project.foreign_data_infos:
+            attributes = given_attributes((("name", info.name), ("version", info.version), ("vendor", info.vendor)))
+            write_text(ctx, add_child(ctx, infos, "info", attributes), "description", info.description)
+    content = Project(carried=project.content_carried)
+    finish_element(ctx, element, content, "contentHeader", frozenset(), documents=False)
+
+
+def _written_scale(scale: Scaling) -> dict[str, str]:
+    return {"x": decimal(scale.x), "y": decimal(scale.y)}
 
 
 class Tc6Codec(XmlCodec):

@@ -124,7 +124,7 @@ def validate_tc6(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
     """Return the errors of a TC6 XML file by the schema of its version; empty for a valid one.
 
     The version is that of the namespace of the root element. As in the schema, foreign data
-    (`addData`) are not looked at: for files of CODESYS or TwinCAT use `codesys_schema.validate_codesys`.
+    (`addData`) are not looked at: for files of CODESYS or TwinCAT use `codesys_codec.validate_codesys`.
     A valid file may still be wrong in ways that no schema sees, such as a wire to an object that does not exist.
 
     Raises `XmlSyntaxError`, `EncodingError` or `UnsafeXmlError` for what is not well-formed XML, or not safe to read.

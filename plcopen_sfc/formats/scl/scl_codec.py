@@ -1,16 +1,520 @@
-"""External source files in SCL: read, write, and put edits into the text."""
+"""External source files in SCL: read, write, and put edits into the text. `scl_reader` reads them.
+
+Content that SCL cannot express (charts, actions, tasks ..) is written in comments that the reader takes back, so that
+nothing is lost: the text is read as it is, and the rest of the model is put behind it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterator, Mapping
+
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
-from plcopen_sfc.formats.scl.scl_reader import OWN_COMMENT, read_source
-from plcopen_sfc.formats.scl.scl_writer import write_pieces
-from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode_text
-from plcopen_sfc.languages.declarations import split_units
+from plcopen_sfc.formats.remainder_comments import keys_of
+from plcopen_sfc.formats.scl.scl_reader import (
+    DECLARED,
+    KEYWORDS,
+    OWN_COMMENT,
+    can_be_assigned,
+    read_source,
+    start_values,
+    write_start_values,
+)
+from plcopen_sfc.formats.text_patch import (
+    BlockSpan,
+    SourceText,
+    WrittenBlock,
+    decode_text,
+    numbered_blocks,
+    section_block,
+)
+from plcopen_sfc.languages.declarations import (
+    read_declarations,
+    split_units,
+    write_data_type,
+    write_type,
+    write_variable,
+)
+from plcopen_sfc.languages.declarations.declaration_comments import LINE_END, comment_lines
+from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, write_value
+from plcopen_sfc.languages.declarations.kept_texts import keep, kept
+from plcopen_sfc.languages.declarations.type_names import SECTION_KEYWORDS, is_unit_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.edits import without
+from plcopen_sfc.languages.edits import Edit, apply_edits, without
+from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
+from plcopen_sfc.languages.pragmas.remainder import Named
+from plcopen_sfc.languages.s7_globals import (
+    UNCALLED,
+    by_retention,
+    called_actions,
+    data_blocks_of,
+    is_retained,
+    left_out,
+    local_tags,
+    tag_tables_of,
+    unconnected,
+)
+from plcopen_sfc.languages.s7_programs import report_program, report_tasks, s7_programs
+from plcopen_sfc.languages.s7_results import is_void
+from plcopen_sfc.languages.s7_types import NO_START, S7Types, s7_types
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.body import SfcBody, StBody
+from plcopen_sfc.model.compare import path_of
+from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.model.text import Text, plain
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataTypeDeclaration,
+    DerivedType,
+    MemberValue,
+    PointerType,
+    SimpleValue,
+    StructType,
+    StructValue,
+    Variable,
+)
+from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_SCL = Dialect.SCL
+_INDENT = indent_of(_SCL)
+
+
+def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
+    """Return the text of a project, in the pieces that an edit replaces."""
+    pieces = [*numbered_blocks(_units(project, report))]
+    unreadable = kept(project.carried).get("unreadable")
+    if unreadable:
+        pieces.append(WrittenBlock(("stray", ""), unreadable, apart=True))
+    if plain(project.comment):
+        pieces.append(WrittenBlock(("comment", ""), "\n".join(comment_lines(plain(project.comment), _SCL)), apart=True))
+    # the text is read back, and whatever differs goes into comments: no list of what SCL lacks can be incomplete
+    written = WrittenBlock(("file", ""), blocks=tuple(pieces))
+    back = read_source(SourceText(written.whole() + "\n", "utf-8")).project
+    left = [] if back == project else list(changes(plain_fields(back), plain_fields(project), guarded=True))
+    types = s7_types(project)
+    other = {change.path for change in changes(plain_fields(back), plain_fields(_as_written(project, types)))}
+    for change in left:
+        _report(project, change, report, says_the_same=change.path not in other)
+    if left:
+        rest = "\n".join(f"// {{plcopen_sfc {change}}}" for change in left)
+        pieces.append(WrittenBlock(("rest", ""), rest, apart=True))
+    return WrittenBlock(("file", ""), blocks=tuple(pieces))
+
+
+_EXECUTED = {
+    "type": "SCL has no such type: what it declares instead does not compile, or is another type",
+    "initial": "SCL has no place for this start value: it starts with the usual value of its type",
+    "interface": "SCL has no such declaration",
+    "tag_tables": "a source declares no tags and user constants: they must be in the project already",
+}
+"""Fields that a controller executes, and its behaviour without them."""
+_REMARKS = frozenset({"comment", "carried", "global_id", "object_id", "title", "attributes", "declaration"})
+"""Fields that change nothing of that, wherever they are."""
+_REPORTED = frozenset(
+    """global_variables configurations applications bodies actions methods transitions kind address""".split()
+)
+"""Fields whose effect on the execution the report lists elsewhere."""
+
+
+def _report(project: Project, change: RemainderEntry, report: ConversionReport, *, says_the_same: bool) -> None:
+    path = path_of(project, keys_of(project, change))
+    fields = [segment for segment in change.path if isinstance(segment, str)]
+    why = next((_EXECUTED[field] for field in reversed(fields) if field in _EXECUTED), None)
+    if says_the_same:
+        report.add(Outcome.TRANSLATED, fields[-1], path, "in the types of S7")
+    elif why is None or not (_REMARKS | _REPORTED).isdisjoint(fields) or _is_empty(change) or _is_copy(project, change):
+        report.add(Outcome.EXTENSION_DATA, fields[-1], path, "SCL cannot express it; it is in a comment")
+    else:
+        report.add(Outcome.NOT_EXECUTED, fields[-1], path, why)
+
+
+def _is_empty(change: RemainderEntry) -> bool:
+    """True for a section without variables."""
+    is_section = len(change.path) > 1 and change.path[-2] == "sections"
+    return is_section and isinstance(change.value, dict) and not change.value.get("variables")
+
+
+def _is_copy(project: Project, change: RemainderEntry) -> bool:
+    """True for a part of the interface of an instance, which repeats that of its block."""
+    if change.path[0] != "data_blocks" or len(change.path) < _IN_A_BLOCK:
+        return False
+    name = change.path[1].name if isinstance(change.path[1], Named) else None
+    return any(block.name == name and block.type_name is not None for block in project.data_blocks)
+
+
+_IN_A_BLOCK = 2
+
+
+def _as_written(project: Project, types: S7Types) -> Project:
+    """Return a copy of `project` with the types, values and numbers that its text has for those of the project."""
+    copy, literals = project.model_copy(deep=True), _literals(project, types)
+    for pou in copy.pous:
+        if pou.interface is not None:
+            pou.interface.sections = [_in_scl(section, pou, types) for section in pou.interface.sections]
+    for block in copy.data_blocks:
+        if block.interface is not None:
+            block.interface.sections = [each for section in block.interface.sections for each in _by_retention(section)]
+            for section in block.interface.sections:
+                section.variables = [_in_block(variable, types) for variable in section.variables]
+    for interface in (pou.interface for pou in copy.pous if pou.interface is not None):
+        void = next((section for section in interface.sections if is_void(section)), None)
+        if void is not None:
+            interface.sections = [section for section in interface.sections if section is not void]
+            interface.return_type = void.variables[0].type
+        if interface.return_type is not None:
+            interface.return_type = types.type(interface.return_type)
+        for section in interface.sections:
+            section.variables = [_in_s7(variable, types) for variable in section.variables]
+    for declaration in copy.data_types:
+        declaration.type, declaration.initial = _struct(declaration, types), None
+    for body in (pou.body for pou in copy.pous):
+        if isinstance(body, StBody):
+            body.text = _with_literals(body.text, literals)
+    return copy
+
+
+def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
+    types, called, tags = s7_types(project), called_actions(project), local_tags(project)
+    literals = _literals(project, types)
+    for declaration in project.data_types:
+        report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
+        yield WrittenBlock(("type", declaration.name), _data_type(declaration, types), apart=True)
+    for pou in project.pous:
+        report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
+        _note_foreign(pou, types, tags.get(pou.name.casefold(), ()), report)
+        for what, name, why in _not_executed(pou, called):
+            outcome = Outcome.EXTENSION_DATA if why == UNCALLED else Outcome.NOT_EXECUTED
+            report.add(outcome, what, ObjectPath(f"POU {pou.name}", name), why)
+        yield WrittenBlock(
+            ("POU", pou.name),
+            blocks=numbered_blocks(_pou(pou, types, tags.get(pou.name.casefold(), ()), literals)),
+            apart=True,
+        )
+    for block in project.data_blocks:
+        report.add(Outcome.KEPT, "data block", f"data block {block.name}")
+        yield WrittenBlock(("data block", block.name), blocks=numbered_blocks(_data_block(block, types)), apart=True)
+    for what, name, why in left_out(project):
+        report.add(Outcome.NOT_EXECUTED, what, name, why)
+    declared = _named_in_declarations(project)
+    for table in tag_tables_of(project):
+        for name in [*(tag.name for tag in table.tags), *(constant.name for constant in table.constants)]:
+            if name.casefold() in literals and name.casefold() not in declared:
+                report.add(Outcome.TRANSLATED, "global variable", name, "its value stands in the texts")
+            else:
+                why = "a source declares no tags and user constants: it must be in the project already"
+                report.add(Outcome.NOT_EXECUTED, "global variable", name, why)
+    for what, name, why in unconnected(project):
+        report.add(Outcome.NOT_EXECUTED, what, name, why)
+    report_tasks(project, report)
+    for pou in (pou for pou in project.pous if pou.kind is PouKind.PROGRAM):
+        report_program(project, pou, report)
+    programs = s7_programs(project)
+    for block in data_blocks_of(project):
+        report.add(Outcome.TRANSLATED, "global variables", block.name, "a data block")
+    for block in (*data_blocks_of(project), *programs.blocks):
+        yield WrittenBlock(("data block", block.name), blocks=numbered_blocks(_data_block(block, types)), apart=True)
+    for caller in programs.callers:
+        caller.block.bodies = [StBody(text="\n".join(f'"{name}"();' for name, _ in caller.called))]
+        yield WrittenBlock(
+            ("POU", caller.block.name), blocks=numbered_blocks(_pou(caller.block, types, (), literals)), apart=True
+        )
+
+
+def _named_in_declarations(project: Project) -> set[str]:
+    """The names, in lower case, that bounds and start values have in quotation marks."""
+    interfaces = [*(pou.interface for pou in project.pous), *(block.interface for block in project.data_blocks)]
+    variables = [variable for interface in interfaces if interface is not None for variable in interface.variables()]
+    types = [each.type for each in project.data_types]
+    texts = [*(write_variable(each, _SCL, "") for each in variables), *(write_type(each, _SCL) for each in types)]
+    return {
+        token.value.strip('"').casefold()
+        for text in texts
+        for token in tokenize(text, _SCL).tokens
+        if token.value.startswith('"')
+    }
+
+
+def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, str]]:
+    """Behaviour of a block in other tools that an SCL source does not have: kind, name, and the consequence.
+
+    `called`: the ids of the actions that a step has or a program calls.
+    """
+    keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
+    for number, body in enumerate(pou.bodies):
+        if not isinstance(body, StBody) or number:
+            what = "chart" if isinstance(body, SfcBody) else "body"
+            yield what, "", "the block is empty and does nothing: SCL has programs in structured text only"
+        elif not _stays_inside(body.text, keyword):
+            yield "body", "", "the block is empty and does nothing: its text would end the block before its end"
+    for action in pou.actions:
+        if action.body is not None:
+            why = "blocks of S7 have no actions: what calls it does not execute it"
+            yield "POU action", f"action {action.name}", why if id(action) in called else UNCALLED
+    for method in pou.methods:
+        yield "method", f"method {method.name}", "blocks of S7 have no methods: what calls it does not execute it"
+
+
+def _note_foreign(pou: Pou, types: S7Types, tags: Container[str], report: ConversionReport) -> None:
+    """Report the declarations of a block that are written although TIA Portal does not know them."""
+    sections = pou.interface.sections if pou.interface is not None else []
+    for section in (section for section in sections if section.kind is not SectionKind.EXTERNAL):
+        words = section_head(section, _SCL)[-1]
+        if section.persistent:
+            why = "its variables are kept when the power fails, and not when the block is loaded again"
+            report.add(Outcome.APPROXIMATED, "section", f"POU {pou.name} / {words}", why)
+        if section.kind in _FOREIGN_SECTIONS:
+            report.add(Outcome.NOT_EXECUTED, "section", f"POU {pou.name} / {words}", "TIA Portal has no such section")
+        for variable in section.variables:
+            path = f"POU {pou.name} / {variable.name}"
+            if types.start(variable) is not None and not _has_start_values(section, pou):
+                report.add(Outcome.NOT_EXECUTED, "initial", path, NO_START)
+            if (variable.address or "").startswith("%") and variable.name.casefold() not in tags:
+                why = f"variables of blocks have no address in S7: it is not connected to {variable.address}"
+                report.add(Outcome.NOT_EXECUTED, "address", path, why)
+            inner = types.type(variable.type)
+            while isinstance(inner, ArrayType):
+                inner = inner.base
+            if isinstance(inner, PointerType):
+                report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(inner, _SCL)}")
+
+
+_FOREIGN_SECTIONS = frozenset({SectionKind.GLOBAL, SectionKind.ACCESS})
+
+
+def _data_type(declaration: DataTypeDeclaration, types: S7Types) -> str:
+    return write_data_type(declaration.model_copy(update={"type": _struct(declaration, types)}), _SCL)
+
+
+def _struct(declaration: DataTypeDeclaration, types: S7Types) -> StructType:
+    """Return the structure for a data type: SCL declares no others."""
+    if isinstance(declaration.type, StructType):
+        members = [_in_s7(member, types) for member in declaration.type.members]
+        return declaration.type.model_copy(update={"members": members})
+    return StructType(members=[Variable(name="Value", type=types.type(declaration.type))])
+
+
+def _in_s7(variable: Variable, types: S7Types) -> Variable:
+    """Return a variable with the type and the start value that S7 has for its own."""
+    type_ = types.type(variable.type)
+    if isinstance(type_, StructType):
+        type_ = type_.model_copy(update={"members": [_in_s7(member, types) for member in type_.members]})
+    address = None if (variable.address or "").startswith("%") else variable.address  # AT names another variable in SCL
+    return variable.model_copy(update={"type": type_, "initial": types.start(variable), "address": address})
+
+
+def _in_block(variable: Variable, types: S7Types) -> Variable:
+    """Return a variable of a data block in S7: assignments give the values of members that no declaration can have."""
+    found = _in_s7(variable, types)
+    if not isinstance(found.type, StructType) or found.initial is not None:
+        return found
+    type_, value = _without_elements(found.type)
+    return found if value is None else found.model_copy(update={"type": type_, "initial": value})
+
+
+def _without_elements(type_: StructType) -> tuple[StructType, StructValue | None]:
+    """Return a structure without start values of single elements and of structures, and these values."""
+    members: list[Variable] = []
+    values: list[MemberValue] = []
+    for member in type_.members:
+        kind, value = _without_elements(member.type) if isinstance(member.type, StructType) else (member.type, None)
+        own = member.initial if member.initial is not None and not write_value(member.initial, _SCL) else None
+        given = own or value
+        if given is not None:
+            values.append(MemberValue(member=member.name, value=given))
+        members.append(member.model_copy(update={"type": kind, "initial": None if own is not None else member.initial}))
+    if not values:
+        return type_, None
+    return type_.model_copy(update={"members": members}), StructValue(members=values)
+
+
+def _has_start_values(section: VariableSection, pou: Pou) -> bool:
+    """True if S7 has start values of the variables of a section: function blocks have, but of temporary ones."""
+    is_constant = section.constant or section.kind is SectionKind.CONSTANT
+    return is_constant or (pou.kind is not PouKind.FUNCTION and section.kind is not SectionKind.TEMP)
+
+
+def _in_scl(section: VariableSection, pou: Pou, types: S7Types) -> VariableSection:
+    """Return a section as SCL has it: functions have no static variables and no start values."""
+    texts = dict(kept(section.carried))
+    if texts.get("keyword", "VAR") not in SECTION_KEYWORDS.values() and texts.get("keyword") != "STRUCT":
+        section = section.model_copy(update={"carried": None})
+    if section.persistent:
+        section = section.model_copy(update={"persistent": False, "retain": True})
+    temporary = pou.kind is PouKind.FUNCTION and section.kind is SectionKind.LOCAL and not section.constant
+    if not _has_start_values(section, pou):
+        variables = [_in_s7(v, types).model_copy(update={"initial": None}) for v in section.variables]
+        section = section.model_copy(update={"variables": variables})
+    return section.model_copy(update={"kind": SectionKind.TEMP, "retain": False}) if temporary else section
+
+
+def _literals(project: Project, types: S7Types) -> dict[str, str]:
+    """Values of enumerations and of constants of lists, by their names in lower case: a source declares neither."""
+    found = {each.name.casefold(): str(each.number) for each in types.constants}
+    for constant in (each for table in tag_tables_of(project) for each in table.constants):
+        if isinstance(constant.initial, SimpleValue) and constant.initial.text:
+            found[constant.name.casefold()] = constant.initial.text
+    return found
+
+
+def _with_literals(text: str, literals: Mapping[str, str]) -> str:
+    """Return a text with values in place of the constants in `literals`."""
+    edits = []
+    for token in tokenize(text, _SCL).tokens if literals else ():
+        value = literals.get(token.value.strip('"').casefold()) if token.value.startswith('"') else None
+        if value is not None:
+            edits.append(Edit(*token.span, value))
+    return apply_edits(text, edits)
+
+
+# -- blocks
+
+
+def _pou(pou: Pou, types: S7Types, tags: Container[str], literals: Mapping[str, str]) -> Iterator[WrittenBlock]:
+    keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
+    result = pou.interface.return_type if pou.interface is not None else None
+    written = f" : {write_type(types.type(result), _SCL) if result is not None else 'Void'}"
+    yield from _head(keyword, pou.name, written if keyword == "FUNCTION" else "", pou.title, pou.carried)
+    yield from _comment(pou.comment)
+    for section in pou.interface.sections if pou.interface is not None else []:
+        # S7 has no declarations of global variables in blocks
+        if section.kind is not SectionKind.EXTERNAL and not is_void(section):
+            members = [variable for variable in section.variables if variable.name.casefold() not in tags]
+            if len(members) < len(section.variables):
+                section = section.model_copy(update={"variables": members})  # noqa: PLW2901
+            yield _section(_in_scl(section, pou, types), types)
+    yield WrittenBlock(("begin", ""), "BEGIN")
+    text = _with_literals(pou.body.text, literals) if isinstance(pou.body, StBody) else ""
+    yield WrittenBlock(("body", ""), text if _stays_inside(text, keyword) else "", verbatim=True)
+    yield WrittenBlock(("end", ""), f"END_{keyword}")
+
+
+def _stays_inside(body: str, keyword: str) -> bool:
+    """True if a block ends behind `body`: no comment in it is left open, no end of a block is in it."""
+    end = f"END_{keyword}"
+    text = f'{keyword} "x"\nBEGIN\n{body}\n{end}'
+    units = split_units(f"{text}\n{keyword} y\n{end}", _SCL).units
+    return len(units) == 2 and units[0].span == (0, len(text))
+
+
+def _head(keyword: str, name: str, result: str, title: Text | None, carried: Carried | None) -> Iterator[WrittenBlock]:
+    texts = kept(carried)
+    quoted = texts.get("name", "quoted" if is_unit_quoted_in_scl(name) else "unquoted") == "quoted"
+    written = '"' + LINE_END.sub("_", name).replace('"', "_") + '"' if quoted else name
+    lines = [f"{keyword} {written}{result}"]
+    if title is not None:
+        lines.append(f"TITLE = {LINE_END.sub(' ', plain(title))}")
+    lines += [*texts.get("attributes", "").splitlines(), *texts.get("properties", "").splitlines()]
+    if texts.get("unreadable"):
+        lines.append(texts["unreadable"])
+    yield WrittenBlock(("head", ""), "\n".join(lines))
+
+
+def _comment(comment: Text | None) -> Iterator[WrittenBlock]:
+    text = plain(comment)
+    if text:
+        yield WrittenBlock(("comment", ""), "\n".join(comment_lines(text, _SCL)))
+
+
+def _section(section: VariableSection, types: S7Types) -> WrittenBlock:
+    variables = [_in_s7(variable, types) for variable in section.variables]
+    return section_block(section.model_copy(update={"variables": variables}), _SCL)
+
+
+# -- data blocks
+
+
+def _data_block(block: DataBlock, types: S7Types) -> Iterator[WrittenBlock]:
+    texts = kept(block.carried)
+    sections = block.interface.sections if block.interface is not None else []
+    sections = [
+        section.model_copy(update={"variables": [_in_block(variable, types) for variable in section.variables]})
+        for section in sections
+    ]
+    variables = [variable for section in sections for variable in section.variables]
+    type_name = ""
+    if block.type_name is not None:
+        quoting: dict[str, str] = {name: "" for name in ("quoted", "unquoted") if name in texts}
+        type_name = "\n" + write_type(DerivedType(name=block.type_name, carried=keep(quoting)), _SCL)
+    for piece in _head("DATA_BLOCK", block.name, "", block.title, _retained(block)):
+        yield WrittenBlock(piece.key, piece.text + type_name)
+    yield from _comment(block.comment)
+    body = texts.get("unread", _begin(texts, variables, types))
+    assigned = "inline" not in texts and all(can_be_assigned(variable, types.declared) for variable in variables)
+    for section in sections if block.type_name is None else ():
+        declared = section.variables
+        if body is not None and "unread" not in texts:
+            declared = [_declared(variable, texts) for variable in declared]
+        elif body is None and assigned:
+            declared = [_without_value(variable) for variable in declared]
+        for written in _of_block(section.model_copy(update={"variables": declared})):
+            yield _section(written, types)
+    yield WrittenBlock(("begin", ""), "BEGIN")
+    values = ""
+    if assigned or block.type_name is not None:
+        given = [variable for variable in variables if can_be_assigned(variable, types.declared)]
+        values = "\n".join(_INDENT + line for line in write_start_values(given, types.declared))
+    yield WrittenBlock(("body", ""), values if body is None else body, verbatim=body is not None)
+    yield WrittenBlock(("end", ""), "END_DATA_BLOCK")
+
+
+def _begin(texts: dict[str, str], variables: list[Variable], types: S7Types) -> str | None:
+    """Return the text between BEGIN and END_DATA_BLOCK as it was read; None where the initial values are others now."""
+    text = texts.get("begin")
+    if text is None:
+        return None
+    declared = [_declared(variable, texts) for variable in variables]
+    found = start_values(text, declared, types.declared)
+    if found is None:
+        return None
+    values = [found.get(variable.name.casefold(), variable.initial) for variable in declared]
+    return text if values == [variable.initial for variable in variables] else None
+
+
+def _declared(variable: Variable, texts: dict[str, str]) -> Variable:
+    """Return a variable of a data block with the value of its declaration, which assignments may replace."""
+    if "inline" not in texts:
+        return _without_value(variable)
+    kept_texts = kept(variable.carried)
+    if DECLARED not in kept_texts:
+        return variable
+    text = kept_texts[DECLARED]
+    found = read_declarations(f"VAR x : INT := {text}; END_VAR", _SCL).sections if text else []
+    initial = found[0].variables[0].initial if found and found[0].variables else None
+    return variable.model_copy(update={"initial": initial})
+
+
+def _without_value(variable: Variable) -> Variable:
+    return variable.model_copy(update={"initial": None})
+
+
+def _retained(block: DataBlock) -> Carried | None:
+    """Extension data of a data block. Its head has RETAIN where all variables of its structure are retained."""
+    texts = kept(block.carried)
+    sections = block.interface.sections if block.interface is not None else []
+    words = texts.get("properties", "").splitlines()
+    if not sections or not (block.type_name is not None or "RETAIN" in words or any(map(_is_struct, sections))):
+        return block.carried
+    retain = all(is_retained(section, variable) for section in sections for variable in section.variables)
+    if retain is not ("RETAIN" in words):
+        words = [word for word in words if word not in ("RETAIN", "NON_RETAIN")] + ["RETAIN"] * retain
+    return keep(texts | {"properties": "\n".join(words)} if words else texts)
+
+
+def _is_struct(section: VariableSection) -> bool:
+    return kept(section.carried).get("keyword") == "STRUCT"
+
+
+def _of_block(section: VariableSection) -> list[VariableSection]:
+    """Return a section of a data block: the head of the block tells that a structure is retained."""
+    return [section.model_copy(update={"retain": False})] if _is_struct(section) else _by_retention(section)
+
+
+def _by_retention(section: VariableSection) -> list[VariableSection]:
+    """Return a section of a data block as the sections that are read back."""
+    return [section] if _is_struct(section) else list(by_retention(section))
 
 
 class SclCodec(TextCodec):

@@ -1,7 +1,7 @@
 """Reads external source files of TIA Portal and STEP 7: blocks, data blocks and data types in SCL.
 
-Besides the model it finds the place of each object in the text, so that edits can be put there. `scl_writer` is the way
-back.
+Besides the model it finds the place of each object in the text, so that edits can be put there. Start values of data
+blocks are the assignments between BEGIN and END_DATA_BLOCK. `scl_codec` is the way back.
 """
 
 from __future__ import annotations
@@ -13,28 +13,134 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
-from plcopen_sfc.formats.declared_blocks import Place, block_span, head_places, plain_lines, section_places
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
-from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values
-from plcopen_sfc.formats.text_patch import BlockSpan, SourceText
-from plcopen_sfc.languages.declarations import Declared, DeclaredUnit, Head, read_declarations, split_units
+from plcopen_sfc.formats.text_patch import (
+    BlockSpan,
+    Place,
+    SourceText,
+    block_span,
+    head_places,
+    plain_lines,
+    section_places,
+)
+from plcopen_sfc.languages.declarations import Declared, DeclaredUnit, Head, read_declarations, split_units, write_value
 from plcopen_sfc.languages.declarations.declaration_comments import said
-from plcopen_sfc.languages.declarations.declaration_writing import write_value
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
-from plcopen_sfc.languages.declarations.type_names import is_unit_quoted_in_scl
+from plcopen_sfc.languages.declarations.type_names import is_identifier, is_unit_quoted_in_scl
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines, Problem
-from plcopen_sfc.languages.s7_types import s7_types
+from plcopen_sfc.languages.s7_types import number_of, s7_types
 from plcopen_sfc.languages.st import declaration_nodes as d
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_statements
-from plcopen_sfc.languages.start_values import Types
+from plcopen_sfc.languages.start_values import Path, Types, ValuePathError, apart, assembled
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import DerivedType, StructType, Variable
+from plcopen_sfc.model.types import DerivedType, SimpleValue, StructType, Value, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+
+DECLARED = "declared"
+"""Extension data of a variable whose declaration has another value than its assignment: that of the declaration."""
+
+
+def start_values(text: str, variables: list[Variable], types: Types) -> dict[str, Value] | None:
+    """Return the initial values that assignments give to `variables`, by name in lower case; None if they hold more.
+
+    They count instead of those of the declarations, element by element.
+    """
+    parsed = parse_statements(text, Dialect.SCL)
+    if parsed.problems:
+        return None
+    named = {variable.name.casefold(): variable for variable in variables}
+    given: dict[str, dict[Path, tuple[Path, str]]] = {}
+    for statement in parsed.tree.statements:
+        if isinstance(statement, n.Empty):
+            continue
+        if not isinstance(statement, n.Assignment) or statement.kind is not n.AssignmentKind.ASSIGN:
+            return None
+        path, span = _path(statement.target), statement.value.span
+        if not path or span is None or not isinstance(path[0], str) or path[0].casefold() not in named:
+            return None
+        entry = (path[1:], text[span[0] : span[1]])
+        entries = given.setdefault(path[0].casefold(), {})
+        if _folded(path[1:]) in entries:
+            return None
+        entries[_folded(path[1:])] = entry
+    found: dict[str, Value] = {}
+    try:
+        for name, entries in given.items():
+            variable = named[name]
+            usual = (
+                apart(variable.initial, variable.type, types)
+                if variable.initial is not None and () not in entries
+                else ()
+            )
+            all_ = {_folded(path): (path, value) for path, value in usual} | entries
+            value = assembled(all_.values(), variable.type, types)
+            if value is not None:
+                found[name] = value
+    except ValuePathError:
+        return None
+    return found
+
+
+def _folded(path: Path) -> Path:
+    return tuple(each.casefold() if isinstance(each, str) else each for each in path)
+
+
+def _path(node: n.Expression) -> Path:
+    """Return the way to an element; empty if it is another."""
+    if isinstance(node, n.Name):
+        return (node.identifier,)
+    if isinstance(node, n.Member):
+        base = _path(node.base)
+        return (*base, node.name.identifier) if base else ()
+    if isinstance(node, n.Index):
+        base = _path(node.base)
+        indices = [_index(each) for each in node.indices]
+        return (*base, tuple(i for i in indices if i is not None)) if base and None not in indices else ()
+    return ()
+
+
+def _index(node: n.Expression) -> int | None:
+    if isinstance(node, n.Unary) and node.operator is n.Operator.NEGATE:
+        inner = _index(node.operand)
+        return None if inner is None else -inner
+    return number_of(node.text) if isinstance(node, n.Literal) else None
+
+
+def can_be_assigned(variable: Variable, types: Types) -> bool:
+    """True if assignments can give a variable its initial value."""
+    if variable.initial is None:
+        return True
+    try:
+        entries = list(apart(variable.initial, variable.type, types))
+        value = assembled(entries, variable.type, types)
+    except ValuePathError:
+        return False
+    written = all(write_value(SimpleValue(text=text), Dialect.SCL) for _, text in entries)
+    return bool(entries) and written and value == variable.initial
+
+
+def write_start_values(variables: list[Variable], types: Types) -> Iterator[str]:
+    """Yield the assignments that give `variables` their initial values."""
+    for variable in variables:
+        for path, text in apart(variable.initial, variable.type, types) if variable.initial is not None else ():
+            yield f"{_written(variable.name, path)} := {write_value(SimpleValue(text=text), Dialect.SCL)};"
+
+
+def _written(name: str, path: Path) -> str:
+    found = _name(name)
+    for each in path:
+        found += f".{_name(each)}" if isinstance(each, str) else f"[{', '.join(map(str, each))}]"
+    return found
+
+
+def _name(name: str) -> str:
+    return name if is_identifier(name) else f'"{name}"'
+
 
 KEYWORDS = {
     PouKind.FUNCTION_BLOCK: "FUNCTION_BLOCK",

@@ -43,7 +43,7 @@ from plcopen_sfc.formats.simaticml.graph_reader import read_graph
 from plcopen_sfc.formats.simaticml.graph_writer import write_graph
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network, report_network, write_network
 from plcopen_sfc.formats.simaticml.replaced_elements import warn_of_edit
-from plcopen_sfc.formats.simaticml.scl_token_writer import InterfaceNames, read_code, write_code
+from plcopen_sfc.formats.simaticml.scl_tokens import InterfaceNames, read_code, write_code
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.model.base import Carried, Element
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody

@@ -1,4 +1,4 @@
-"""Reads a document of TIA Portal Openness: its frame and the objects in it. The writer is `document_writer`.
+"""Reads a document of TIA Portal Openness: its frame and the objects in it. The writer is `simaticml_codec`.
 
 Objects are read when they are first looked at; see docs/decisions/0003.
 """

@@ -1,4 +1,4 @@
-"""Reads ``FlgNet``, the LAD and FBD networks of TIA Portal, into logic elements. The writer is `flgnet_writer`.
+"""Reads ``FlgNet``, the LAD and FBD networks of TIA Portal, into logic elements. The writer is `lad_fbd_networks`.
 
 A wire of ``FlgNet`` leads from its first end to all others; in the model it is at its consumers. Operands have no
 element of their own in the model: they are expressions at pins, and the variable of contacts and coils.

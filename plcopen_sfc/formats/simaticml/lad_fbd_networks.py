@@ -1,14 +1,21 @@
-"""One network of LAD or FBD: read with the parts that our writer would write differently, and written back."""
+"""One network of LAD or FBD: read with the parts that our writer would write differently, and written as ``FlgNet``.
+
+`flgnet_reader` reads ``FlgNet``. The order of what is written is that of TIA Portal: operands, parts, then wires, each
+in the order of the parts and their pins; a wire is where its first consumer is. ``UId`` count on from 21.
+"""
 
 from __future__ import annotations
 
 import marshal
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 from xml.etree import ElementTree as ET
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.coils_and_contacts import writes_bits_on_a_condition
 from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
     Fields,
@@ -23,21 +30,456 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     read_comments,
 )
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, add_element, keep_fields, sub, verbatim
-from plcopen_sfc.formats.simaticml.flgnet_reader import DamagedError, read_flgnet
-from plcopen_sfc.formats.simaticml.flgnet_writer import write_flgnet
-from plcopen_sfc.formats.simaticml.network_operands import operand_hints
+from plcopen_sfc.formats.simaticml.flgnet_reader import JUMP_PIN, DamagedError, read_flgnet
+from plcopen_sfc.formats.simaticml.network_boxes import (
+    CALL_MARKS,
+    CALLS,
+    COILS,
+    CONVERT,
+    INVERTED,
+    LISTS,
+    PART_NAME,
+    RESULTS,
+    s7_name,
+    template_type,
+    type_of_box,
+    type_of_literal,
+)
+from plcopen_sfc.formats.simaticml.network_operands import (
+    Hints,
+    literal_type,
+    operand_hints,
+    parse_operand,
+    write_operand,
+    write_path,
+)
 from plcopen_sfc.formats.simaticml.program_comparison import (
+    FIRST,
     NUMBERS,
     is_identical,
     numbers_like,
     numbers_of,
     parse_program,
     program_text,
+    renumber,
     shortened,
 )
+from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
+from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
-from plcopen_sfc.model.network import CommentBox, LogicNetwork
+from plcopen_sfc.model.network import (
+    Block,
+    BlockVariable,
+    Coil,
+    CommentBox,
+    Contact,
+    Edge,
+    InputPin,
+    InputVariable,
+    Jump,
+    Label,
+    LeftPowerRail,
+    LogicNetwork,
+    Node,
+    OutputVariable,
+    Return,
+    RightPowerRail,
+    Storage,
+)
 from plcopen_sfc.report import Outcome
+
+_COIL_NAMES = {storage: name for name, storage in COILS.items()}
+_CALL_NAMES = {call: name for name, call in CALLS.items()}
+_PART_ATTRIBUTES = ("Version", "DisabledENO")
+_NO_TEMPLATES = frozenset({*_PART_ATTRIBUTES, *LISTS, *CALL_MARKS, "Equation", INVERTED, PART_NAME})
+_TIMERS = frozenset({"TON", "TOF", "TP"})
+_MOVE = "Move"
+_UNTYPED = frozenset({"A", "O", "X", "Not"})
+"""Operators that are Boolean as such."""
+_COUNTED = frozenset({"AND", "OR", "XOR", "ADD", "MUL"})
+"""Operators with any number of inputs."""
+
+
+@dataclass(slots=True)
+class _End:
+    """A pin of a part that is being written, with the wires and the operand at it."""
+
+    name: str
+    sources: list[tuple[int, str | None]] = field(default_factory=list)
+    operand: str | None = None
+    is_output: bool = False
+
+
+@dataclass(slots=True)
+class _Draft:
+    """A part that is being written."""
+
+    node: Node
+    name: str
+    ends: list[_End]
+    kind: str = ""
+    uid: str = ""
+    number: int = -1
+    """Id of the element, or one below all ids where the element is none of the network."""
+    is_inverted: bool = False
+    """True if the input of a coil is negated."""
+
+
+def write_flgnet(root: XmlNode, network: LogicNetwork, types: Mapping[str, str] | None = None) -> bool:
+    """Fill the ``FlgNet`` element `root`. Raises `NotUnderstoodError` where TIA Portal has no such network.
+
+    `types` are those of variables (``#x``) as TIA Portal spells them, for boxes that need their type.
+    Returns True if the hints of the network made a difference.
+    """
+    if writes_bits_on_a_condition(network):
+        raise NotUnderstoodError("a box with EN that writes a bit")
+    writer = _Writer(root, network, types or {})
+    writer.run()
+    return writer.hints_matter
+
+
+class _Writer:
+    def __init__(self, root: XmlNode, network: LogicNetwork, types: Mapping[str, str]) -> None:
+        self.root = root
+        self.types = types
+        self.numbers = _kept(network.carried).get(NUMBERS, "")
+        self.hints = Hints(_kept(network.carried))
+        self.hints_matter = False
+        self.labels = [node for node in network.nodes if isinstance(node, Label)]
+        self.rails = {node.id for node in network.nodes if isinstance(node, LeftPowerRail)}
+        self.inputs = {node.id: node for node in network.nodes if isinstance(node, InputVariable)}
+        plain = (LeftPowerRail, RightPowerRail, InputVariable, OutputVariable, Label)
+        self.drafts = [_draft(node) for node in network.nodes if not isinstance(node, plain)]
+        for draft in self.drafts:
+            draft.number = draft.node.id
+        self.by_node = {draft.number: draft for draft in self.drafts}
+        for draft in self.drafts:
+            for end in draft.ends:
+                end.sources = [self._source(*source) for source in end.sources]
+        self._fold_inverters()
+        self._enable_moves()
+        self._outputs(network)
+        self._join()
+        self._wired_outputs()  # last: it needs the sources as the others leave them
+        self.consumers: dict[tuple[int, str | None], list[tuple[_Draft, _End]]] = {}
+        for draft in self.drafts:
+            for end in draft.ends:
+                for source, pin in end.sources:
+                    key = (RAIL_KEY, None) if source in self.rails else (source, pin)
+                    self.consumers.setdefault(key, []).append((draft, end))
+        self.next = FIRST
+        self.access: dict[tuple[int, str], str] = {}
+
+    def _source(self, number: int, pin: str | None) -> tuple[int, str | None]:
+        """Return the source of a wire, with the name that TIA Portal gives the pin."""
+        draft = self.by_node.get(number)
+        return (number, _s7_pin(draft.node, pin)) if draft is not None else (number, None)
+
+    def _fold_inverters(self) -> None:
+        """Turn a NOT that was read from the negated input of a coil into that again."""
+        for draft in [draft for draft in self.drafts if INVERTED in _kept(draft.node.carried)]:
+            ends = [(d, end) for d in self.drafts for end in d.ends if any(s == draft.number for s, _ in end.sources)]
+            inlet = next((end for end in draft.ends if not end.is_output), None)
+            if len(ends) == 1 and inlet is not None:
+                coil, end = ends[0]
+                if isinstance(coil.node, Coil) and end.name == "in" and len(end.sources) == 1:
+                    end.sources, end.operand = inlet.sources, inlet.operand
+                    coil.is_inverted = True
+                    self.drafts.remove(draft)
+                    del self.by_node[draft.number]
+
+    def _enable_moves(self) -> None:
+        """Give new ``Move`` boxes the pins that all have: EN, on the rail in LAD, and ENO only where it is wired."""
+        wired = {source for draft in self.drafts for end in draft.ends for source in end.sources}
+        for draft in self.drafts:
+            if draft.name != _MOVE or _kept(draft.node.carried):
+                continue
+            if not any(end.name == "en" for end in draft.ends):
+                rails: list[tuple[int, str | None]] = [(number, None) for number in sorted(self.rails)[:1]]
+                draft.ends.insert(0, _End("en", rails))
+            draft.ends = [
+                end for end in draft.ends if end.name != "eno" or end.operand or (draft.number, "eno") in wired
+            ]
+
+    def _outputs(self, network: LogicNetwork) -> None:
+        """Outputs that are elements of their own become operands at the pin that they are wired to."""
+        for node in network.nodes:
+            if isinstance(node, OutputVariable):
+                wires = node.input.connections if node.input is not None else []
+                draft = self.by_node.get(wires[0].source) if len(wires) == 1 else None
+                if draft is None or node.negated or node.edge is not Edge.NONE or node.storage is not Storage.NONE:
+                    raise NotUnderstoodError("an output variable")
+                pin = _s7_pin(draft.node, wires[0].pin)
+                end = next((e for e in draft.ends if e.is_output and e.name == pin), None)
+                if end is None:
+                    end = _End(pin, is_output=True)
+                    draft.ends.append(end)
+                if end.operand is not None:
+                    raise NotUnderstoodError("two output variables at one pin")
+                end.operand = node.expression
+
+    def uid(self) -> str:
+        """Return the next ``UId``."""
+        self.next += 1
+        return str(self.next - 1)
+
+    def _join(self) -> None:
+        """Put an OR where wires meet: TIA Portal has one wire at a pin."""
+        joined: list[_Draft] = []
+        for draft in self.drafts:
+            for end in draft.ends:
+                if len(end.sources) > 1:
+                    number = JOIN - len(joined)
+                    ends = [_End(f"in{place}", [source]) for place, source in enumerate(end.sources, 1)]
+                    join = _Draft(Block(id=0, type_name="OR"), "O", [*ends, _End("out", is_output=True)], number=number)
+                    self.by_node[number] = join
+                    joined.append(join)
+                    end.sources = [(number, "out")]
+            joined.append(draft)
+        self.drafts = joined
+
+    def _wired_outputs(self) -> None:
+        """Outputs that wires start from, of elements that do not list theirs, and a check that all start somewhere."""
+        for source, pin in [source for draft in self.drafts for end in draft.ends for source in end.sources]:
+            origin = self.by_node.get(source)
+            if origin is None:
+                if source not in self.rails and source not in self.inputs:
+                    raise NotUnderstoodError("a wire from nothing")
+            elif pin is not None and not any(e.is_output and e.name == pin for e in origin.ends):
+                origin.ends.append(_End(pin, is_output=True))
+
+    def run(self) -> None:
+        """Write operands and parts, then the wires between them."""
+        if self.labels:
+            labels = sub(self.root, "Labels")
+            for label in self.labels:
+                sub(sub(labels, "LabelDeclaration", {"UId": self.uid()}), "Label", {"Name": label.label})
+        parts = sub(self.root, "Parts")
+        for draft in self.drafts:
+            if isinstance(draft.node, Block):
+                self._template_values(draft, draft.node, _kept(draft.node.carried))
+            for end in _in_operand_order(draft):
+                if end.operand is not None:
+                    self._access(parts, draft, end, end.operand)
+                for source, _ in end.sources:
+                    if source in self.inputs:
+                        self._access(parts, draft, end, self.inputs[source].expression)
+        for draft in self.drafts:
+            self._part(parts, draft)
+        # TIA Portal numbers operands and parts, then open ends, then wires
+        opens = {(d.uid, e.name): self.uid() for d in self.drafts for e in d.ends if self._is_open(d, e)}
+        wires = sub(self.root, "Wires") if any(draft.ends for draft in self.drafts) else None
+        if wires is not None and (consumers := self._consumers((RAIL_KEY, None))):
+            self._wire(wires, ("Powerrail", {}), *consumers)
+        for draft in self.drafts:
+            for end in draft.ends:
+                if wires is not None:
+                    self._wires(wires, draft, end, opens)
+        if self.numbers:
+            renumber(self.root, self.numbers)
+
+    def _is_open(self, draft: _Draft, end: _End) -> bool:
+        if end.operand is not None or end.sources:
+            return False
+        return not end.is_output or not self._consumers((draft.number, end.name))
+
+    def _access(self, parent: XmlNode, draft: _Draft, end: _End, text: str) -> None:
+        number = self.uid()
+        self.access[draft.number, end.name] = number
+        if isinstance(draft.node, Jump) and end.name == JUMP_PIN:
+            sub(sub(parent, "Access", {"Scope": "Label", "UId": number}), "Label", {"Name": text})
+            return
+        hint = self.hints.at(text, draft.number, end.name)
+        self.hints_matter |= write_operand(parent, text, draft.kind, {"UId": number}, hint=hint, index=self.hints.index)
+
+    def _part(self, parent: XmlNode, draft: _Draft) -> None:
+        node = draft.node
+        if isinstance(node, Block) and node.call is not None and node.call.value in _CALL_NAMES:
+            self._call(parent, draft, node)
+            return
+        kept = _kept(node.carried)
+        marks = {key: kept[key] for key in _PART_ATTRIBUTES if key in kept}
+        if not kept and draft.name in _TIMERS:
+            marks["Version"] = S7_VERSION
+        if not kept and draft.name == _MOVE:
+            marks["DisabledENO"] = "true"
+        draft.uid = self.uid()
+        element = sub(parent, "Part", {"Name": draft.name, "UId": draft.uid, **marks})
+        if isinstance(node, Block):
+            if "Equation" in kept:
+                sub(element, "Equation").text = kept["Equation"] or None
+            if node.instance is not None:
+                self._instance(element, node.instance)
+            for key, value in self._template_values(draft, node, kept).items():
+                sub(element, "TemplateValue", {"Name": key, "Type": template_type(key)}).text = value
+            for kind in LISTS:
+                for name in filter(None, kept.get(kind, "").split(",")):
+                    sub(element, kind, {"Name": name})
+            for variable in (*node.parameters.inputs, *node.parameters.outputs):
+                if variable.negated:
+                    sub(element, "Negated", {"Name": _s7_pin(node, variable.name)})
+        elif isinstance(node, Contact | Coil) and node.negated:
+            sub(element, "Negated", {"Name": "operand"})
+        if draft.is_inverted:
+            sub(element, "Negated", {"Name": "in"})
+
+    def _template_values(self, draft: _Draft, node: Block, kept: dict[str, str]) -> dict[str, str]:
+        """Return the template values of a box: the number of its inputs, and their type."""
+        values = {key: value for key, value in kept.items() if key not in _NO_TEMPLATES}
+        block = _standard(node)
+        if not values and block is not None and block.name in _TIMERS:
+            return {"time_type": "Time"}
+        if not values and draft.name == _MOVE:
+            return {"Card": "1"}
+        if block is not None and draft.name == CONVERT:
+            source, _, target = block.name.partition("_TO_")
+            draft.kind = S7_CONVERTED[source]
+            return values | {"SrcType": S7_CONVERTED[source], "DestType": S7_CONVERTED[target]}
+        if values or block is None or block.operator is None:
+            return values
+        inputs = [end for end in draft.ends if not end.is_output and end.name != "en"]
+        if draft.name not in _UNTYPED:
+            values["SrcType"] = self._type_of(block.name, inputs)
+            draft.kind = values["SrcType"]
+        if block.name in _COUNTED:
+            values["Card"] = str(len(inputs))
+        return values
+
+    def _type_of(self, name: str, inputs: list[_End]) -> str:
+        """The type of the values that a box compares or computes: that of known variables, else of a literal."""
+        texts = [end.operand for end in inputs if end.operand is not None]
+        texts += [self.inputs[s].expression for end in inputs for s, _ in end.sources if s in self.inputs]
+        known = [self.types[text.lower()].partition("[")[0] for text in texts if text.lower() in self.types]
+        literals = [text for text in texts if parse_operand(text) is not None and not text.startswith(("#", '"', "%"))]
+        known += [kind for text in literals if (kind := type_of_literal(text)) is not None]
+        found = type_of_box(name, known, literals)
+        return found or (literal_type(literals[0], "") if literals else "Int")
+
+    def _call(self, parent: XmlNode, draft: _Draft, node: Block) -> None:
+        draft.uid = self.uid()
+        element = sub(parent, "Call", {"UId": draft.uid})
+        call = _CALL_NAMES[node.call.value] if node.call is not None else "FC"
+        info = sub(element, "CallInfo", {"Name": node.type_name, "BlockType": call})
+        for name, kind in CALL_MARKS.items():
+            if name in _kept(node.carried):
+                text = _kept(node.carried)[name]
+                sub(info, kind, {"Name": name, "Informative": "true"}).text = text or None
+        if node.instance is not None:
+            self._instance(info, node.instance)
+        groups = (("Input", node.parameters.inputs), ("Output", node.parameters.outputs))
+        for section, variables in (*groups, ("InOut", node.parameters.in_outs)):
+            for variable in variables:
+                if variable.name in ("EN", "ENO"):
+                    continue
+                kept = _kept(variable.carried)
+                marks = {"Name": variable.name, "Section": kept.get("Section", section)}
+                parameter = sub(info, "Parameter", marks | {"Type": kept.get("Type", "Variant")})
+                if "InterfaceFlags" in kept:
+                    flags = {"Name": "InterfaceFlags", "Informative": "true"}
+                    sub(parameter, "StringAttribute", flags).text = kept["InterfaceFlags"] or None
+                if variable.negated:
+                    sub(element, "Negated", {"Name": variable.name})
+
+    def _instance(self, parent: XmlNode, text: str) -> None:
+        operand = parse_operand(text)
+        if operand is None or not operand.path:
+            raise NotUnderstoodError(f"{text} is no instance")
+        instance = sub(parent, "Instance", {"Scope": operand.scope, "UId": self.uid()})
+        self.hints_matter |= write_path(instance, operand.path, hint=self.hints.of(text), index=self.hints.index)
+
+    def _wires(self, parent: XmlNode, draft: _Draft, end: _End, opens: dict[tuple[str, str], str]) -> None:
+        """Write the wires that start at a pin, or end at it from an operand or nowhere."""
+        here = ("NameCon", {"UId": draft.uid, "Name": end.name})
+        if end.is_output:
+            ends = self._consumers((draft.number, end.name))
+            if end.operand is not None:
+                ends.append(("IdentCon", {"UId": self.access[draft.number, end.name]}))
+            elif not ends:
+                ends.append(("OpenCon", {"UId": opens[draft.uid, end.name]}))
+            self._wire(parent, here, *ends)
+        elif end.operand is not None or any(source in self.inputs for source, _ in end.sources):
+            self._wire(parent, ("IdentCon", {"UId": self.access[draft.number, end.name]}), here)
+        elif not end.sources:
+            self._wire(parent, ("OpenCon", {"UId": opens[draft.uid, end.name]}), here)
+
+    def _consumers(self, key: tuple[int, str | None]) -> list[tuple[str, dict[str, str]]]:
+        return [("NameCon", {"UId": draft.uid, "Name": end.name}) for draft, end in self.consumers.get(key, ())]
+
+    def _wire(self, parent: XmlNode, *ends: tuple[str, dict[str, str]]) -> None:
+        wire = sub(parent, "Wire", {"UId": self.uid()})
+        for kind, marks in ends:
+            sub(wire, kind, marks)
+
+
+RAIL_KEY = -1
+JOIN = -2
+"""First id of the ORs that are put where wires meet; the following go down."""
+
+
+def _draft(node: Node) -> _Draft:
+    if isinstance(node, Contact) and node.edge is Edge.NONE and node.storage is Storage.NONE:
+        return _Draft(node, "Contact", [_inlet("in", node.input), _End("operand", operand=node.variable)])
+    if isinstance(node, Coil) and node.edge is Edge.NONE:
+        if node.variable in RESULTS:
+            return _Draft(node, node.variable, [_inlet("in", node.input)])
+        name = _COIL_NAMES[node.storage.value]
+        return _Draft(node, name, [_inlet("in", node.input), _End("operand", operand=node.variable)])
+    if isinstance(node, Jump):
+        return _Draft(node, "Jump", [_inlet("in", node.input), _End(JUMP_PIN, operand=node.label)])
+    if isinstance(node, Return):
+        return _Draft(node, "Return", [_inlet("in", node.input)])
+    if isinstance(node, Block) and node.code is None:
+        ends = [_inlet(_s7_pin(node, v.name), v.input) for v in node.parameters.inputs if v.input is not None]
+        ends += [_inlet(v.name, v.input) for v in node.parameters.in_outs if v.input is not None]
+        ends += [_outlet(node, v) for v in node.parameters.outputs if v.output is not None]
+        if any(v.edge is not Edge.NONE or v.storage is not Storage.NONE for v in node.parameters.inputs):
+            raise NotUnderstoodError("an edge at a pin")
+        block = _standard(node)
+        name = s7_name(block) if block is not None else node.type_name
+        name = _kept(node.carried).get(PART_NAME, name)
+        return _Draft(node, name, ends, _kept(node.carried).get("SrcType", ""))
+    raise NotUnderstoodError(node.kind)
+
+
+def _standard(node: Block) -> StandardBlock | None:
+    """Return the standard block that a block is, if it has the name that IEC 61131-3 gives it."""
+    if PART_NAME in _kept(node.carried) or (node.call is not None and node.call.value in _CALL_NAMES):
+        return None
+    block = standard_block(node.type_name)
+    return block if block is not None and block.name == node.type_name else None
+
+
+def _s7_pin(node: Node, pin: str | None) -> str:
+    """Return the name of TIA Portal for a pin."""
+    if not isinstance(node, Block):
+        return "out"
+    if pin in ("EN", "ENO"):
+        return pin.lower()
+    block = _standard(node)
+    if block is None:
+        return pin or "out"
+    return block.tool_pin(pin or block.result.name, Tool.S7)
+
+
+def _inlet(name: str, pin: InputPin | None) -> _End:
+    if pin is None:
+        return _End(name)
+    return _End(name, [(wire.source, wire.pin) for wire in pin.connections], pin.expression)
+
+
+def _outlet(node: Block, variable: BlockVariable) -> _End:
+    operand = variable.output.expression if variable.output is not None else None
+    return _End(_s7_pin(node, variable.name), operand=operand, is_output=True)
+
+
+def _in_operand_order(draft: _Draft) -> list[_End]:
+    """Return the pins in the order of their operands: an edge memory is behind the operand that is watched."""
+    return sorted(draft.ends, key=lambda end: end.name == "bit")
+
+
+def _kept(carried: Carried | None) -> dict[str, str]:
+    return carried.attributes if carried is not None else {}
+
 
 TEXTS = "texts"
 """The field of a network for the texts in its drawing, each with its place among the elements."""

@@ -10,7 +10,7 @@ from plcopen_sfc.formats.simaticml.coils_and_contacts import put_coils
 from plcopen_sfc.formats.simaticml.declaration_spelling import version_of
 from plcopen_sfc.formats.simaticml.network_boxes import mark_calls, put_operands, put_standard_blocks
 from plcopen_sfc.formats.simaticml.network_operands import HINT
-from plcopen_sfc.formats.simaticml.scl_token_writer import CALL
+from plcopen_sfc.formats.simaticml.scl_tokens import CALL
 from plcopen_sfc.formats.simaticml.sequence_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
 from plcopen_sfc.languages.s7_globals import tag_tables_of
 from plcopen_sfc.languages.s7_types import s7_types

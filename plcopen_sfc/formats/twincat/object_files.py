@@ -1,14 +1,21 @@
-"""Objects of a PLC project of TwinCAT 3, read and written: ``TcPlcObject`` with a POU, a type or global variables.
+"""Objects of a PLC project of TwinCAT 3, read and written: ``TcPlcObject`` with a POU, a type, variables or a task.
 
 The declaration is text, the body text or an archive. Actions, methods and transition objects are elements of their POU.
 ``LineIds``, which the tool counts itself, stay in the file and are nothing in the model.
+
+Declarations are structured text without the end of their unit. `iectext` reads and writes whole units. So a declaration
+is put into one for it: the END that belongs to it is added, and taken away again.
+
+Tasks have files of their own (``.TcTTO``): a cycle in microseconds, a priority, the programs called. No file of the
+corpus is one. What is known of them is from programs of others that read and write them.
 """
 
 from __future__ import annotations
 
 import copy
+import re
 from collections.abc import Iterable, Iterator
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 from uuid import NAMESPACE_URL, uuid5
 
 from lxml import etree
@@ -17,25 +24,217 @@ from pydantic import ValidationError
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import FormatError, Location, ModelError, StructureError
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
+from plcopen_sfc.formats.iectext.iectext_codec import IecTextCodec
 from plcopen_sfc.formats.iectext.text_source import unwrapped, wrapped
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
-from plcopen_sfc.formats.twincat.chart_reader import ChartReader, read_settings
-from plcopen_sfc.formats.twincat.chart_writer import ChartWriter, write_settings
-from plcopen_sfc.formats.twincat.declaration_texts import METHOD, PROPERTY, bare, declaration_of, read, unit_of
+from plcopen_sfc.formats.text_patch import patch_text
+from plcopen_sfc.formats.twincat.archived_charts import ChartReader, ChartWriter, read_settings, write_settings
 from plcopen_sfc.formats.twincat.kept_data import kept_data, kept_in
 from plcopen_sfc.formats.twincat.object_archive import archived, unknown_type
-from plcopen_sfc.formats.twincat.task_files import TASK, read_task, write_task
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.networks.shown_text import shown_body, shown_named_condition
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.task_schedules import FREEWHEELING, cycle_literal, nanoseconds, schedule_of
 from plcopen_sfc.model.base import Carried, Element, ForeignData
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
+from plcopen_sfc.model.project import PouInstance, Project, Resource, Task
 from plcopen_sfc.model.sfc import SfcNetwork, SfcSettings
+from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import ConversionReport, Outcome
+
+_TEXT = IecTextCodec()
+_DIALECT = "{plcopen_sfc project.dialect := 'codesys'} "
+_KEYWORDS = frozenset({"PROGRAM", "FUNCTION_BLOCK", "FUNCTION", "INTERFACE"})
+_HOLDER = "FUNCTION_BLOCK methods\n"
+_END = "\nEND_"
+PROPERTY = "property"
+"""Place of a property in the text that is kept of it."""
+
+
+class Unit(NamedTuple):
+    """What a declaration is put between to make a whole unit of it."""
+
+    head: str = _DIALECT
+    tail: str = "\n"
+
+    def around(self, text: str) -> str:
+        """Return the unit with this declaration."""
+        return f"{self.head}{text}{self.tail}"
+
+    def inside(self, whole: str) -> str | None:
+        """Return the declaration in a unit; None where the unit has another form."""
+        if not (whole.startswith(self.head) and whole.endswith(self.tail)):
+            return None
+        return whole[len(self.head) : len(whole) - len(self.tail)]
+
+
+def unit_of(declaration: str) -> Unit:
+    """Return the unit that a declaration of a POU, an interface, a type or of variables begins."""
+    words = (token.value.upper() for token in tokenize(declaration, Dialect.CODESYS, _KEYWORDS).tokens)
+    keyword = next((word for word in words if word in _KEYWORDS or word.startswith(("VAR", "TYPE"))), "")
+    return Unit(tail=f"{_END}{keyword}\n") if keyword in _KEYWORDS else Unit()
+
+
+METHOD = Unit(f"{_DIALECT}{_HOLDER}", f"{_END}METHOD{_END}FUNCTION_BLOCK\n")
+"""The unit for the declaration of a method."""
+
+
+def read(unit: str, file: str | None) -> ReadResult:
+    """Return the project in a unit."""
+    return _TEXT.read(unit.encode(), file=file)
+
+
+def bare(thing: Pou | Method) -> Project:
+    """Return a project that has nothing but the declaration of a POU or a method."""
+    if isinstance(thing, Method):
+        method = Method(name=thing.name, interface=_interface(thing), comment=thing.comment, carried=_declared(thing))
+        method.body = StBody()  # without one a pragma would say so
+        pou = Pou(name="methods", kind=PouKind.FUNCTION_BLOCK, methods=[method])
+    else:
+        pou = Pou(name=thing.name, kind=thing.kind, interface=_interface(thing), comment=thing.comment)
+        pou.carried = _declared(thing)
+    pou.bodies = [StBody()]
+    return Project(pous=[pou], dialect=Dialect.CODESYS)
+
+
+def _interface(thing: Pou | Method) -> Interface | None:
+    return thing.interface.model_copy(deep=True) if thing.interface is not None else None
+
+
+def _declared(thing: Pou | Method) -> Carried | None:
+    """Return what is kept of the declaration: pragmas, and words such as ABSTRACT."""
+    kept = [(unwrapped(data.content), data) for data in (thing.carried.data if thing.carried is not None else ())]
+    found = [data for text, data in kept if text is not None and text[0] != PROPERTY]
+    return Carried(data=found) if found else None
+
+
+def declaration_of(declared: Project, source: str | None) -> str:
+    """Return the declaration of what `declared` has alone: `source`, where there is one, with what differs in it."""
+    method = bool(declared.pous and declared.pous[0].methods)
+    if source is not None:
+        unit = METHOD if method else unit_of(source)
+        if _is_declared_by(read(unit.around(source), None).project, declared):
+            return source
+        found = unit.inside(_patched(unit.around(source), declared))
+        if found is not None and _meaning(unit.around(found)) == _meaning(_DIALECT + _written(declared)):
+            return found
+    text = _written(declared)
+    if method:
+        lines = text.splitlines()
+        start = next(i for i, line in enumerate(lines) if i > 0 and line.strip())  # behind the line of the holder
+        end = next(i for i, line in enumerate(lines) if line.split()[:1] == ["END_METHOD"])
+        margin = len(lines[start]) - len(lines[start].lstrip())
+        return "\n".join(line[margin:] for line in lines[start:end]) + "\n"
+    return _OWN_END.sub("\n", text)
+
+
+_OWN_END = re.compile(r"\s*\n\s*END_(?:PROGRAM|FUNCTION_BLOCK|FUNCTION)\s*\Z")
+_OWN_HEAD = re.compile(r"\{plcopen_sfc (?:format|project\.dialect)\b[^}]*\}\s*")
+
+
+def _is_declared_by(known: Project, declared: Project) -> bool:
+    """True if a project that was read from a declaration has nothing otherwise than `declared`."""
+    pous = [bare(pou.methods[0] if new.methods else pou) for pou, new in zip(known.pous, declared.pous, strict=False)]
+    if [each.pous for each in pous] != [[pou] for pou in declared.pous]:
+        return False
+    return (known.data_types, known.global_variables) == (declared.data_types, declared.global_variables)
+
+
+def _patched(whole: str, declared: Project) -> str:
+    """Return the unit `whole` with what `declared` declares otherwise."""
+    before, after = (read(whole, None).project for _ in range(2))
+    after.data_types, after.global_variables = declared.data_types, declared.global_variables
+    for old, new in zip(after.pous, declared.pous, strict=False):
+        if not new.methods:
+            _declare(old, new)
+        for method, edited in zip(old.methods, new.methods, strict=False):
+            _declare(method, edited)
+    source, spans = _TEXT.spans(whole.encode())
+    report = ConversionReport()
+    blocks = [_TEXT.to_blocks(project, WriteOptions(), report) for project in (before, after)]
+    return patch_text(source, spans, *blocks)
+
+
+def _declare(old: Pou | Method, new: Pou | Method) -> None:
+    old.name, old.interface, old.comment, old.carried = new.name, new.interface, new.comment, new.carried
+    if isinstance(old, Pou) and isinstance(new, Pou):
+        old.kind = new.kind
+
+
+def _meaning(unit: str) -> object:
+    """Return what a unit declares, without our pragmas in it."""
+    found = read(_DIALECT + _without_own(unit), None).project
+    return found.model_dump(exclude_none=True)
+
+
+def _written(project: Project) -> str:
+    return _without_own(_TEXT.write(project, WriteOptions(), ConversionReport()).decode())
+
+
+def _without_own(text: str) -> str:
+    """Return a text without pragmas of this package, which mean nothing to the tool."""
+    return _OWN_HEAD.sub("", _TEXT.as_tool_sees(text.encode()).decode())
+
+
+TASK = "Task"
+_APPLICATION = "PLC"
+_MICROSECOND = 1000
+_USUAL_CYCLE = 10_000_000
+
+
+def task_document(*tasks: Task) -> Project:
+    """Return a project with nothing but an application that has these tasks."""
+    resources = [Resource(name=_APPLICATION, tasks=list(tasks))] if tasks else []
+    return Project(applications=resources, dialect=Dialect.CODESYS)
+
+
+def read_task(element: etree._Element) -> Project:
+    """Read ``Task``."""
+    priority = (element.findtext("Priority") or "").strip()
+    cycle = (element.findtext("CycleTime") or "").strip()
+    task = Task(name=element.get("Name", ""))
+    task.priority = int(priority) if priority.isdecimal() else 0
+    task.interval = cycle_literal(int(cycle)) if cycle.isdecimal() else None
+    programs = (name.text or "" for name in element.iterfind("PouCall/Name"))
+    task.instances = [PouInstance(name=name.strip(), type_name="") for name in programs]
+    return task_document(task)
+
+
+def write_task(task: Task, identity: str) -> etree._Element:
+    """Return ``Task``."""
+    written = etree.Element(TASK, Name=task.name, Id=identity)
+    length = nanoseconds(schedule_of(task).interval)
+    if length is not None:
+        etree.SubElement(written, "CycleTime").text = str(length // _MICROSECOND)
+    etree.SubElement(written, "Priority").text = str(task.priority)
+    for instance in task.instances:
+        etree.SubElement(etree.SubElement(written, "PouCall"), "Name").text = instance.name
+    return written
+
+
+def adapted_task(task: Task, report: ConversionReport) -> Task | None:
+    """Return a task in terms of TwinCAT, whose tasks are cyclic and call programs by name; None: there is none."""
+    path = f"task {task.name}"
+    schedule = schedule_of(task)
+    length = nanoseconds(schedule.interval)
+    if schedule.kind == FREEWHEELING:
+        length = _USUAL_CYCLE
+        why = "it begins again when it has ended, and tasks of TwinCAT are cyclic: here every 10 ms"
+        report.add(Outcome.APPROXIMATED, "interval", path, why)
+    elif length is None or schedule.event is not None or schedule.kind:
+        report.add(Outcome.NOT_EXECUTED, "task", path, "tasks of TwinCAT are cyclic, with a cycle that is a constant")
+        return None
+    if task.settings is not None and task.settings.watchdog is not None and task.settings.watchdog.enabled:
+        report.add(Outcome.APPROXIMATED, "watchdog", path, "no file of TwinCAT is known to hold it: set it there")
+    report.add(Outcome.TRANSLATED, "task", path, "a file of its own: connect it with a real-time task in TwinCAT")
+    adapted = Task(name=task.name, priority=task.priority, interval=cycle_literal(length // _MICROSECOND))
+    adapted.instances = [PouInstance(name=each.type_name or each.name, type_name="") for each in task.instances]
+    return adapted
+
 
 ROOT = "TcPlcObject"
 _FILE_VERSION = "1.1.0.1"

@@ -7,8 +7,7 @@ from lxml import etree
 from plcopen_sfc.formats.format_interface import Marks, ReadResult, WriteOptions
 from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost
 from plcopen_sfc.formats.plcopen.project_rewriting import rewrite_project
-from plcopen_sfc.formats.twincat.object_files import read_object, write_object
-from plcopen_sfc.formats.twincat.task_files import adapted_task, task_document
+from plcopen_sfc.formats.twincat.object_files import adapted_task, read_object, task_document, write_object
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 from plcopen_sfc.languages.s7_flip_flops import put_logic

@@ -9,7 +9,7 @@ from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.formats.codesys import codesys_names as names
-from plcopen_sfc.formats.codesys.codesys_schema import validate_codesys
+from plcopen_sfc.formats.codesys.codesys_codec import validate_codesys
 from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.formats.xml.schema_validation import is_valid
 from tests.corpus import ROOT, corpus_files, require_corpus

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.formats.codesys.codesys_schema import validate_codesys
+from plcopen_sfc.formats.codesys.codesys_codec import validate_codesys
 from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.model import (
     ArrayType,

@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.formats.codesys.codesys_schema import validate_codesys
+from plcopen_sfc.formats.codesys.codesys_codec import validate_codesys
 from tests.samples import FIXTURES
 from tests.snippets import codes, pou, project
 

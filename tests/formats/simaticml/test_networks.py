@@ -15,9 +15,8 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.element_reader import VERBATIM, DocumentReading, NotUnderstoodError, same_content
 from plcopen_sfc.formats.simaticml.flgnet_reader import read_flgnet
-from plcopen_sfc.formats.simaticml.flgnet_writer import write_flgnet
 from plcopen_sfc.formats.simaticml.graph_conditions import condition_body
-from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network
+from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network, write_flgnet
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand, read_operand, write_operand
 from plcopen_sfc.formats.simaticml.program_comparison import lengthened, numbers_like, shortened
 from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT

@@ -10,7 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.api import convert
-from plcopen_sfc.formats.simaticml.conditional_bits import writes_bits_on_a_condition
+from plcopen_sfc.formats.simaticml.coils_and_contacts import writes_bits_on_a_condition
 from plcopen_sfc.formats.simaticml.network_boxes import put_operands
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, declared_rules, draw_fbd, draw_ld

@@ -13,8 +13,7 @@ from lxml import etree
 import plcopen_sfc as sfc
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError, same_content
 from plcopen_sfc.formats.simaticml.program_comparison import renumber
-from plcopen_sfc.formats.simaticml.scl_token_reader import scl_text
-from plcopen_sfc.formats.simaticml.scl_token_writer import InterfaceNames, read_code, write_text
+from plcopen_sfc.formats.simaticml.scl_tokens import InterfaceNames, read_code, scl_text, write_text
 from plcopen_sfc.model import StBody
 from tests.formats.simaticml.documents import FIXTURES, parsed, real_documents
 from tests.languages import st_simaticml

@@ -1,6 +1,7 @@
-"""Writer of ``SFC`` bodies. The reader is `tc6_chart_reader`.
+"""``SFC`` bodies, read and written: element by element.
 
-A chart that is written has a drawing that fits it; `plcopen_sfc.drawing` sees to that before a writer is called.
+`tc6_chart_meaning` makes a chart of the elements that were read. A chart that is written has a drawing that fits it;
+`plcopen_sfc.drawing` sees to that before a writer is called.
 """
 
 from __future__ import annotations
@@ -11,9 +12,34 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.formats.plcopen.tc6_networks import is_known, write_node
-from plcopen_sfc.formats.plcopen.tc6_pins import geometry, write_connection, write_input, write_output
-from plcopen_sfc.formats.plcopen.tc6_reading import SHARED_FIELD, STEP_ACTION_FIELD, STEP_ACTION_QUALIFIERS
+from plcopen_sfc.formats.plcopen.tc6_chart_meaning import DrawnChart, Line
+from plcopen_sfc.formats.plcopen.tc6_networks import is_known, read_node, write_node
+from plcopen_sfc.formats.plcopen.tc6_pins import (
+    geometry,
+    read_connection,
+    read_geometry,
+    read_input,
+    read_output,
+    write_connection,
+    write_input,
+    write_output,
+)
+from plcopen_sfc.formats.plcopen.tc6_reading import (
+    SHARED_FIELD,
+    STEP_ACTION_FIELD,
+    STEP_ACTION_QUALIFIERS,
+    Fields,
+    Tc6ReadContext,
+    attributes,
+    keep_attributes,
+    keep_element,
+    read_common,
+    read_point,
+    take_choice,
+    take_flag,
+    take_integer,
+    take_required,
+)
 from plcopen_sfc.formats.plcopen.tc6_writing import (
     Tc6WriteContext,
     add_child,
@@ -29,7 +55,288 @@ from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, N
 from plcopen_sfc.model.drawing import ActionEntry, Drawing, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.report import Outcome
+
+QUALIFIERS = ("P1", "N", "P0", "R", "S", "L", "D", "P", "DS", "DL", "SD", "SL")
+
+BARS = {
+    kind.value: kind
+    for kind in (
+        SymbolKind.SELECTION_DIVERGENCE,
+        SymbolKind.SELECTION_CONVERGENCE,
+        SymbolKind.SIMULTANEOUS_DIVERGENCE,
+        SymbolKind.SIMULTANEOUS_CONVERGENCE,
+    )
+}
+
+BodyReader = Callable[[Tc6ReadContext, etree._Element], "Fields | None"]
+
+
+class Tc6ChartReader:
+    """Reads one chart. `read_body` reads the bodies inside it (inline actions and conditions, macro-steps)."""
+
+    def __init__(self, ctx: Tc6ReadContext, read_body: BodyReader) -> None:
+        self.ctx = ctx
+        self.read_body = read_body
+        self.drawn = DrawnChart(ctx)
+
+    def read(self, element: etree._Element) -> Fields:
+        """Read ``SFC``."""
+        tags = self.ctx.tags
+        for child in element:
+            local = tags.get(child.tag)
+            if local in _SYMBOLS:
+                _SYMBOLS[local](self, child)
+            elif local in BARS:
+                self.read_bar(child, BARS[local])
+            elif local and (node := read_node(self.ctx, child, local)) is not None:
+                self.drawn.place(child, node)
+                self.drawn.nodes.append(node)
+            else:
+                keep_element(self.ctx, self.drawn.chart, child)
+        return self.drawn.interpret()
+
+    def _symbol(self, element: etree._Element, kind: SymbolKind, left: dict[str, str]) -> Fields:
+        symbol: Fields = {"kind": kind}
+        self.drawn.place(element, symbol)
+        left.pop("localId", None)
+        if left:
+            read_geometry(self.ctx, element, left, symbol)
+        self.drawn.symbols.append(symbol)
+        return symbol
+
+    def read_step(self, element: etree._Element) -> None:
+        """Read ``step``."""
+        ctx, tags = self.ctx, self.ctx.tags
+        left = attributes(element)
+        step: Fields = {"name": take_required(ctx, element, left, "name"), "actions": []}
+        if "initialStep" in left:
+            step["initial"] = take_flag(ctx, element, left, "initialStep")
+        if "negated" in left:
+            step["negated"] = take_flag(ctx, element, left, "negated")
+        symbol = self._symbol(element, SymbolKind.STEP, left)
+        step["symbol_fields"] = symbol
+        for child in element:
+            local = tags.get(child.tag)
+            if _read_place(ctx, symbol, child, local):
+                continue
+            if local == "connectionPointOutAction":
+                symbol["action_output"] = read_output(ctx, child)
+            else:
+                read_common(ctx, step, child, local, "step")
+        if left:
+            keep_attributes(step, left)
+        _hand_over(step, symbol)
+        self.drawn.steps.append(step)
+
+    def read_macro_step(self, element: etree._Element) -> None:
+        """Read ``macroStep``."""
+        ctx, tags = self.ctx, self.ctx.tags
+        left = attributes(element)
+        macro: Fields = {}
+        step: Fields = {"name": left.pop("name", ""), "actions": [], "macro": macro}
+        symbol = self._symbol(element, SymbolKind.MACRO_STEP, left)
+        step["symbol_fields"] = symbol
+        for child in element:
+            local = tags.get(child.tag)
+            if _read_place(ctx, symbol, child, local):
+                continue
+            if local == "body":
+                macro["body"] = self.read_body(ctx, child)
+            else:
+                read_common(ctx, step, child, local, "macroStep")
+        keep_attributes(step, left)
+        _hand_over(step, symbol)
+        self.drawn.steps.append(step)
+
+    def read_transition(self, element: etree._Element) -> None:
+        """Read ``transition``."""
+        ctx, tags = self.ctx, self.ctx.tags
+        left = attributes(element)
+        transition: Fields = {}
+        if "priority" in left:
+            transition["priority"] = take_integer(ctx, element, left, "priority")
+        symbol = self._symbol(element, SymbolKind.TRANSITION, left)
+        transition["symbol_fields"] = symbol
+        for child in element:
+            local = tags.get(child.tag)
+            if _read_place(ctx, symbol, child, local):
+                continue
+            if local == "condition":
+                self.read_condition(child, transition, symbol)
+            else:
+                read_common(ctx, transition, child, local, "transition")
+        if left:
+            keep_attributes(transition, left)
+        _hand_over(transition, symbol)
+        self._reserve(transition, symbol)
+        self.drawn.transitions.append(transition)
+
+    def _reserve(self, transition: Fields, symbol: Fields) -> None:
+        """Reserve the ids that extension data have for the other transitions of a shared symbol."""
+        shared = transition.pop(SHARED_FIELD, None)
+        if not isinstance(shared, list) or not all(isinstance(number, int) for number in shared):
+            return
+        if shared[:1] == [symbol.get("id")] and self.drawn.ids.used.isdisjoint(shared[1:]):
+            self.drawn.ids.used.update(shared[1:])
+            symbol["transitions"] = shared
+
+    def read_condition(self, element: etree._Element, transition: Fields, symbol: Fields) -> None:
+        """Read ``condition``. A wired one is looked at again when all elements are known."""
+        ctx = self.ctx
+        left = attributes(element)
+        negated = take_flag(ctx, element, left, "negated")
+        condition: Fields | None = None
+        for child in element:
+            local = ctx.tags.get(child.tag)
+            if local == "reference" and condition is None:
+                condition = {"kind": "named", "name": child.get("name", "")}
+            elif local == "inline" and condition is None:
+                condition = self._inline_condition(child, symbol)
+            elif local == "connectionPointIn" and condition is None:
+                condition = {"kind": "wired", "input": read_input(ctx, child)}
+            elif local == "connection" and (connection := read_connection(ctx, child)) is not None:
+                # TC6 1.01 has the wires directly below the condition
+                if condition is None:
+                    condition = {"kind": "wired", "input": {"connections": []}}
+                condition["input"]["connections"].append(connection)
+            else:
+                keep_element(ctx, transition, child)
+        if condition is not None:
+            condition["negated"] = negated
+            transition["condition"] = condition
+        if left:
+            keep_attributes(transition, left)
+
+    def _inline_condition(self, element: etree._Element, symbol: Fields) -> Fields:
+        body = self.read_body(self.ctx, element) or {"language": "ST", "text": ""}
+        name = element.get("name", "")
+        markup = body.get("markup")
+        plain = set(body) <= {"language", "text", "markup"} and (markup is None or is_direct(markup))
+        if body["language"] == "ST" and plain:
+            if name:
+                symbol["name"] = name
+            return {"kind": "expression", "text": body["text"], "markup": markup}
+        return {"kind": "body", "body": body, "name": name}
+
+    def read_jump(self, element: etree._Element) -> None:
+        """Read ``jumpStep``."""
+        left = attributes(element)
+        target = take_required(self.ctx, element, left, "targetName")
+        symbol = self._symbol(element, SymbolKind.JUMP, left)
+        symbol["name"] = target
+        self._read_flow(element, symbol, "jumpStep")
+        if left:
+            keep_attributes(symbol, left)
+
+    def read_bar(self, element: etree._Element, kind: SymbolKind) -> None:
+        """Read one of the four kinds of divergences and convergences."""
+        left = attributes(element)
+        name = left.pop("name", None) if kind is SymbolKind.SIMULTANEOUS_DIVERGENCE else None
+        symbol = self._symbol(element, kind, left)
+        if name is not None:
+            symbol["name"] = name
+        self._read_flow(element, symbol, kind.value)
+        if left:
+            keep_attributes(symbol, left)
+
+    def _read_flow(self, element: etree._Element, symbol: Fields, owner: str) -> None:
+        ctx = self.ctx
+        for child in element:
+            local = ctx.tags.get(child.tag)
+            # TC6 gives a jump no output: one in a file is kept as extension data
+            extra = owner == "jumpStep" and local == "connectionPointOut"
+            if extra or not _read_place(ctx, symbol, child, local):
+                read_common(ctx, symbol, child, local, owner)
+
+    def read_action_block(self, element: etree._Element) -> None:
+        """Read ``actionBlock``. Its associations go to their step when all elements are known."""
+        ctx = self.ctx
+        left = attributes(element)
+        negated = take_flag(ctx, element, left, "negated")
+        symbol = self._symbol(element, SymbolKind.ACTION_BLOCK, left)
+        entries: list[Line] = []
+        for child in element:
+            local = ctx.tags.get(child.tag)
+            if _read_place(ctx, symbol, child, local):
+                continue
+            if local == "action":
+                entries.append(self.read_action(child))
+            else:
+                read_common(ctx, symbol, child, local, "actionBlock")
+        if left:
+            keep_attributes(symbol, left)
+        if negated:
+            for association, _, _ in entries:
+                association["negated"] = True
+        self.drawn.blocks.append((symbol, element, entries))
+
+    def read_action(self, element: etree._Element) -> Line:
+        """Read ``action`` of a block: the association, where it is drawn, and its ``localId``."""
+        ctx = self.ctx
+        left = attributes(element)
+        association: Fields = {}
+        entry: Fields = {}
+        local_id = left.pop("localId", None)
+        qualifier = take_choice(ctx, element, left, "qualifier", QUALIFIERS)
+        if qualifier is not None:
+            association["qualifier"] = qualifier
+        duration = left.pop("duration", None)
+        if duration:
+            association["duration"] = duration
+        indicator = left.pop("indicator", None)
+        if indicator:
+            association["indicator"] = indicator
+        read_geometry(ctx, element, left, entry)
+        for child in element:
+            local = ctx.tags.get(child.tag)
+            if local == "relPosition":
+                point = read_point(child)
+                if point is not None and any(point):
+                    entry["position"] = point
+            elif local == "reference":
+                association["target"] = child.get("name", "")
+            elif local == "inline":
+                association["body"] = self.read_body(ctx, child)
+            elif local == "connectionPointOut":
+                entry["output"] = read_output(ctx, child)
+            else:
+                read_common(ctx, association, child, local, "action")
+        if left:
+            keep_attributes(association, left)
+        return association, entry, local_id
+
+
+_SYMBOLS: dict[str | None, Callable[[Tc6ChartReader, etree._Element], None]] = {
+    "step": Tc6ChartReader.read_step,
+    "macroStep": Tc6ChartReader.read_macro_step,
+    "transition": Tc6ChartReader.read_transition,
+    "jumpStep": Tc6ChartReader.read_jump,
+    "actionBlock": Tc6ChartReader.read_action_block,
+}
+
+
+def _hand_over(thing: Fields, symbol: Fields) -> None:
+    """Give the symbol the field that TC6 1.01 keeps at its step or transition."""
+    if "execution_order" in thing:
+        symbol["execution_order"] = thing.pop("execution_order")
+
+
+def _read_place(ctx: Tc6ReadContext, symbol: Fields, child: etree._Element, local: str | None) -> bool:
+    """Read what every symbol may have: its position, and the pins that the flow runs through."""
+    if local == "position":
+        point = read_point(child)
+        if point is not None:
+            symbol["position"] = point
+    elif local == "connectionPointIn":
+        symbol.setdefault("inputs", []).append(read_input(ctx, child))
+    elif local == "connectionPointOut":
+        symbol.setdefault("outputs", []).append(read_output(ctx, child))
+    else:
+        return False
+    return True
+
 
 BodyWriter = Callable[[Tc6WriteContext, etree._Element, str, Body, dict[str, str]], None]
 

@@ -1,0 +1,368 @@
+"""What a block of S7-GRAPH does beside its steps, in terms of the charts of other tools.
+
+Permanent instructions become actions that are executed in every scan. Charts of other tools have no statements around
+them. An action that the initial step stores (qualifier S) is executed in every scan, also when no step is active any
+more. What matters is its place among transitions and actions: S7-GRAPH executes the instructions before, then
+transitions and actions, then the instructions after the sequences.
+
+Outputs that show the state of the sequencer become statements, those of the automatic mode: what switches modes, or
+selects the step displayed, has no effect in other tools.
+
+INIT_SQ and OFF_SQ become transitions: from every step to the initial step, and to one that does nothing. A rising edge
+of OFF_SQ deactivates all steps, one of INIT_SQ activates the initial step instead of all others, and no transition
+counts in that cycle (`plcopen_sfc.semantics.charts.graph`, and the tests compare both). A chart of which one step is
+active at a time does that with transitions that are tried before all others. Where several may be active, nothing of
+the kind is right in tools with nested branches, and the inputs are left to the report.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+
+from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, as_term, conjunction, does_something
+from plcopen_sfc.formats.plcopen.source_marks import REWRITTEN_FIELD, added_element, rewritten_transition
+from plcopen_sfc.formats.plcopen.step_checks import StepChecks
+from plcopen_sfc.formats.plcopen.step_rewriting import StepRewriter
+from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.networks import body_statements
+from plcopen_sfc.languages.s7_programs import unused_inputs
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
+from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path, effects, may_change
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.model.sfc import PermanentOperation, Step, Transition
+from plcopen_sfc.model.types import DerivedType
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.report import Outcome
+
+_LAMPS = {"AUTO_ON": "TRUE", "MAN_ON": "FALSE", "TAP_ON": "FALSE", "TOP_ON": "FALSE"}
+
+
+class ShownState:
+    """Statements for the outputs that a block has; they read the step flags behind the step change."""
+
+    def __init__(self, rewriting: ChartRewriting, checks: StepChecks) -> None:
+        self._rewriting, self._host, self._checks = rewriting, rewriting.host, checks
+        source = rewriting.source
+        self._steps = sorted(rewriting.chart.chart.steps, key=lambda step: step.number or 0)
+        self._is_one = sum(step.initial for step in source.steps) == 1 and all(
+            len(transition.targets) < 2 for transition in source.transitions
+        )
+        rows = {(row.target or "").strip('"').casefold() for _, row in source.associations()}
+        outputs = rewriting.chart.pou.variables(SectionKind.OUTPUT)
+        self._names = {v.name.upper(): v.name for v in outputs if v.name.casefold() not in rows}
+        self.lines = list(self._lines()) if source.graph_settings is not None else []
+        """The statements."""
+
+    @property
+    def names(self) -> set[str]:
+        """The outputs that the statements write."""
+        return {line.split(" := ")[0].strip() for line in self.lines if " := " in line}
+
+    def _lines(self) -> Iterator[str]:
+        flags = [self._host.active(step) for step in self._steps]
+        if "S_NO" in self._names and flags:
+            yield from self._number(self._names["S_NO"])
+        if "S_ACTIVE" in self._names and flags:
+            yield f"{self._names['S_ACTIVE']} := {' OR '.join(flags)};"
+        if "S_MORE" in self._names and flags:
+            count = " + ".join(f"BOOL_TO_INT({flag})" for flag in flags)
+            yield f"{self._names['S_MORE']} := {'FALSE' if self._is_one else f'{count} > 1'};"
+        if "ERR_FLT" in self._names:
+            found = [self._disturbed(step) for step in self._steps]
+            errors = [text for text in found if text]
+            if None not in found:
+                yield f"{self._names['ERR_FLT']} := {' OR '.join(errors) or 'FALSE'};"
+        for name, value in _LAMPS.items():
+            if name in self._names:
+                yield f"{self._names[name]} := {value};"
+
+    def _number(self, shown: str) -> Iterator[str]:
+        """Yield the number of the step displayed: that of before while it is active, else the first active one."""
+        inner = "" if self._is_one else "    "
+        kept = [f"({self._host.active(step)} AND {shown} = {step.number or 0})" for step in self._steps]
+        if inner:
+            yield f"IF NOT ({' OR '.join(kept)}) THEN"
+        for at, step in enumerate(self._steps):
+            yield f"{inner}{'ELSIF' if at else 'IF'} {self._host.active(step)} THEN"
+            yield f"{inner}    {shown} := {step.number or 0};"
+        yield from (f"{inner}ELSE", f"{inner}    {shown} := 0;", f"{inner}END_IF;")
+        if inner:
+            yield "END_IF;"
+
+    def _disturbed(self, step: Step) -> str | None:
+        """Return when an active step has an error: empty where it never has, None where that is no expression."""
+        interlock, fault = self._rewriting.interlock(step), self._checks.disturbed(step)
+        if interlock is None or fault is None:
+            return None
+        parts = [f"NOT {as_term(interlock)}"] * (interlock != "TRUE") + [fault] * (fault != "FALSE")
+        return f"({self._host.active(step)} AND {as_term(' OR '.join(parts))})" if parts else ""
+
+
+_OFF, _INIT = "OFF_SQ", "INIT_SQ"
+_HIGHEST_PRIORITY = 0
+"""The priority of what is tried before all other transitions: S7-GRAPH counts from 1."""
+
+
+class OperatingInputs:
+    """Adds the transitions to a chart whose own transitions are rewritten already."""
+
+    def __init__(self, rewriting: ChartRewriting, checks: StepChecks) -> None:
+        self._rewriting, self._checks = rewriting, checks
+        self._chart = rewriting.chart.chart
+        self._wanted = self._inputs()
+        known = {step.id for step in self._chart.steps} | {each.id for each in self._chart.transitions}
+        drawn = self._chart.drawing.symbols if self._chart.drawing is not None else []
+        # a file that is edited has symbols of what was added when it was written, and keeps their ids
+        free = sorted((symbol.id, symbol.kind) for symbol in drawn if symbol.id not in known)
+        self._ids = {kind: iter([number for number, each in free if each is kind]) for _, kind in free}
+
+    def _inputs(self) -> dict[str, str]:
+        """Return the inputs that are executed, as they are declared."""
+        pou, chart = self._rewriting.chart.pou, self._chart
+        found = {v.name.upper(): v.name for v in pou.variables(SectionKind.INPUT) if v.name.upper() in (_OFF, _INIT)}
+        one_at_a_time = all(len(each.sources) == 1 and len(each.targets) < 2 for each in chart.transitions)
+        if (
+            not found
+            or chart.graph_settings is None
+            or not one_at_a_time
+            or sum(step.initial for step in chart.steps) != 1
+        ):
+            return {}
+        unused: Collection[str] = ()
+        if pou.project is not None:
+            unused = unused_inputs(Names(pou.project), pou, found.values())
+        at_rest = self._rewriting.options.at_rest
+        return {key: name for key, name in found.items() if key not in at_rest and name not in unused}
+
+    def execute(self) -> None:
+        """Change the chart, and report what stands for the inputs."""
+        chart, edges = self._chart, {key: self._checks.rising(key) for key in self._wanted}
+        initial = next((step for step in chart.steps if step.initial), None)
+        own = list(chart.transitions)
+        texts = {
+            each.id: self._rewriting.text(each.condition) for each in own if initial and initial.id in each.sources
+        }
+        if not edges or initial is None or None in texts.values():
+            return
+        ends = [each for each in own if not each.targets] if _INIT in edges else []
+        steps = list(chart.steps)
+        if _OFF in edges or ends:
+            off = chart.add_step(self._rewriting.new_name("Off"))
+            self._mark(off, SymbolKind.STEP)
+            self._rewriting.note(Outcome.TRANSLATED, "step", f"step {off.name}", "no step is active in S7-GRAPH")
+            for end in ends:
+                self._lead(end, off)
+            for step in steps if _OFF in edges else ():
+                self._add(step, off, edges[_OFF])
+            steps.append(off)
+            if _INIT not in edges:  # charts of CODESYS end with a jump
+                self._add(off, off, "FALSE")
+        if _INIT in edges:
+            stops = [f"NOT {as_term(edges[_OFF])}"] if _OFF in edges else []
+            for step in steps:
+                if step is not initial:
+                    self._add(step, initial, conjunction(edges[_INIT], *stops))
+            for each in own:
+                if each.id in texts:
+                    self._hold(each, texts[each.id] or "TRUE", edges[_INIT])
+        for name in self._wanted.values():
+            why = "transitions that are tried before all others"
+            self._rewriting.note(Outcome.TRANSLATED, "operating input", name, why)
+
+    def _add(self, source: Step, target: Step, condition: str) -> None:
+        added = self._chart.add_transition(source, target, Expression(text=condition), priority=_HIGHEST_PRIORITY)
+        self._mark(added, SymbolKind.TRANSITION)
+        self._note(added, f"it stands for {' and '.join(self._wanted.values())}")
+
+    def _mark(self, added: Step | Transition, kind: SymbolKind) -> None:
+        added.id = next(self._ids.get(kind, iter(())), added.id)
+        self._rewriting.marks[id(added)] = added_element(added, self._checks.names_of_edges())
+
+    def _note(self, transition: Transition, why: str) -> None:
+        place = f"transition {self._chart.label(transition)}"
+        self._rewriting.note(Outcome.TRANSLATED, "transition", place, why)
+
+    def _lead(self, end: Transition, off: Step) -> None:
+        self._note(end, f"it leads to the step {off.name}, which does nothing")
+        end.targets = [off.id]
+        (source,) = (step for step in self._chart.steps if step.id in end.sources)
+        place = f"transition {source.name} -> {off.name}"
+        self._rewriting.note(Outcome.TRANSLATED, "transition", place, "it ends the sequence")
+
+    def _hold(self, transition: Transition, text: str, edge: str) -> None:
+        """Let a transition that leaves the initial step not count while the sequence begins again."""
+        source, marks = self._rewriting.source_transitions[transition.id], self._rewriting.marks
+        known = marks.get(id(transition), {}).get(REWRITTEN_FIELD, {})
+        transition.condition = Expression(text=conjunction(text, f"NOT {as_term(edge)}"))
+        uses = [*known.get("uses", ()), *self._checks.names_of_edges()]
+        marks[id(transition)] = rewritten_transition(transition, source, uses, known.get("held", ()))
+        why = f"not while {self._wanted[_INIT]} begins the sequence again"
+        self._rewriting.note(Outcome.TRANSLATED, "condition", f"transition {self._chart.label(transition)}", why)
+
+
+_UNKNOWN = Effects(frozenset({ANYTHING}), frozenset({ANYTHING}))
+_NAMES = {
+    "shown": ("state_of_sequence", "X_state_of_sequence", "ZY_state_of_sequence"),
+    "edges": ("edges_of_inputs", "A_edges_of_inputs", "A0_edges_of_inputs"),
+    "before": ("before_sequence", "A_before_sequence", "A0_before_sequence"),
+    "after": ("sequence_after", "Z_after_sequence", "ZZZ_after_sequence"),
+}
+"""Names of the actions: CODESYS executes actions in the order of their names."""
+
+_EARLY = frozenset({"edges", "before"})
+"""What is executed before the actions of the steps."""
+
+
+class PermanentRewriter:
+    """Rewrites the permanent instructions of a chart whose steps and transitions are rewritten already."""
+
+    def __init__(self, rewriting: ChartRewriting, steps: StepRewriter, checks: StepChecks, shown: ShownState) -> None:
+        self._rewriting, self._steps, self._checks, self._shown = rewriting, steps, checks, shown
+        self._chart, self._pou, self._host = rewriting.chart.chart, rewriting.chart.pou, rewriting.host
+        self._standard = frozenset(
+            (variable.name.casefold(),)
+            for variable in self._pou.variables()
+            if isinstance(variable.type, DerivedType) and standard_block(variable.type.name) is not None
+        )
+
+    def rewrite(self) -> None:
+        """Change the chart; what is not executed, or at another time, is in the report."""
+        chart = self._chart
+        initial = next((step for step in chart.steps if step.initial), None)
+        if self._shown.lines and initial is not None:
+            body = StBody(text="\n".join(self._shown.lines))
+            self._steps.store(initial, self._name("shown"), body, first=False, instead_of=None)
+        for when, operations in (("after", chart.permanent_post), ("before", chart.permanent_pre)):
+            found = [operation for operation in operations if does_something(operation.body)]
+            if found:
+                self._operations(when, found)
+        edges = self._checks.edges()
+        if edges:
+            self._edges(StBody(text="\n".join(edges)))
+
+    def _edges(self, body: StBody) -> None:
+        """Let the edges of inputs be computed before the actions of the steps, which read them."""
+        initial = next((step for step in self._chart.steps if step.initial), None)
+        if initial is None:
+            return  # nothing is ever executed
+        own = self._effects(body)
+        name = self._steps.store(initial, self._name("edges"), body, first=True, instead_of=None)
+        late = [
+            row.target for _, row in self._chart.associations() if row.target is not None and _sorts(row.target, name)
+        ]
+        if (
+            any(self._interfere(own, [self._effects_of(each)]) for each in late)
+            if self._host.is_codesys
+            else (self._interfere(own, self._rows(initial, before=True)))
+        ):
+            why = "edges of inputs may be computed after the actions that read them, a scan too late"
+            self._rewriting.note(Outcome.APPROXIMATED, "operating inputs", "", why)
+
+    def _operations(self, when: str, operations: list[PermanentOperation]) -> None:
+        what = f"permanent instruction {when} the sequence"
+        texts = [self._text(operation.body) for operation in operations]
+        initial = next((step for step in self._chart.steps if step.initial), None)
+        if initial is None or any(text is None for text in texts):
+            why = "there is no initial step" if initial is None else "it cannot be written as statements"
+            self._rewriting.note(Outcome.NOT_EXECUTED, what, "", f"not executed in {self._host.title}: {why}")
+            return
+        body = StBody(text="\n".join(text for text in texts if text))
+        own = self._effects(body)
+        difference = self._before(own, initial) if when == "before" else self._after(own, initial)
+        name = self._steps.store(initial, self._name(when), body, first=when == "before", instead_of=_FIELDS[when])
+        if difference:
+            self._rewriting.note(Outcome.APPROXIMATED, what, "", difference)
+        else:
+            why = f"the action {name} of the step {initial.name}, which is executed in every scan"
+            self._rewriting.note(Outcome.TRANSLATED, what, "", why)
+
+    def _text(self, body: Body | None) -> str | None:
+        """Return a body as statements; None where it needs variables that nothing declares."""
+        if isinstance(body, StBody):
+            return body.text.strip()
+        if not isinstance(body, FbdBody | LdBody):
+            return None
+        found = body_statements(body, self._host.dialect, taken=self._rewriting.taken)
+        return print_node(found.tree, self._host.dialect) if found.complete and not found.helpers else None
+
+    # -- the order of execution
+
+    def _before(self, own: Effects, initial: Step) -> str | None:
+        """Return what is different if instructions are executed before all actions, but after the transitions."""
+        title = self._host.title
+        data = {step.name.casefold() for step in self._chart.steps}
+        data |= {transition.name.casefold() for transition in self._chart.transitions if transition.name}
+        if any(not path or path[0] in data for path in own.reads):
+            return f"in {title} it reads the data of the steps that follow; in S7-GRAPH those of the cycle before"
+        if may_change(self._conditions(), own.writes, frozenset()):
+            if self._host.is_codesys:
+                return "the conditions read its results in the same scan, but the steps that follow act a scan later"
+            return f"the conditions read its results in the next scan: {title} executes it after the transitions"
+        actions = self._step_actions() if self._host.is_codesys else self._rows(initial, before=True)
+        if self._interfere(own, actions):
+            return f"{title} may execute other actions of the chart before it, which have variables in common with it"
+        return None
+
+    def _after(self, own: Effects, initial: Step) -> str | None:
+        """Return what is different if instructions are executed with the actions of the initial step."""
+        if not self._host.is_codesys and self._interfere(own, self._rows(initial, before=False)):
+            return "IEC 61131-3 does not say which actions are executed first: it may be executed before others"
+        return None
+
+    def _interfere(self, own: Effects, bodies: Iterable[Effects]) -> bool:
+        other = Effects.all(bodies)
+        return may_change(own.reads | own.writes, other.writes, frozenset()) or may_change(
+            other.reads, own.writes, frozenset()
+        )
+
+    def _conditions(self) -> frozenset[Path]:
+        """Return what the conditions of the chart read."""
+        found: set[Path] = set()
+        for transition in self._chart.transitions:
+            text = self._rewriting.text(transition.condition)
+            tree = parse_expression(text, self._host.dialect).tree if text is not None else None
+            found |= effects([tree]).reads if tree is not None else set()
+        return frozenset(found)
+
+    def _step_actions(self) -> Iterator[Effects]:
+        for step in self._chart.steps:
+            for action in (step.entry_action, step.main_action, step.exit_action):
+                yield self._effects_of(action)
+
+    def _rows(self, initial: Step, *, before: bool) -> Iterator[Effects]:
+        """Yield the effects of the actions of the steps before the initial one, or behind it."""
+        at = next(index for index, step in enumerate(self._chart.steps) if step is initial)
+        for step in self._chart.steps[:at] if before else self._chart.steps[at + 1 :]:
+            for row in step.actions:
+                yield self._effects_of(row.body or row.target)
+
+    def _effects_of(self, action: object) -> Effects:
+        found = self._pou.find_action(action) if isinstance(action, str) else None
+        body = found.body if found is not None else action
+        if isinstance(body, StBody):
+            return self._effects(body)
+        if isinstance(body, str):
+            target = parse_expression(body, self._host.dialect).tree
+            return Effects(writes=effects([target]).reads) if target is not None else _UNKNOWN
+        return _UNKNOWN if body is not None else Effects()
+
+    def _effects(self, body: StBody) -> Effects:
+        return effects(parse_statements(body.text, self._host.dialect).tree.statements, self._standard)
+
+    def _name(self, when: str) -> str:
+        """Return a name by which CODESYS executes an action before, or after, all others of the chart."""
+        others = [row.target for _, row in self._chart.associations() if row.target is not None]
+        wishes = _NAMES[when]
+        fits = (wish for wish in wishes if all(_sorts(wish, name) is (when in _EARLY) for name in others))
+        return next(fits, wishes[-1])
+
+
+def _sorts(name: str, before: str) -> bool:
+    """True if CODESYS executes the action `name` before another one."""
+    return name.casefold() < before.casefold()
+
+
+_FIELDS = {"before": "permanent_pre", "after": "permanent_post"}
