@@ -8,8 +8,8 @@ from typing import Any
 
 from benchmarks.code_mutants import Mutant, body_mutants, doubled_time, expression_mutants, initial_value_mutants
 from plcopen_sfc import model as m
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.model import Qualifier
+from plcopen_sfc.model.dialect import Dialect
 
 __all__ = ["chart_mutants"]
 

@@ -11,11 +11,11 @@ from functools import partial
 from typing import Any
 
 from plcopen_sfc import model as m
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, time_literal
 from plcopen_sfc.languages.st.nodes import Operator
+from plcopen_sfc.model.dialect import Dialect
 
 __all__ = ["Mutant", "body_mutants", "boolean_names", "doubled_time", "expression_mutants", "initial_value_mutants"]
 

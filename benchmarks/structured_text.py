@@ -12,8 +12,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import parse_condition, parse_declarations, parse_expression, parse_statements, parsing
+from plcopen_sfc.model.dialect import Dialect
 
 Source = tuple[str, str, str]
 """Kind (``statements``, ``expression``, ``condition``, ``declarations``), dialect and text."""

@@ -26,8 +26,6 @@ from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.model.project import Project
 
-__all__ = ["AppliedFile", "FileChange", "apply", "difference", "project_files"]
-
 _START = 100_000
 """Bytes by which a file is recognised."""
 

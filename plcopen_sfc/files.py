@@ -16,8 +16,6 @@ from pathlib import Path
 
 from plcopen_sfc.errors import FileAccessError, Location
 
-__all__ = ["access_failure", "read_bytes", "write_all", "write_atomic"]
-
 _READ_REASONS = {
     errno.ENOENT: ("the file does not exist", "Check the path and the working folder."),
     errno.ENOTDIR: ("the file does not exist: a part of its path is not a folder", "Check the path."),

@@ -11,8 +11,6 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
-__all__ = ["WHOLE", "examples", "in_turn", "one_of_each", "some_files", "some_of"]
-
 WHOLE = bool(os.environ.get("PLCOPEN_SFC_FULL"))
 
 T = TypeVar("T")

@@ -1,14 +1,13 @@
 """Analysis of charts, and comparison of charts and programs.
 
-* `checks`: the numbered rules. `answers`: yes, no, unknown.
+* `checks`: the numbered rules.
 * Charts with free conditions: `marking` (the marking graph), `soundness`, `regions`, `unreachable`.
-* Conditions: `exclusivity`, with `knowledge` of names, `formulas` and `z3_terms` for z3.
+* Conditions: `exclusivity`, with `knowledge` of names, `formulas` for z3.
 * Comparisons: `equivalence` with its `verdict` and `coverage`; `systems` and `pairing` (what is compared),
   `system_comparison`, `product` (the search for a proof), `directed` with `goals` and `stimuli` (the search without
-  one), `decomposition`, `slicing` and `sole_bodies` (parts), `delay`, `search_limits`,
-  `processes` (several comparisons at once).
-* State of a search: `domains`, `intervals` and `number_terms` (values of inputs), `dead_variables`, `clocking` and
-  `timers` (what is no part of it), `free_calls` (unknown code), `deciding_parts` (MC/DC).
+  one), `decomposition` (parts), `search_limits`, `processes` (several comparisons at once).
+* State of a search: `domains` and `number_terms` (values of inputs), `dead_variables` and `timers` (what is no part of
+  it), `deciding_parts` (MC/DC).
 """
 
 from __future__ import annotations

@@ -22,8 +22,6 @@ from plcopen_sfc.semantics.charts.step_state import Origin
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.programs.marks import MarkedBranch
 
-__all__ = ["Coverage", "Tally", "Unreached", "any_untested", "listed"]
-
 STEP, TRANSITION, ACTION, ASSIGNMENT = "step", "transition", "action", "assignment"
 PART = "part of condition"
 OUTCOME = "outcome of comparison"

@@ -15,17 +15,15 @@ from plcopen_sfc.analysis.exclusivity import condition_of
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.networks import normal_form
-from plcopen_sfc.languages.networks.values import inverted
+from plcopen_sfc.languages.networks.wires import inverted
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
-from plcopen_sfc.semantics.programs.decisions import deciding_booleans, deciding_parts, may_act
+from plcopen_sfc.semantics.programs.marks import deciding_booleans, deciding_parts, may_act
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import Frame
-
-__all__ = ["ConditionPart", "ConditionParts"]
 
 
 @dataclass(eq=False)

@@ -19,7 +19,6 @@ from math import frexp, inf, nextafter
 from random import Random
 from typing import Any
 
-from plcopen_sfc.analysis.clocking import Clocking
 from plcopen_sfc.analysis.deciding_parts import ConditionParts
 from plcopen_sfc.analysis.domains import GREATEST_REAL, Domain, NotProvableError, plain
 from plcopen_sfc.analysis.goals import Goal, Goals, total
@@ -27,12 +26,10 @@ from plcopen_sfc.analysis.product import compare, end_of, failure_of
 from plcopen_sfc.analysis.search_limits import INTERRUPTED
 from plcopen_sfc.analysis.stimuli import patterns
 from plcopen_sfc.analysis.systems import ProgramSystem
-from plcopen_sfc.analysis.timers import STEADY, RunningClocks
+from plcopen_sfc.analysis.timers import STEADY, Clocking, RunningClocks
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.semantics.inputs import samples
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
-
-__all__ = ["Directed", "DirectedSearch", "Step"]
 
 _PATTERN_SCANS = 40
 _WAITS = 40

@@ -5,7 +5,7 @@ is read: that is a proof, or gives the shortest input trace that shows a differe
 a program does with a number what no few values stand for, both are run on directed and random inputs.
 
 Each side may run as another tool runs it, and one of them may be later by a constant number of scans
-(`plcopen_sfc.analysis.delay`). Compared is what variables and steps are at the end of scans: in which order they were
+(`plcopen_sfc.analysis.pairing`). Compared is what variables and steps are at the end of scans: in which order they were
 written in the scan makes no difference.
 """
 
@@ -18,19 +18,27 @@ from functools import cached_property
 from time import monotonic
 from typing import Any, NamedTuple, Protocol, TypedDict
 
-from plcopen_sfc.analysis.clocking import Clocking, clocking
 from plcopen_sfc.analysis.coverage import Tally, any_untested
 from plcopen_sfc.analysis.decomposition import divide, race
-from plcopen_sfc.analysis.delay import NO_DELAY, Delay, delays, retimed
 from plcopen_sfc.analysis.directed import DirectedSearch, Step
 from plcopen_sfc.analysis.domains import Domain
 from plcopen_sfc.analysis.number_terms import explore_terms
-from plcopen_sfc.analysis.pairing import connect, heed_called, heed_instability, step_observations
+from plcopen_sfc.analysis.pairing import (
+    NO_DELAY,
+    Delay,
+    connect,
+    delays,
+    heed_called,
+    heed_instability,
+    retimed,
+    step_observations,
+)
 from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, search
 from plcopen_sfc.analysis.search_limits import INTERRUPTED, SearchProgress, SearchWatch, seconds
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.system_comparison import Comparison, filled, operating_names
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
+from plcopen_sfc.analysis.timers import Clocking, clocking
 from plcopen_sfc.analysis.verdict import Counterexample, Verdict, VerdictKind
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.pou import Pou
@@ -43,8 +51,6 @@ from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.simulation import nanoseconds
 from plcopen_sfc.semantics.subjects import Subject, resolve
-
-__all__ = ["Searching", "equivalent"]
 
 
 class ChartCode(Protocol):

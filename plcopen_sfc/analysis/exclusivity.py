@@ -12,11 +12,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeAlias
 
-from plcopen_sfc.analysis.answers import Answer
-from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, Situation
+from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, Situation, disjunction, negation
 from plcopen_sfc.analysis.knowledge import Knowledge
-from plcopen_sfc.analysis.z3_terms import disjunction, negation
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
@@ -24,6 +22,7 @@ from plcopen_sfc.languages.st.effects import targets
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import Expression as Condition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 

@@ -15,13 +15,12 @@ from typing import Any
 
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
 from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
-from plcopen_sfc.analysis.formulas import Formula, JudgedCondition
+from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, negation
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.systems import ProgramSystem
-from plcopen_sfc.analysis.z3_terms import negation
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.networks import normal_form
-from plcopen_sfc.languages.networks.values import joined
+from plcopen_sfc.languages.networks.wires import joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal_value
@@ -30,12 +29,10 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
-from plcopen_sfc.semantics.programs.decisions import COMPARING, bounds
+from plcopen_sfc.semantics.programs.marks import COMPARING, bounds
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
-
-__all__ = ["Goal", "Goals"]
 
 Distance = Callable[[], float]
 _OPPOSITE = {

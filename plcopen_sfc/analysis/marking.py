@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property, reduce
 from operator import or_
 
-from plcopen_sfc.analysis.answers import Answer
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.net import Competing, Net, NetStep, NetTransition, indexes, mask
 

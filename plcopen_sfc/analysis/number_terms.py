@@ -17,8 +17,6 @@ from plcopen_sfc.analysis.product import Branching, Explored, InputReader, ended
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.semantics.signals import Signal, SignalKind
 
-__all__ = ["Term", "explore_terms"]
-
 _NUMBERS = frozenset({SignalKind.INTEGER, SignalKind.REAL, SignalKind.DURATION})
 _MOST_ANSWERS = 60
 """Comparisons of terms in a scan; a loop whose end is a term asks without end."""

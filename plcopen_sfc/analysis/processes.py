@@ -8,8 +8,6 @@ from typing import TypeVar
 
 from plcopen_sfc.errors import ArgumentError
 
-__all__ = ["results"]
-
 Given = TypeVar("Given")
 Made = TypeVar("Made")
 

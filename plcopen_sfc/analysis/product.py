@@ -13,8 +13,19 @@ from collections.abc import Callable, Collection, Generator, Hashable, Iterable,
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
-from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, Symbolic, Text, Unasked, asked, frozen, plain
-from plcopen_sfc.analysis.intervals import KeptError, Split
+from plcopen_sfc.analysis.domains import (
+    Domain,
+    KeptError,
+    NotProvableError,
+    Probe,
+    Split,
+    Symbolic,
+    Text,
+    Unasked,
+    asked,
+    frozen,
+    plain,
+)
 from plcopen_sfc.errors import (
     ForcingConflictError,
     SfcError,
@@ -23,26 +34,6 @@ from plcopen_sfc.errors import (
     UnstableChartError,
 )
 from plcopen_sfc.semantics.signals import Value
-
-__all__ = [
-    "BOTH_FAIL",
-    "Branching",
-    "Explored",
-    "InputReader",
-    "LeftOutError",
-    "Progress",
-    "Search",
-    "StopError",
-    "System",
-    "advanced",
-    "compare",
-    "end_of",
-    "ended",
-    "explore",
-    "failure_of",
-    "hidden_reason",
-    "search",
-]
 
 _RUNS_FOR_A_STATE = 4
 _BEFORE_GIVING_UP = 4

@@ -1,15 +1,29 @@
-"""How long a search may take, and who wants to know how far it is."""
+"""How long a search may take, who wants to know how far it is, and what an analysis can say."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import Enum
 from time import monotonic
 
 from plcopen_sfc.errors import InputError
 from plcopen_sfc.semantics.simulation import nanoseconds
 
-__all__ = ["INTERRUPTED", "SearchProgress", "SearchWatch", "seconds"]
+
+class Answer(Enum):
+    """Yes, no, or unknown. Only YES is true where Python asks for a truth value."""
+
+    YES = "yes"
+    NO = "no"
+    UNKNOWN = "unknown"
+
+    def __bool__(self) -> bool:
+        return self is Answer.YES
+
+    def __str__(self) -> str:
+        return self.value
+
 
 INTERRUPTED = "interrupted"
 """The reason of a search that the user has ended."""

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.marking import DEFAULT_CAP, marking_graph
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.semantics.net import Net, NetStep

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from random import Random
 
-from plcopen_sfc.analysis.clocking import Clocking
 from plcopen_sfc.analysis.domains import Domain, plain
+from plcopen_sfc.analysis.timers import Clocking
 from plcopen_sfc.semantics.inputs import RandomInputs, Variables
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
-
-__all__ = ["patterns", "stimuli"]
 
 _HOLDS = ((1, 1), (1, 3), (1, 8), (1, 20), (5, 60))
 _PULSED_SCANS = 3

@@ -7,20 +7,17 @@ from dataclasses import replace
 from itertools import chain, repeat
 from typing import Any
 
-from plcopen_sfc.analysis.delay import Delay
 from plcopen_sfc.analysis.domains import plain
-from plcopen_sfc.analysis.pairing import output_pairs, step_observations, unpaired
+from plcopen_sfc.analysis.pairing import Delay, output_pairs, step_observations, unpaired
 from plcopen_sfc.analysis.product import Explored, compare, end_of, failure_of
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.verdict import Counterexample, Difference
 from plcopen_sfc.errors import ModelError, SfcError
 from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.programs.types import MOST_ELEMENTS
 from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.trace import Column, Trace
-from plcopen_sfc.semantics.watched_instances import MOST_ELEMENTS
-
-__all__ = ["Comparison", "filled", "operating_names"]
 
 _CALLS = "calls of unknown blocks"
 _SHRINKING_RUNS, _SHRINKING_SCANS = 500, 500_000

@@ -1,27 +1,228 @@
-"""Timers whose elapsed time makes no difference beyond a limit.
+"""What programs do with times, and timers whose elapsed time makes no difference beyond a limit.
 
 Lowered charts measure the time of a step with an on-delay that never ends (``Fill_time.ET >= T#5s``). Its elapsed time
 would go on growing for days while the step waits for something else, and every millisecond would be a state: beyond the
 greatest constant that it is compared with that makes no difference. And a timer that an action started and nobody calls
 any more would go on growing forever: once its time is over it makes no difference when it was started.
+
+`Clocking` and `StepTimes` say how far a search must follow times, and in which steps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import math
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.analysis.clocking import Clocking
-from plcopen_sfc.analysis.sole_bodies import all_nodes
+from plcopen_sfc.analysis.dead_variables import all_nodes
+from plcopen_sfc.languages.binding import BoundText, texts_in
+from plcopen_sfc.languages.binding.text_sites import Role, SiteKind
+from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, walk
 from plcopen_sfc.languages.st.effects import plain_path
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.conditions import Expression, WiredCondition
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.programs.controller import Instance
 from plcopen_sfc.semantics.programs.types import INSTANT, Frame, Layout, StructureType
+from plcopen_sfc.semantics.subjects import Subject
 
-__all__ = ["RunningClocks", "WaitingTimer", "waiting_timers"]
+_CLOCKS = frozenset({"time", "rd_sys_t", "time_tck"})
+_COMPARISONS = frozenset(
+    {
+        n.Operator.EQUAL,
+        n.Operator.UNEQUAL,
+        n.Operator.LESS,
+        n.Operator.GREATER,
+        n.Operator.LESS_OR_EQUAL,
+        n.Operator.GREATER_OR_EQUAL,
+    }
+)
+_TIMES = frozenset({"T", "U"})
+_DEFAULT_SCAN = 10_000_000
+
+
+@dataclass(frozen=True)
+class Clocking:
+    """How time goes on in a search.
+
+    `scan_time` in nanoseconds; `constants` are the durations in the programs; `reason` says why no finite number of
+    states can stand for all times.
+    """
+
+    scan_time: int
+    constants: tuple[int, ...] = ()
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class StepTimes:
+    """What a program does with the times of the steps of its charts.
+
+    Elapsed times beyond `limit` make no difference any more (None: they may). `read` are the steps of which a text
+    reads the time, `anywhere` those of which one does elsewhere than in the conditions behind them. Names are in lower
+    case.
+    """
+
+    limit: int | None
+    anywhere: frozenset[str]
+    read: frozenset[str]
+
+
+def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
+    """Look through programs for the durations in them.
+
+    Without `scan_time` it is half of the greatest one that all durations are multiples of, so that every duration ends
+    in a scan and there is one before and one after it; 10 ms without durations.
+    """
+    texts = [text for subject in subjects for text in _texts(subject)]
+    constants = sorted(_constants(texts))
+    if scan_time is None:
+        common = math.gcd(*constants)
+        scan_time = (common // 2 if common % 2 == 0 else common) or _DEFAULT_SCAN
+    reads_clock = any(use.role is Role.ACTION and use.name.casefold() in _CLOCKS for text in texts for use in text.uses)
+    return Clocking(scan_time, tuple(constants), "the program reads the clock" if reads_clock else "")
+
+
+def _constants(texts: Iterable[BoundText]) -> set[int]:
+    """The durations that times are compared with, or that timers are started with."""
+    literals = (node for text in texts for tree in _trees(text) for node in walk(tree) if isinstance(node, n.Literal))
+    return {value for literal in literals if (value := _duration(literal)) is not None and value > 0}
+
+
+def _own_charts(subject: Subject) -> list[SfcNetwork]:
+    return list(_charts(subject.pou.chart)) if subject.pou.chart is not None else []
+
+
+def step_times(subject: Subject, scan_time: int) -> StepTimes:
+    """Look through a program for what it does with the times of steps, which it alone sees."""
+    texts = _texts(subject)
+    charts = _own_charts(subject)
+    reads = [read for text in texts for read in _reads_of_times(text)]
+    steps = [step for chart in charts for step in chart.steps]
+    durations = [a.duration for step in steps for a in step.actions]
+    durations += [time for step in steps for time in (step.min_time, step.max_time, step.warning_time)]
+    known = all(duration is None or _is_duration(duration.strip()) for duration in durations)
+    plain = all(read.is_compared for read in reads)
+    limit = max(_constants(texts), default=0) + scan_time if plain and known else None
+    return StepTimes(limit, *_steps_read(charts, [read.step for read in reads], subject.project.dialect))
+
+
+def _steps_read(
+    charts: Sequence[SfcNetwork], reads: Iterable[str], dialect: Dialect
+) -> tuple[frozenset[str], frozenset[str]]:
+    """The names of steps whose time is read when they are not active, and of those whose time is read."""
+    read = Counter(reads)
+    own: Counter[str] = Counter()
+    if any(_has_wired_times(chart) for chart in charts):
+        read.update(step.name.casefold() for chart in charts for step in chart.steps)
+    for chart in charts:
+        for step in chart.steps:
+            key = step.name.casefold()
+            if key in read:
+                conditions = [t.condition for t in chart.outgoing(step) if isinstance(t.condition, Expression)]
+                texts = [text for each in conditions for text in texts_in(each, dialect)]
+                own[key] += sum(found.step == key for text in texts for found in _reads_of_times(text))
+    anywhere = frozenset(name for name, count in read.items() if count != own[name])
+    return anywhere, frozenset(read)
+
+
+def _has_wired_times(chart: SfcNetwork) -> bool:
+    """True if a wire leads from the time of a step."""
+    wired = [t.condition.input for t in chart.transitions if isinstance(t.condition, WiredCondition)]
+    wires = [*(wire for node in chart.logic for wire in wires_of(node)), *(w for pin in wired for w in pin.connections)]
+    return any(wire.pin in _TIMES for wire in wires)
+
+
+def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
+    """The chart, its partial charts, and those of its macro-steps."""
+    yield chart
+    for partial in chart.partial_charts:
+        yield from _charts(partial.chart)
+    for step in chart.steps:
+        if step.macro is not None and isinstance(step.macro.body, SfcBody):
+            yield from _charts(step.macro.body.chart)
+
+
+@dataclass(frozen=True)
+class _TimeRead:
+    """A text that reads the time of a step; `is_compared`: it does nothing else than compare it with a constant."""
+
+    step: str
+    is_compared: bool
+
+
+def _reads_of_times(text: BoundText) -> Iterator[_TimeRead]:
+    """The reads of times in a text, each as often as it is there; all its names where it cannot be read."""
+    if text.text_site.reading is SiteKind.FOREIGN:
+        return
+    for tree in _trees(text):
+        compared: set[int] = set()
+        for node in walk(tree):
+            if isinstance(node, n.Operation) and node.operator in _COMPARISONS:
+                time, constant = node.operands
+                if isinstance(constant, n.Literal) and _is_duration(constant.text):
+                    compared.add(id(time))
+            elif isinstance(node, n.Member) and node.name.identifier.upper() in _TIMES:
+                yield _TimeRead(_last_name(node.base), id(node) in compared)
+            elif isinstance(node, n.Unreadable):
+                yield from (_TimeRead(use.name.casefold(), False) for use in text.uses)
+
+
+def _last_name(node: n.Expression) -> str:
+    while isinstance(node, n.Index | n.Dereference | n.Parenthesized):
+        node = node.inner if isinstance(node, n.Parenthesized) else node.base
+    name = node.name if isinstance(node, n.Member) else node
+    return name.identifier.casefold() if isinstance(name, n.Name) else ""
+
+
+def _trees(text: BoundText) -> Iterator[n.Expression | n.Statement]:
+    """The trees of a text, and those of the edges and times of IEC 60848 in a condition (``3s/X5``)."""
+    terms = TermTexts()
+    read = terms.read(text.text_site.text) if isinstance(text.text_site.holder, Expression) else ""
+    if not terms.edges and not terms.timers:
+        yield from text.trees
+        return
+    texts = [read, *(edge.operand for edge in terms.edges)]
+    for timer in terms.timers:
+        texts += [timer.operand, *(time for time in (timer.first, timer.last) if time is not None)]
+    yield from (parse_condition(each, text.dialect).tree for each in texts)
+
+
+def _texts(subject: Subject) -> list[BoundText]:
+    """The texts of the POU and of all that it may call, of global variables and of types."""
+    project, dialect = subject.project, subject.project.dialect
+    others = {pou.name: pou for pou in project.pous if pou.name != subject.pou.name}
+    waiting, found = [subject.pou], list[BoundText]()
+    while waiting:
+        own = [*texts_in(waiting.pop(), dialect)]
+        found += own
+        names = {use.name.casefold() for text in own for use in text.uses}
+        waiting += [others.pop(name) for name in [*others] if name.casefold() in names]
+    for declared in (*project.global_variables, *project.data_types):
+        found += texts_in(declared, dialect)
+    return found
+
+
+def _is_duration(text: str) -> bool:
+    return _duration(n.Literal(text)) is not None
+
+
+def _duration(literal: n.Literal) -> int | None:
+    """The nanoseconds of a literal; None where it is no duration."""
+    try:
+        value = literal_value(literal)
+    except LiteralError:
+        return None
+    return value.value if value.kind is LiteralKind.DURATION and isinstance(value.value, int) else None
+
 
 _ON_DELAYS = frozenset({"TON", "LTON", "TON_TIME", "TON_LTIME"})
 _COMPARING = frozenset(

@@ -17,7 +17,7 @@ from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import names_in, texts_in
 from plcopen_sfc.languages.binding.symbols import inside
-from plcopen_sfc.languages.networks.values import inverted
+from plcopen_sfc.languages.networks.wires import inverted
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
@@ -28,8 +28,6 @@ from plcopen_sfc.model.types import PointerType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, ScanOrder
-
-__all__ = ["Unreachable"]
 
 _MARKINGS = 20_000
 _POINTING = frozenset({"adr", "ref"})

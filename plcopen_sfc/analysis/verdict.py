@@ -8,14 +8,11 @@ from enum import StrEnum
 from typing import Any
 
 from plcopen_sfc.analysis.coverage import Coverage, any_untested, listed
-from plcopen_sfc.analysis.delay import NO_DELAY, Delay
+from plcopen_sfc.analysis.pairing import NO_DELAY, Delay
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.trace import Trace
-
-__all__ = ["Counterexample", "Difference", "Verdict", "VerdictKind"]
-
 
 _MOST_ROWS = 1_000
 """Scans of a counterexample that are all shown."""

@@ -1,9 +1,8 @@
 """The command line ``plcopen-sfc``: calls the library and prints.
 
-`app` declares the commands, `options` their options, `commands` has one module for what each does. `configuration`
-reads pyproject.toml, `reading` finds and loads files, `guard` turns errors into messages and exit codes. `screen`
-prints, with the `outline` of charts and the `summary` of files. Exit codes: 0 fine, 1 findings or differences, 2 wrong
-usage or unreadable input.
+`app` declares the commands, `options` their options, `commands` has one module for what each does. `reading` finds and
+loads files, `screen` prints and turns errors into messages and exit codes, `summary` is about files and their charts.
+Exit codes: 0 fine, 1 findings or differences, 2 wrong usage or unreadable input.
 """
 
 from __future__ import annotations

@@ -8,8 +8,7 @@ from typing import Annotated
 import typer
 
 from plcopen_sfc.cli import options as o
-from plcopen_sfc.cli.guard import guarded
-from plcopen_sfc.cli.screen import is_terminal, prepare_streams
+from plcopen_sfc.cli.screen import guarded, is_terminal, prepare_streams
 from plcopen_sfc.version import __version__
 
 

@@ -12,23 +12,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from plcopen_sfc.api import load, loads
-from plcopen_sfc.cli.guard import UNREADABLE, describe_exhaustion
-from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.cli.screen import UNREADABLE, Screen, describe_exhaustion
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import FileAccessError, Location, SfcError
 from plcopen_sfc.model.project import Project
-
-__all__ = [
-    "STANDARD_STREAM",
-    "LoadedFile",
-    "error_data",
-    "exit_code_for",
-    "expand",
-    "finding_data",
-    "load_each",
-    "load_input",
-    "written_to_stdout",
-]
 
 STANDARD_STREAM = "-"
 """The name of standard input and standard output, in every command."""

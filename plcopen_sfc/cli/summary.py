@@ -1,26 +1,327 @@
-"""Summaries of files and their charts, as numbers."""
+"""Summaries of files and their charts: as numbers, and a chart as indented text.
+
+The text goes from the top to the bottom of a chart, with branches indented:
+
+[[Init]]
+ |  Start AND NOT Fault
+[Fill]  N Y1_Fill
+ +-- Full
+ |   [Stir]  D T#2s M1
+ |    |  Stir.t > T#10s
+ |   -> Drain
+ +-- Stop
+ |   -> Drain
+[Drain]
+ |  Empty
+-> Init
+"""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, cast
 
+from plcopen_sfc.cli.screen import Line
 from plcopen_sfc.documents.sources import FileSource, FolderSource, documents_of
+from plcopen_sfc.drawing.wording import Wording
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import NamedCondition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 
 if TYPE_CHECKING:
     from plcopen_sfc.formats.format_interface import Format, TextCodec
 
-__all__ = ["ChartSummary", "FileSummary", "all_charts", "summarise"]
+_DEEPEST = 40
+"""Branches inside of branches; what is deeper is printed at the end."""
+
+
+@dataclass(frozen=True)
+class _Signs:
+    """The signs of the drawing: ``bar`` and ``last_bar`` begin a simultaneous branch, ``beside_bar`` runs along it."""
+
+    down: str
+    branch: str
+    last_branch: str
+    beside_branch: str
+    bar: str
+    last_bar: str
+    beside_bar: str
+    meet: str
+    arrow: str
+
+
+_ASCII = _Signs(" |  ", " +-- ", " +-- ", " |   ", " #== ", " #== ", " #   ", " === ", "-> ")
+_UNICODE = _Signs(" │  ", " ├─ ", " └─ ", " │  ", " ╠═ ", " ╚═ ", " ║  ", " ═╦═ ", "→ ")
+_MARGIN = "  "
+
+
+def outline(chart: SfcNetwork, *, unicode: bool = False, dialect: Dialect = Dialect.IEC) -> list[Line]:
+    """The lines of the outline of `chart`; with `unicode` in line-drawing characters, else in ASCII.
+
+    `dialect` is that of the names in its networks.
+    """
+    return _Outline(chart, _UNICODE if unicode else _ASCII, dialect).run()
+
+
+class _Outline:
+    def __init__(self, chart: SfcNetwork, signs: _Signs, dialect: Dialect) -> None:
+        self.chart = chart
+        self.signs = signs
+        self.words = Wording(chart, dialect)
+        self.flow = _Flow(chart)
+        self.steps = {step.id: step for step in chart.steps}
+        self.lines: list[Line] = []
+        self.told: dict[int, _Path] = {}  # steps
+        self.told_transitions: set[int] = set()
+        self.arrived: dict[int, dict[int, _Path]] = {}  # step: transition: where
+        self.divergences = 0
+
+    def run(self) -> list[Line]:
+        for root in self.flow.roots:
+            if root not in self.told:
+                self._begin(root)
+        for step in self.chart.steps:
+            if step.id not in self.told:
+                self._begin(step.id)
+        for transition in self.chart.transitions:
+            if transition.id not in self.told_transitions:
+                self._orphan(transition)
+        if not self.lines:
+            self._line(_MARGIN, ("(empty)", "dim"))
+        return self.lines
+
+    # -- the walk -----------------------------------------------------------------------------------------------------
+
+    def _begin(self, step: int) -> None:
+        if self.lines:
+            self._line("")
+        entering = [t for t in self.chart.transitions if not t.sources and step in t.targets]
+        for transition in entering:
+            self._line(_MARGIN, ("(no step)", "red"))
+            self._condition(transition, _MARGIN + self.signs.down)
+            if len(transition.targets) > 1:
+                self._line(_MARGIN, (self.signs.arrow, "dim"), self._names(transition.targets))
+        self._sequence(step, _MARGIN, ())
+
+    def _sequence(self, step: int, indent: str, path: _Path, first: str | None = None) -> None:
+        """Print `step` and what follows in this branch. `first`: what is printed before it instead of `indent`."""
+        following: int | None = step
+        while following is not None:
+            self._step(following, first if first is not None else indent, path)
+            first = None
+            leaving = self.flow.leaving[following]
+            alone = [t for t in leaving if len(set(t.sources)) == 1]
+            if len(leaving) == 1 and alone:
+                self._condition(alone[0], indent + self.signs.down)
+                following = self._after(alone[0], indent, path)
+            elif leaving:
+                self._branches(leaving, indent, path)
+                following = self._going_on(indent, path)
+            else:
+                following = None
+            if following is None:
+                following = self._going_on(indent, path)
+
+    def _branches(self, leaving: list[Transition], indent: str, path: _Path) -> None:
+        """Print the branches of a selection. A transition that waits for other steps too is printed where they meet."""
+        if len(leaving) == 1:
+            return
+        self.divergences += 1
+        branch = self.divergences
+        for number, transition in enumerate(leaving):
+            last = number == len(leaving) - 1
+            lead = indent + (self.signs.last_branch if last else self.signs.branch)
+            inner = indent + (" " * len(self.signs.beside_branch) if last else self.signs.beside_branch)
+            if len(set(transition.sources)) > 1:
+                self._line(lead, ("together with ", "dim"), self._names(transition.sources))
+                continue
+            self._condition(transition, lead)
+            where = (*path, (branch, number))
+            following = self._after(transition, inner, where)
+            if following is not None:
+                self._sequence(following, inner, where)
+
+    def _after(self, transition: Transition, indent: str, path: _Path) -> int | None:
+        """Print what follows a transition; return the step to go on with in this branch, or None."""
+        targets = list(dict.fromkeys(transition.targets))
+        if len(targets) > 1:
+            self._simultaneous(transition, targets, indent, path)
+            return self._going_on(indent, path)
+        if not targets:
+            self._line(indent, (self.signs.arrow, "dim"), ("nowhere", "red"))
+            return None
+        target = targets[0]
+        if self._arrives(transition, target, path):
+            return target
+        self._arrow(target, indent)
+        return None
+
+    def _simultaneous(self, transition: Transition, targets: list[int], indent: str, path: _Path) -> None:
+        self.divergences += 1
+        branch = self.divergences
+        for number, target in enumerate(targets):
+            last = number == len(targets) - 1
+            lead = indent + (self.signs.last_bar if last else self.signs.bar)
+            inner = indent + (" " * len(self.signs.beside_bar) if last else self.signs.beside_bar)
+            where = (*path, (branch, number))
+            if self._arrives(transition, target, where):
+                self._sequence(target, inner, where, lead)
+            else:
+                self._arrow(target, lead)
+
+    def _going_on(self, indent: str, path: _Path) -> int | None:
+        """The step or the transition at which branches that were printed meet, to go on with."""
+        for transition in self.chart.transitions:
+            sources = set(transition.sources)
+            if len(sources) < 2 or transition.id in self.told_transitions or not sources <= self.told.keys():
+                continue
+            if _common(self.told[source] for source in sources) != path:
+                continue
+            self._line(indent, (self.signs.meet, "dim"), self._names(transition.sources))
+            self._condition(transition, indent + self.signs.down)
+            following = self._after(transition, indent, path)
+            if following is not None:
+                return following
+        for step, ways in self.arrived.items():
+            if step not in self.told and self._complete(step) and _common(ways.values()) == path:
+                return step
+        return None
+
+    def _arrives(self, transition: Transition, target: int, path: _Path) -> bool:
+        """Note that a way leads to `target`; True if the outline goes on with it right here."""
+        if target in self.told or target not in self.steps:
+            return False
+        ways = self.arrived.setdefault(target, {})
+        ways[transition.id] = path
+        return len(path) < _DEEPEST and self._complete(target) and _common(ways.values()) == path
+
+    def _complete(self, step: int) -> bool:
+        return self.flow.waits.get(step, set()) <= self.arrived.get(step, {}).keys()
+
+    # -- the lines ----------------------------------------------------------------------------------------------------
+
+    def _step(self, number: int, indent: str, path: _Path) -> None:
+        step = self.steps[number]
+        self.told[number] = path
+        name = f"[[{step.name}]]" if step.initial else f"[{step.name}]"
+        actions = ", ".join(map(str, self.words.actions(step)))
+        self._line(
+            indent, (name, "bold green" if step.initial else "bold"), (f"  {actions}" if actions else "", "cyan")
+        )
+
+    def _condition(self, transition: Transition, lead: str) -> None:
+        self.told_transitions.add(transition.id)
+        text = self.words.condition(transition.condition)
+        self._line(lead, (text, "") if text else ("(no condition)", "red"))
+
+    def _arrow(self, target: int, indent: str) -> None:
+        self._line(indent, (self.signs.arrow, "dim"), self._names([target]))
+
+    def _orphan(self, transition: Transition) -> None:
+        """Print a transition that no way has reached: from steps that exist nowhere, or never meet."""
+        self._line("")
+        self._line(_MARGIN, self._names(transition.sources) if transition.sources else ("(no step)", "red"))
+        self._condition(transition, _MARGIN + self.signs.down)
+        self._line(
+            _MARGIN,
+            (self.signs.arrow, "dim"),
+            self._names(transition.targets) if transition.targets else ("nowhere", "red"),
+        )
+
+    def _names(self, steps: list[int]) -> tuple[str, str]:
+        names = (self.steps[step].name if step in self.steps else "(no step)" for step in dict.fromkeys(steps))
+        return " & ".join(names), "bold"
+
+    def _line(self, indent: str, *pieces: tuple[str, str]) -> None:
+        self.lines.append([(indent, "dim"), *pieces])
+
+
+_Path = tuple[tuple[int, int], ...]
+"""The branches around something, outermost first: numbers of the divergence and of the branch in it."""
+
+
+@dataclass
+class _Flow:
+    """The chart as a walk from its initial steps.
+
+    `roots` are the steps where the walk begins. `waits` says for each step how many transitions lead to it without
+    leading back: the outline goes on with it where the last of them has arrived.
+    """
+
+    chart: SfcNetwork
+    leaving: dict[int, list[Transition]] = field(default_factory=dict)
+    roots: list[int] = field(default_factory=list)
+    waits: dict[int, set[int]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        ids = {step.id for step in self.chart.steps}
+        self.leaving = {step: [] for step in ids}
+        for transition in sorted(self.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
+            for source in dict.fromkeys(transition.sources):
+                if source in ids:
+                    self.leaving[source].append(transition)
+        self._walk(ids)
+
+    def _starts(self) -> Iterable[int]:
+        yield from (step.id for step in self.chart.steps if step.initial)
+        for transition in self.chart.transitions:
+            if not transition.sources:
+                yield from transition.targets
+        yield from (step.id for step in self.chart.steps)
+
+    def _walk(self, ids: set[int]) -> None:
+        """Depth first from every start that no earlier one reaches; a way to a step still being walked leads back."""
+        group: dict[int, int] = {}
+        for start in self._starts():
+            if start in group or start not in ids:
+                continue
+            self.roots.append(start)
+            group[start] = start
+            active = {start}
+            back: set[tuple[int, int]] = set()
+            members = [start]
+            stack = [(start, self._onward(start))]
+            while stack:
+                step, onward = stack[-1]
+                if not onward:
+                    active.discard(step)
+                    stack.pop()
+                    continue
+                transition, target = onward.pop()
+                if target in active:
+                    back.add((transition, target))
+                elif target in ids and target not in group:
+                    group[target] = start
+                    active.add(target)
+                    members.append(target)
+                    stack.append((target, self._onward(target)))
+            for member in members:
+                for transition, target in self._onward(member):
+                    if group.get(target) == start and (transition, target) not in back:
+                        self.waits.setdefault(target, set()).add(transition)
+
+    def _onward(self, step: int) -> list[tuple[int, int]]:
+        return [(t.id, target) for t in reversed(self.leaving[step]) for target in reversed(t.targets)]
+
+
+def _common(paths: Iterable[_Path]) -> _Path:
+    """The innermost place that all `paths` lie in."""
+    shared: _Path | None = None
+    for path in paths:
+        if shared is None:
+            shared = path
+            continue
+        length = next((i for i, (a, b) in enumerate(zip(shared, path, strict=False)) if a != b), None)
+        shared = shared[: min(len(shared), len(path)) if length is None else length]
+    return shared or ()
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,6 @@ from plcopen_sfc.object_path import ObjectPath
 if TYPE_CHECKING:
     from plcopen_sfc.analysis.verdict import Verdict
 
-__all__ = ["Change", "ChangeKind", "ProjectDiff", "Proof"]
-
 
 class ChangeKind(StrEnum):
     """Kinds of changes."""

@@ -16,8 +16,8 @@ from plcopen_sfc.comparison.tree_comparison import TreeComparison, word_of
 from plcopen_sfc.conversion import Detail, Part, executed
 from plcopen_sfc.errors import ModelError, check_argument
 from plcopen_sfc.languages.binding import Declaration, Names
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.translation.translation_context import family
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import Places
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork

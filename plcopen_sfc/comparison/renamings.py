@@ -20,8 +20,6 @@ from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
 
-__all__ = ["Renaming", "renamed_members", "renamed_outer", "renamed_steps", "renamed_transitions"]
-
 
 class Renaming(NamedTuple):
     """A part of the first project and the same part of the second, which has another name."""

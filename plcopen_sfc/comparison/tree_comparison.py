@@ -20,9 +20,7 @@ from plcopen_sfc.conversion.executed_parts import (
 from plcopen_sfc.conversion.meaning import Meaning, same
 from plcopen_sfc.model.sfc import Transition
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.semantics.system_inputs import PARAMETER_NAMES
-
-__all__ = ["TreeComparison", "matched_transitions", "word_of"]
+from plcopen_sfc.semantics.inputs import PARAMETER_NAMES
 
 _DERIVED = frozenset({PLAIN_VARIABLES, SHOWN_STATE, "order of transitions", "final scan"})
 """Aspects that follow from others."""

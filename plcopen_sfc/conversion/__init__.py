@@ -3,12 +3,10 @@
 `executed_parts`          a project as a tree of what a controller executes, or of all that people look at
 `executed_projects`       reads that tree: declarations, types, tasks, bodies
 `executed_charts`         reads the charts in it
-`kept_declarations`       declarations that the model keeps as text
-`compared_start_values`   the start value of every elementary member
+`declared_values`         start values of elementary members, and declarations that the model keeps as text
 `meaning`                 program text, conditions and values in a form that can be compared
 `comparison`              differences between two such trees
-`reporting`               differences as items of a `ConversionReport`
-`compared_runs`           source and result run against each other
+`reporting`               differences as items of a `ConversionReport`; source and result run against each other
 """
 
 from plcopen_sfc.conversion.comparison import Difference, compare

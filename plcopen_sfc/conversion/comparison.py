@@ -18,8 +18,6 @@ from plcopen_sfc.conversion.executed_parts import (
 from plcopen_sfc.conversion.meaning import Meaning, is_stronger, same
 from plcopen_sfc.object_path import ObjectPath
 
-__all__ = ["Difference", "alike", "compare", "ends", "matched_actions", "renamed_tasks"]
-
 
 @dataclass(frozen=True, slots=True)
 class Difference:

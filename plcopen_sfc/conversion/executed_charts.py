@@ -22,7 +22,6 @@ from plcopen_sfc.conversion.meaning import (
     condition_meaning,
     plain,
 )
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader, normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
@@ -30,16 +29,15 @@ from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
+from plcopen_sfc.semantics.inputs import MEMBER_NAMES, OUTPUT_NAMES, PARAMETER_NAMES, system_inputs
 from plcopen_sfc.semantics.profile import ActionControl, Profile
-from plcopen_sfc.semantics.system_inputs import MEMBER_NAMES, OUTPUT_NAMES, PARAMETER_NAMES, system_inputs
-
-__all__ = ["ChartReader"]
 
 
 class Around(Protocol):

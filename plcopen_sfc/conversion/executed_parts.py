@@ -15,22 +15,6 @@ from typing import NamedTuple
 from plcopen_sfc.conversion.meaning import Meaning, literal_meaning
 from plcopen_sfc.languages.binding.symbols import NamedObject
 
-__all__ = [
-    "OPERATING_INPUT",
-    "OPERATING_KINDS",
-    "PROGRAM_CALL",
-    "RESTING_INPUT",
-    "SHOWN_STATE",
-    "UNDECLARED",
-    "UNDECLARED_TYPE",
-    "UNUSED_INPUT",
-    "Detail",
-    "Key",
-    "Part",
-    "duration_meaning",
-    "plain_name",
-]
-
 UNDECLARED = "undeclared name"
 """The kind of parts that are names which nothing declares."""
 STORED = "stored value of "

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from typing import cast
 
-from plcopen_sfc.conversion.compared_start_values import StartValues
+from plcopen_sfc.conversion.declared_values import StartValues, add_kept, tell_inheritance, tell_type
 from plcopen_sfc.conversion.executed_charts import ChartReader
 from plcopen_sfc.conversion.executed_parts import (
     OPERATING_INPUT,
@@ -23,7 +23,6 @@ from plcopen_sfc.conversion.executed_parts import (
     duration_meaning,
     plain_name,
 )
-from plcopen_sfc.conversion.kept_declarations import add_kept, tell_inheritance, tell_type
 from plcopen_sfc.conversion.meaning import (
     Meaning,
     address_meaning,
@@ -37,7 +36,6 @@ from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.symbols import NamedObject
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.declarations.kept_texts import kept
-from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags
 from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs, unused_inputs
@@ -48,6 +46,7 @@ from plcopen_sfc.languages.task_schedules import schedule_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.network import Block, Node
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task, TaskWatchdog
@@ -69,8 +68,6 @@ from plcopen_sfc.model.types import (
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.profile import Profile, default_profile
-
-__all__ = ["executed"]
 
 
 def executed(

@@ -1,8 +1,8 @@
 """Program text, conditions and values in a form that can be compared.
 
 A text has the same meaning as another if both are the same, or have the same normal form
-(`plcopen_sfc.languages.networks.values`), or, of conditions, if z3 proves that one is TRUE whenever the other is.
-The forms are made only where the texts differ: most texts of a conversion do not.
+(`plcopen_sfc.languages.networks.wires`), or, of conditions, if z3 proves that one is TRUE whenever the other is. The
+forms are made only where the texts differ: most texts of a conversion do not.
 """
 
 from __future__ import annotations
@@ -13,27 +13,14 @@ from functools import cache
 from typing import Any
 
 from plcopen_sfc.languages.declarations.declaration_writing import write_type
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, NetworkText, body_statements, normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.languages.st.literals import LiteralError, literal_value
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import DataType
-
-__all__ = [
-    "Meaning",
-    "address_meaning",
-    "code_meaning",
-    "condition_meaning",
-    "is_stronger",
-    "literal_form",
-    "literal_meaning",
-    "plain",
-    "same",
-    "type_meaning",
-]
 
 _NOT_EXECUTED = frozenset(
     {"carried", "comment", "global_id", "title", "markup", "worksheet", "attributes", "position", "points"}

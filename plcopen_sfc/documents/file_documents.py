@@ -150,7 +150,7 @@ def report_behaviour(
     errors = [each for each in seen.diagnostics if each.severity is Severity.ERROR and each.code not in known]
     report_errors(report, errors, flavour or tool, called)
     if limit:
-        from plcopen_sfc.conversion.compared_runs import report_running  # noqa: PLC0415  # brings the interpreter
+        from plcopen_sfc.conversion.reporting import report_running  # noqa: PLC0415  # brings the interpreter
 
         report_running(report, project, seen, called, tool=flavour or tool, target=target, limit=limit)
 

@@ -15,8 +15,6 @@ from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
 from plcopen_sfc.model.pou import NamedBody
 from plcopen_sfc.model.project import Project
 
-__all__ = ["PICTURE_FORMATS", "DrawnChart", "draw", "drawn_bodies"]
-
 PICTURE_FORMATS = {"svg": ".svg", "png": ".png", "pdf": ".pdf", "mermaid": ".mmd", "dot": ".dot"}
 """The formats of pictures and their extensions."""
 _DEFAULT = "svg"

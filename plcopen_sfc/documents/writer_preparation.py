@@ -13,7 +13,7 @@ from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT
 from plcopen_sfc.languages.binding.text_sites import text_sites
 from plcopen_sfc.languages.s7_boxes import translate_boxes
-from plcopen_sfc.languages.s7_results import has_results, name_results
+from plcopen_sfc.languages.s7_programs import has_results, name_results
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.body import IlBody, StBody

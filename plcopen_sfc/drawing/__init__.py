@@ -1,19 +1,18 @@
 """Drawings of charts: derived from a chart, kept up to date after its edits, placed on the page.
 
-* `drawing_upkeep`: every chart of a project gets a drawing that fits it before a writer needs it
+* `drawing_upkeep`: a drawing that fits its chart before a writer needs it: an old drawing follows the edits, with
+  `attached_symbols`, action blocks and expressions
 * `drawing_style`: the two styles, and whether a drawing fits its chart
-* `new_drawing` from `chart_nesting` (a chart as nested branches) from `chart_graph` (forward edges, dominators)
-* `redrawing`: an old drawing follows the edits of its chart, with `attached_symbols`: action blocks and expressions
-* `symbol_layout` with `symbol_wires`: places and sizes of symbols, pins and wires
+* `new_drawing` from `chart_nesting` (a chart as a graph, and as nested branches)
+* `symbol_layout`: places and sizes of symbols, pins and wires
 * `wording`: conditions and actions in one line of text; `pictures`: charts as SVG pictures
 * `document_order`: symbols and logic in document order, and new ids in that order
 """
 
 from plcopen_sfc.drawing.document_order import renumber
 from plcopen_sfc.drawing.drawing_style import DrawingStyle, fits
-from plcopen_sfc.drawing.drawing_upkeep import all_charts, prepare, prepare_body
+from plcopen_sfc.drawing.drawing_upkeep import all_charts, prepare, prepare_body, redraw
 from plcopen_sfc.drawing.new_drawing import draw, limits
-from plcopen_sfc.drawing.redrawing import redraw
 from plcopen_sfc.drawing.symbol_layout import has_positions, layout
 
 __all__ = [

@@ -10,8 +10,15 @@ from __future__ import annotations
 from collections.abc import Generator, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from plcopen_sfc.drawing.chart_graph import ChartGraph, alike
-from plcopen_sfc.drawing.chart_nesting import ChartSegment, NestedDivergence, NestedJump, NestedNode, nest
+from plcopen_sfc.drawing.chart_nesting import (
+    ChartGraph,
+    ChartSegment,
+    NestedDivergence,
+    NestedJump,
+    NestedNode,
+    alike,
+    nest,
+)
 from plcopen_sfc.drawing.document_order import logic_order
 from plcopen_sfc.drawing.drawing_style import DrawingStyle
 from plcopen_sfc.model.conditions import Expression

@@ -15,8 +15,6 @@ from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, N
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 
-__all__ = ["ActionLine", "Wording"]
-
 
 @dataclass(frozen=True, slots=True)
 class ActionLine:

@@ -17,20 +17,6 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 
-__all__ = [
-    "as_in_file",
-    "content_digest",
-    "is_from",
-    "is_untouched",
-    "may_have_controls",
-    "place_in_folder",
-    "put_in_folder",
-    "read_later",
-    "remember_body",
-    "take_provenance",
-    "texts_of",
-]
-
 L = TypeVar("L", bound=LateElement)
 P = TypeVar("P", bound=ProjectObject)
 

@@ -13,7 +13,9 @@ from typing import Any, TypeAlias
 from pydantic import ValidationError
 
 from plcopen_sfc.languages.pragmas import (
+    Append,
     Fields,
+    Named,
     NotationError,
     PathError,
     RemainderEntry,
@@ -25,7 +27,6 @@ from plcopen_sfc.languages.pragmas import (
     plain_fields,
     value_at,
 )
-from plcopen_sfc.languages.pragmas.remainder import Append, Named
 from plcopen_sfc.languages.st.lexer import Comment
 from plcopen_sfc.model.project import Project
 

@@ -2,12 +2,12 @@
 
 * `st`: structured text. `il`: instruction lists. `networks`: FBD and LD. `declarations`: to the model and back.
 * `binding`: name sites, scopes and effects. `pragmas`: the remainder of the model in texts.
-* `translation`: between `dialects`, with `expression_types`, `standard_blocks`, `start_values` and `words` (keywords).
-* S7 has its own `s7_boxes`, `s7_flip_flops`, `s7_globals`, `s7_programs`, `s7_results` and `s7_types`.
+* `translation`: between dialects, with `expression_types`, `standard_blocks`, `start_values` and `words` (keywords).
+* S7 has its own `s7_boxes`, `s7_globals`, `s7_programs` and `s7_types`.
 * `task_schedules`: times of tasks.
 * `edits` of a text; `problems` of one, `syntax_problems` of those in a file.
 """
 
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.model.dialect import Dialect
 
 __all__ = ["Dialect"]

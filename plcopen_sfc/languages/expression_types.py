@@ -12,10 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import reduce
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES, LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator
+from plcopen_sfc.model.dialect import Dialect
 
 ORDER = ("SINT", "USINT", "BYTE", "INT", "UINT", "WORD", "DINT", "UDINT", "DWORD", "LINT", "ULINT", "LWORD")
 """Integers and bit strings, from the narrowest to the widest: of two types the later one is that of their sum."""

@@ -1,6 +1,10 @@
 """Instruction list, line by line: ``label: OPERATOR operand, operand`` (IEC 61131-3 ed. 3, 7.2).
 
 Operands are expressions of structured text. Calls may go on over several lines, up to the closing parenthesis.
+
+Instructions that only compute a value become an expression, those of a body statements, for tools that have no
+instruction list. The current result is an expression that is written where it is stored or asked for. So it must still
+mean the same there: what it reads may not have been written since it was computed, unless it is what was stored last.
 """
 
 from __future__ import annotations
@@ -9,11 +13,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.lexer import Token, tokenize
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Span
 from plcopen_sfc.languages.st.parsing import Parsed, parse_expression
+from plcopen_sfc.model.dialect import Dialect
 
 JUMPS = frozenset({"JMP", "JMPC", "JMPCN"})
 """Operators whose operand is a label."""
@@ -159,3 +165,146 @@ def _operands(text: str, tokens: list[Token], dialect: Dialect) -> Iterator[Oper
         if own:
             start, end = own[0].span[0], own[-1].span[1]
             yield Operand(parse_expression(text[start:end], dialect), start)
+
+
+_OPERATORS = {**LOGIC, **ARITHMETIC, **COMPARISONS}
+
+
+def result_expression(text: str, dialect: Dialect, *, stored_in: str = "") -> n.Expression | None:
+    """Return the current result behind the last instruction; None where there are jumps, calls or stores.
+
+    `stored_in`: the last instruction may store the result in this.
+    """
+    found = CurrentResult(text)
+    *most, last = list(instructions(text, dialect)) or [Instruction("", (0, 0))]
+    if last.operator.upper() != "ST" or not _read_names(last, stored_in):
+        most.append(last)
+    return found.current if all(found.take(each) for each in most) and not found.waiting else None
+
+
+def _read_names(store: Instruction, name: str) -> bool:
+    trees = [operand.parsed.tree for operand in store.operands]
+    return len(trees) == 1 and isinstance(trees[0], n.Name) and trees[0].identifier.casefold() == name.casefold()
+
+
+class CurrentResult:
+    """The current result of instructions, and the operations whose operands in parentheses are not closed yet."""
+
+    def __init__(self, text: str) -> None:
+        self.current: n.Expression | None = None
+        self.waiting: list[tuple[str, n.Expression]] = []
+        self._text = text
+
+    def take(self, instruction: Instruction) -> bool:
+        """Follow an instruction; False if it is one that no expression has."""
+        word = instruction.operator.upper()
+        trees = [operand.parsed.tree for operand in instruction.operands]
+        if instruction.label or any(operand.parsed.problems for operand in instruction.operands):
+            return False
+        if word in ("LD", "LDN") and len(trees) == 1:
+            self.current = negated(trees[0]) if word == "LDN" else trees[0]
+            return True
+        if self.current is None:
+            return False
+        if word == "NOT" and not trees:
+            self.current = negated(self.current)
+        elif word == ")" and self.waiting:
+            operator, before = self.waiting.pop()
+            self.current = _combined(operator, before, self.current)
+        elif word in _OPERATORS or word.removesuffix("N") in LOGIC:
+            if opens_parenthesis(self._text, instruction):
+                self.waiting.append((word, self.current))
+                self.current = trees[0] if trees else None
+            else:
+                for tree in trees:
+                    self.current = _combined(word, self.current, tree)
+        elif instruction.is_function:
+            arguments = tuple(n.Argument(tree) for tree in (self.current, *trees))
+            self.current = n.Call(n.Name(instruction.operator), arguments)
+        else:
+            return False
+        return True
+
+
+def _combined(word: str, left: n.Expression, right: n.Expression) -> n.Expression:
+    if word not in _OPERATORS:
+        word, right = word.removesuffix("N"), negated(right)
+    return n.Operation(_OPERATORS[word], (left, right))
+
+
+def negated(tree: n.Expression) -> n.Expression:
+    """Return ``NOT tree``."""
+    return n.Unary(Operator.NOT, tree)
+
+
+_OF_BLOCKS = frozenset({"S1", "R1", "CLK", "CU", "CD", "PV", "IN", "PT"})
+"""Operators that are inputs of a function block in IEC 61131-3 (ed. 2, table 54): another word is a function."""
+
+
+def statements(text: str, dialect: Dialect) -> n.Statements | None:
+    """Return the statements that do what the instructions do; None where there are jumps, or where none are known."""
+    found = _Statements(text)
+    if all(found.follow(each) for each in instructions(text, dialect)) and not found.result.waiting:
+        return n.Statements(tuple(found.statements))
+    return None
+
+
+class _Statements:
+    def __init__(self, text: str) -> None:
+        self.result = CurrentResult(text)
+        self.statements: list[n.Statement] = []
+
+    def follow(self, instruction: Instruction) -> bool:
+        """Follow an instruction; False if it is one that no statement has."""
+        word = instruction.operator.upper()
+        trees = [operand.parsed.tree for operand in instruction.operands]
+        if instruction.label or any(operand.parsed.problems for operand in instruction.operands):
+            return False
+        if word in ("ST", "STN", "S", "R"):
+            return len(trees) == 1 and self._store(word, trees[0])
+        if word in CALLS:
+            return len(trees) == 1 and self._call(word, trees[0])
+        if word in ("RET", "RETC", "RETCN"):
+            return self._when(word.removeprefix("RET"), n.Return())
+        return word not in _OF_BLOCKS and self.result.take(instruction)
+
+    def _store(self, word: str, target: n.Expression) -> bool:
+        current = self.result.current
+        if current is None:
+            return False
+        if word in ("S", "R"):
+            value = n.Literal("TRUE" if word == "S" else "FALSE")
+            stored = self._when("C", n.Assignment(target, value))
+        else:
+            self.statements.append(n.Assignment(target, negated(current) if word == "STN" else current))
+            stored = True
+        if _names(target) & _names(current):
+            # what was stored is the result itself; after another write it would be computed from other values
+            self.result.current = target if word == "ST" and isinstance(target, n.Name) else None
+        return stored and self._outlives(_names(target))
+
+    def _call(self, word: str, call: n.Expression) -> bool:
+        done = self._when(word.removeprefix("CAL"), n.CallStatement(call))
+        if self.result.current is not None and _names(call) & _names(self.result.current):
+            self.result.current = None
+        return done and self._outlives(_names(call))
+
+    def _outlives(self, written: frozenset[str]) -> bool:
+        """True if no operation that waits for its operand in parentheses reads what was written."""
+        return not any(written & _names(before) for _, before in self.result.waiting)
+
+    def _when(self, suffix: str, statement: n.Statement) -> bool:
+        """Write what happens always, or only if the current result is TRUE (C) or FALSE (CN)."""
+        current = self.result.current
+        if not suffix:
+            self.statements.append(statement)
+            return True
+        if current is None:
+            return False
+        condition = current if suffix == "C" else negated(current)
+        self.statements.append(n.If((n.Branch(condition, (statement,)),)))
+        return True
+
+
+def _names(tree: n.Node) -> frozenset[str]:
+    return frozenset(node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name))

@@ -15,10 +15,10 @@ from itertools import groupby
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Kind, Names
 from plcopen_sfc.languages.declarations import write_type
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, PouKind
 from plcopen_sfc.model.project import Project, Tag, TagTable, TreeNode
 from plcopen_sfc.model.types import DerivedType, ElementaryType, SimpleValue, Variable

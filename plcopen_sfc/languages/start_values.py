@@ -23,8 +23,6 @@ from plcopen_sfc.model.types import (
     Variable,
 )
 
-__all__ = ["Path", "Types", "ValuePathError", "apart", "assembled", "filled"]
-
 Path = tuple[str | tuple[int, ...], ...]
 """The way to an element: names of members, and indices of elements of arrays."""
 Types = Mapping[str, DataType]

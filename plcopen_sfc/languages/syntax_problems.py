@@ -9,12 +9,12 @@ from typing import Any
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_declarations, parse_expression, parse_statements
 from plcopen_sfc.languages.st.nodes import EmbeddedCode
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Dimension
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import Elementary
 
 _GENERIC = frozenset(name for name in Elementary.__members__ if name.startswith("ANY"))

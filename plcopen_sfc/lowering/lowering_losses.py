@@ -7,13 +7,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.lowering.code.code_declarations import names_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.model.body import SfcBody, StBody
 from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, NodeBase
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, SfcSettings, Step

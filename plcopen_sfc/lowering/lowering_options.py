@@ -7,9 +7,9 @@ from enum import StrEnum
 
 from plcopen_sfc.formats.format_interface import NetworkForm
 from plcopen_sfc.formats.registry import format_named
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.profile import Profile
 
 

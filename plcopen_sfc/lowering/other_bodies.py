@@ -12,7 +12,6 @@ from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.binding import called_actions
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
@@ -23,6 +22,7 @@ from plcopen_sfc.lowering.lowering_options import Construction, Language, Loweri
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Contact
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project

@@ -18,10 +18,10 @@ from plcopen_sfc.analysis.equivalence import Searching, equivalent
 from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import UntestedError, Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, SfcError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.translation.renames import identifier, is_identifier, is_reserved
 from plcopen_sfc.lowering.code.code_declarations import BOOL, names_of
 from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS

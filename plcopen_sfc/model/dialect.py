@@ -1,4 +1,4 @@
-"""The dialects of structured text."""
+"""The dialects of structured text that the library reads and writes."""
 
 from __future__ import annotations
 
@@ -16,3 +16,7 @@ class Dialect(StrEnum):
     CODESYS = "codesys"
     TWINCAT = "twincat"
     SCL = "scl"
+
+
+STRING_LENGTHS = {Dialect.SCL: "254", Dialect.CODESYS: "80"}
+"""How many characters a string has whose declaration does not say it; IEC 61131-3 leaves that to the tool."""

@@ -19,8 +19,6 @@ from plcopen_sfc.model.base import Model
 if TYPE_CHECKING:
     from plcopen_sfc.model.project import Project
 
-__all__ = ["Owned"]
-
 
 class Owned(Model):
     """An object that knows what it is in, and lets those in its fields `OWNS` know it."""

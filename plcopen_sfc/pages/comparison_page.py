@@ -16,8 +16,6 @@ from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.project_page import file_name_of, title_of
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
-__all__ = ["conversion_page", "diff_page"]
-
 _SIGNS = {"+": "added", "-": "removed", "@": "moved"}
 _MARKS = {
     Outcome.NOT_EXECUTED: "found-error",

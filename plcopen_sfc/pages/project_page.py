@@ -28,8 +28,6 @@ from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.timing_diagram import trace_section
 from plcopen_sfc.semantics.trace import Trace
 
-__all__ = ["page"]
-
 _MOST_USES = 60
 _SEVERITIES = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 _CAMEL = re.compile("(?<=[a-z])(?=[A-Z])")

@@ -6,15 +6,13 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from plcopen_sfc.drawing.pictures import Canvas, Theme, chosen_theme
-from plcopen_sfc.drawing.pictures.text_measures import text_width
+from plcopen_sfc.drawing.pictures.svg_canvas import text_width
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.pages.html_text import Html, data_element, element, joined
 from plcopen_sfc.pages.page_index import PageIndex
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.semantics.signals import SignalKind
 from plcopen_sfc.semantics.trace import Column, Trace
-
-__all__ = ["TimingDiagram", "trace_section", "trace_svg"]
 
 _MARGIN = 16
 _PITCH = 26

@@ -9,7 +9,6 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.networks import body_statements, condition_reader, is_empty_network
 from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in_s7
 from plcopen_sfc.languages.s7_programs import names_of_programs
@@ -49,6 +48,7 @@ from plcopen_sfc.model import (
 )
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, WiredCondition
+from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.types import (
     ArrayType,
     DerivedType,

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcopen_sfc.languages.binding.name_uses import dialect_of
-from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.il_expressions import result_expression
-from plcopen_sfc.languages.il_statements import statements
+from plcopen_sfc.languages.il import result_expression, statements
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.body import Body, IlBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method
 from plcopen_sfc.model.project import Project
 

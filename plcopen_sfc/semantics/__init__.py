@@ -2,6 +2,6 @@
 
 * `profile`: the choices in which tools differ. `net`: steps and transitions as bits and indexes.
 * `charts`: the interpreter of charts, with `drawn_charts` for logic drawn in them. `programs`: that of programs.
-* `simulation` of `subjects`, with `inputs` and `system_inputs`; `watched_instances` and `signals` are what it records.
+* `simulation` of `subjects`, with `inputs`; `signals` are what it records.
 * `trace`: a record of it, also as a file for wave viewers.
 """

@@ -1,4 +1,7 @@
-"""Inputs of a simulation: from CSV files, from another trace, from a Python function, or random with a seed."""
+"""Inputs of a simulation: from CSV files, from another trace, from a Python function, or random with a seed.
+
+Commands, modes and SFC flags, which operate a chart or tell its state, are no signals of the machine.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +15,42 @@ from typing import Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from plcopen_sfc.errors import InputError, Location, ModelError
 from plcopen_sfc.files import read_bytes
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, ALL_OUTPUTS, PARAMETERS
+from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.trace import ACTIVE_COLUMN, SCAN_COLUMN, TIME_COLUMN, Trace
 
-__all__ = ["BoundInputs", "CsvInputs", "InputFunction", "InputSource", "RandomInputs", "TraceInputs", "Variables"]
+_FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
+_SEQUENCER = frozenset(name.casefold() for name in ALL_INPUTS)
+OUTPUT_NAMES = frozenset(name.casefold() for name in ALL_OUTPUTS)
+"""Casefolded names of the outputs by which S7-GRAPH tells the state of a sequence."""
+PARAMETER_NAMES = _SEQUENCER | OUTPUT_NAMES
+"""Casefolded names of the inputs and outputs by which S7-GRAPH is told what to do with a sequence, and tells its state.
+"""
+MEMBER_NAMES = frozenset(name.casefold() for name in (*PARAMETERS, "RT_DATA"))
+"""Casefolded names of what a block of S7-GRAPH usually has, so that no other variable of the block has such a name."""
+_SIGNS = frozenset({"off_sq", "init_sq"})
+"""A block without a chart that has one of these is a sequencer that was lowered."""
+
+
+def system_inputs(pou: Pou, profile: Profile, inputs: Iterable[str]) -> frozenset[str]:
+    """Those of `inputs` that operate the chart of `pou`, as they are written there.
+
+    They are the SFC flags of CODESYS (``SFCInit``, ``SFCPause``), wherever they are declared, and under a profile with
+    the parameters of S7-GRAPH those parameters of the block (``OFF_SQ``, ``SW_MAN``, ``T_PUSH``). A chart does its work
+    while they keep their initial values.
+    """
+    own = {variable.name.casefold() for variable in pou.variables(SectionKind.INPUT)}
+    parameters = (
+        own & _SEQUENCER if profile.graph_parameters and (pou.chart is not None or own & _SIGNS) else frozenset()
+    )
+    return frozenset(
+        name for name in inputs if name.casefold() in parameters or name.rpartition(".")[2].casefold() in _FLAGS
+    )
+
 
 InputFunction: TypeAlias = Callable[[int, Mapping[str, Value]], Mapping[str, object]]
 """Gives what changes in a scan: from its number (0 is the first) and all values at the end of the scan before."""
@@ -28,7 +63,7 @@ BoundInputs: TypeAlias = Callable[[int], Mapping[str, Value]]
 class Variables:
     """Variables that a source sets: the inputs with their types, and the names of all others (case as declared).
 
-    `system` are those inputs that operate the chart (see `system_inputs`).
+    `system` are those inputs that operate the chart.
     """
 
     inputs: Mapping[str, Signal]

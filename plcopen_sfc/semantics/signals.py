@@ -22,8 +22,6 @@ from plcopen_sfc.languages.st.literals import (
     write_literal,
 )
 
-__all__ = ["Signal", "SignalKind", "Value"]
-
 Value: TypeAlias = bool | int | float | str
 """The value of a variable. Durations, times and dates are nanoseconds; bit strings and enumerations are integers."""
 

@@ -15,18 +15,22 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.charts import compile_chart
 from plcopen_sfc.semantics.charts.sfc_flags import COMMANDS
 from plcopen_sfc.semantics.drawn_charts import as_executed
-from plcopen_sfc.semantics.inputs import BoundInputs, CsvInputs, InputFunction, InputSource, TraceInputs, Variables
+from plcopen_sfc.semantics.inputs import (
+    BoundInputs,
+    CsvInputs,
+    InputFunction,
+    InputSource,
+    TraceInputs,
+    Variables,
+    system_inputs,
+)
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.programs.controller import Controller, Instance
 from plcopen_sfc.semantics.programs.types import Direction
 from plcopen_sfc.semantics.signals import Signal, Value
-from plcopen_sfc.semantics.subjects import Subject, resolve
-from plcopen_sfc.semantics.system_inputs import system_inputs
+from plcopen_sfc.semantics.subjects import Subject, Watched, is_written, resolve, signal_of, step_marking, watched
 from plcopen_sfc.semantics.trace import Column, Trace
-from plcopen_sfc.semantics.watched_instances import Watched, is_written, signal_of, step_marking, watched
-
-__all__ = ["Simulation", "nanoseconds", "simulate"]
 
 Inputs = InputSource | InputFunction | Trace | str | os.PathLike[str] | None
 """Where the inputs of a simulation come from; a path is that of a CSV file."""

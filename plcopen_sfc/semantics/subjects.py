@@ -1,16 +1,199 @@
-"""Subjects of a run: a chart, a POU or a project with a name, as a POU in its project."""
+"""Subjects of a run: a chart, a POU or a project with a name, as a POU in its project.
+
+What of a running instance can be set, recorded and compared: its variables as signals, and its steps.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from typing import Any
 
 from plcopen_sfc.errors import ModelError, check_argument
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.types import EnumType
+from plcopen_sfc.semantics.charts.chart_program import ChartProgram
+from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
+from plcopen_sfc.semantics.programs.controller import Instance
+from plcopen_sfc.semantics.programs.types import (
+    MOST_ELEMENTS,
+    ArrayType,
+    Direction,
+    ElementaryType,
+    Family,
+    Frame,
+    Layout,
+    Type,
+)
+from plcopen_sfc.semantics.signals import Signal, SignalKind
 
-__all__ = ["Subject", "resolve"]
+_NOT_SHOWN = frozenset({"constant", "temp"})
+_NOT_COMPARED = frozenset({Direction.CONSTANT, Direction.TEMP, Direction.IN_OUT})
+
+
+@dataclass(frozen=True, slots=True)
+class Watched:
+    """A variable: ``input`` where it is one or nothing writes it, ``in_out``, else its direction as declared."""
+
+    signal: Signal
+    direction: str
+
+    @property
+    def is_input(self) -> bool:
+        """True if a user gives it its value."""
+        return self.direction in ("input", "in_out")
+
+
+def watched(instance: Instance) -> dict[str, Watched]:
+    """The single variables of an instance, and the global and undeclared ones that it uses.
+
+    Inputs are those of the interface, and what nothing writes. Members of structures, timers and steps have paths of
+    their own and are not among them, unless they are inputs.
+    """
+    inputs = {path.casefold(): (path, type_) for path, type_ in instance.inputs().items()}
+    found: dict[str, Watched] = {}
+    for path, variable in instance.variables().items():
+        direction = str(variable.direction)
+        if variable.is_member or direction in _NOT_SHOWN:
+            continue
+        if inputs.pop(path.casefold(), None) is not None and direction != "in_out":
+            direction = "input"
+        _watch(found, instance, path, variable.type, direction)
+    for path, type_ in inputs.values():
+        root = instance.unit.layout.find(re.split(r"[.\[]", path)[0])
+        in_out = root is not None and root.direction is Direction.IN_OUT
+        _watch(found, instance, path, type_, "in_out" if in_out else "input")
+    return found
+
+
+def watched_members(instance: Instance) -> tuple[dict[str, Watched], list[str]]:
+    """The single values in arrays, structures and instances of the project's own function blocks, by path.
+
+    Without what a user gives a value, and without what charts and the simulator bring with them; then the paths of
+    arrays that have too many elements to look at all of them.
+    """
+    inputs = {path.casefold() for path in instance.inputs()}
+    roots = {id(instance.frame)}
+    found: dict[str, Watched] = {}
+    large: list[str] = []
+    for frame in (instance.frame, instance.controller.library.frame):
+        for path, type_, direction in _members(instance, frame, "", roots):
+            if isinstance(type_, ArrayType):
+                large.append(path)
+            elif path.casefold() not in inputs:
+                _watch(found, instance, path, type_, str(direction))
+    return found, large
+
+
+def _members(instance: Instance, frame: Frame, path: str, seen: set[int]) -> Iterator[tuple[str, Type, Direction]]:
+    for field in frame.layout.fields:
+        own = field.declared or not (frame.layout.is_instance or not path)
+        if field.hidden or not own or not field.retained or field.direction in _NOT_COMPARED:
+            continue
+        if frame.layout.find(field.name) is not field:
+            continue
+        value = frame.v[field.slot]
+        if path or isinstance(value, Frame | list):
+            yield from _inside(instance, f"{path}{field.name}", field.type, field.direction, value, seen=seen)
+
+
+def _inside(
+    instance: Instance, path: str, type_: Type, direction: Direction, value: Any, *, seen: set[int]
+) -> Iterator[tuple[str, Type, Direction]]:
+    """The single values of a variable, and arrays of too many elements."""
+    if isinstance(value, Frame):
+        if id(value) not in seen and instance.controller.library.block_of(value.layout) is None:
+            seen.add(id(value))
+            yield from _members(instance, value, f"{path}.", seen)
+    elif isinstance(value, list) and isinstance(type_, ArrayType):
+        if type_.size > MOST_ELEMENTS:
+            yield path, type_, direction
+            return
+        indices = product(*(range(lower, upper + 1) for lower, upper in type_.dimensions))
+        for index, element in zip(indices, value, strict=True):
+            name = f"{path}[{','.join(map(str, index))}]"
+            yield from _inside(instance, name, type_.base, direction, element, seen=seen)
+    elif not isinstance(value, list):
+        yield path, type_, direction
+
+
+def _watch(found: dict[str, Watched], instance: Instance, path: str, type_: Type, direction: str) -> None:
+    signal = signal_of(type_)
+    if signal is not None:
+        if signal.kind is SignalKind.ENUMERATION:
+            signal = _as_declared(signal, instance.controller.project)
+        found[path] = Watched(signal, direction)
+
+
+def _as_declared(signal: Signal, project: Project) -> Signal:
+    """An enumeration with its names as they are written in the project; programs know them in lower case."""
+    for declared in project.data_types:
+        if isinstance(declared.type, EnumType) and declared.name.casefold() == signal.type.casefold():
+            written = {value.name.casefold(): value.name for value in declared.type.values}
+            names = {number: written.get(name.casefold(), name) for number, name in signal.names.items()}
+            return Signal.enumeration(declared.name, names)
+    return signal
+
+
+def is_written(instance: Instance, path: str) -> bool:
+    """True if a program may write a variable, or a part of it; of an element of an array: any element."""
+    library = instance.controller.library
+    placed = library.frame.layout.find(path)  # what is at an address has its path as its name
+    if placed is not None:
+        return library.use.is_written_inside(f"g.{placed.slot}")
+    names = [name.partition("[")[0] for name in path.split(".")]
+    own = instance.frame
+    starts: tuple[tuple[list[str], Layout | None, Frame], ...] = (([], own.layout, own), (["g"], None, library.frame))
+    for start, owner, outer in starts:
+        keys, pou = start, owner
+        value: Any = outer
+        for name in names:
+            field = value.layout.find(name) if isinstance(value, Frame) else None
+            if field is None:
+                break
+            keys = [f"{key}.{field.slot}" for key in keys]
+            keys += [library.use.key(pou, field.slot)] if pou is not None else []
+            value = value.v[field.slot]
+            if isinstance(value, list):
+                return any(map(library.use.is_written_inside, keys))
+            pou = value.layout if isinstance(value, Frame) and value.layout.is_instance else None
+        else:
+            return any(map(library.use.is_written_inside, keys))
+    return True  # at an address, or where a chart keeps it
+
+
+def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]]:
+    """The paths of the steps of the chart that an instance is, and what gives the active ones as bits."""
+    for path, chart, frame in instance.charts():
+        if not path and isinstance(chart, ChartProgram | GraphProgram):
+            return tuple(step.path for step in chart.net.steps), partial(chart.marking, frame)
+    return (), lambda: 0
+
+
+def signal_of(type_: Type) -> Signal | None:
+    """The signal for a type of a running program; None for what is no single value."""
+    if not isinstance(type_, ElementaryType) or type_.family is Family.SPECIAL:
+        return None
+    if type_.names:
+        return Signal.enumeration(type_.name, {value: name for name, value in type_.names.items()})
+    plain = Signal.elementary("TIME" if type_.family is Family.DURATION else type_.name)
+    least, greatest = type_.narrowed or (type_.least, type_.greatest)
+    if not type_.is_ranged:
+        return replace(plain, length=type_.length)
+    return replace(
+        plain,
+        type=type_.name if type_.narrowed else plain.type,
+        unit=type_.unit,
+        least=-(-least // type_.unit) * type_.unit,
+        greatest=greatest // type_.unit * type_.unit,
+    )
+
 
 _ALONE = "Chart"
 

@@ -21,8 +21,6 @@ from plcopen_sfc.operations import provided
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.version import __version__
 
-__all__ = ["ACTIVE_COLUMN", "SCAN_COLUMN", "TIME_COLUMN", "Change", "Column", "Trace", "dump"]
-
 SCAN_COLUMN = "scan no"
 TIME_COLUMN = "time ms"
 ACTIVE_COLUMN = "active steps"

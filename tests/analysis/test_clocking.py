@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.clocking import clocking, step_times
+from plcopen_sfc.analysis.timers import clocking, step_times
 from plcopen_sfc.model import Action, ActionAssociation, IlBody, PartialChart, Qualifier, SfcNetwork, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.subjects import Subject, resolve

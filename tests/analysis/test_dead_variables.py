@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.clocking import clocking
 from plcopen_sfc.analysis.dead_variables import dead_cells
 from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.analysis.timers import clocking
 from plcopen_sfc.semantics.profile import profile
 from plcopen_sfc.semantics.programs.types import leaves
 from plcopen_sfc.semantics.subjects import resolve

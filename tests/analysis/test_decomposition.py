@@ -12,12 +12,12 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalence, equivalent
 from plcopen_sfc.analysis.product import Explored, Search, ended
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering import Construction, Language, Style
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model import Qualifier
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.schemes import EXACT, Flow, chart_of, program, step_flags
 from tests.lowering.random_charts import random_chart

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
-from plcopen_sfc.analysis.delay import Delay, retimed
+from plcopen_sfc.analysis.pairing import Delay, retimed
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model import ActionAssociation, Expression, Project, Qualifier
 from plcopen_sfc.semantics.profile import PROFILES

@@ -12,14 +12,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.exclusivity import Truth, condition_of, covered, exclusive, truth
 from plcopen_sfc.analysis.knowledge import ValueKind, VariableValues
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal_value
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import BodyCondition, NamedCondition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import NamedTransition
 from tests.analysis.nets import chart_of
 from tests.sweeps import examples

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.exclusivity import Truth, exclusive, truth
 from plcopen_sfc.analysis.knowledge import Knowledge, ValueKind, VariableValues, project_knowledge
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project, TagTable
 from plcopen_sfc.model.types import Variable
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.marking import marking_graph
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.net import Competing, Net
 from tests.analysis.nets import Arcs, any_nets, chart_of, chart_of_arcs

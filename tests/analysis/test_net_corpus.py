@@ -8,9 +8,9 @@ from functools import cache
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.regions import Regions, find_regions
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.analysis.soundness import Proof, soundness
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.net import Net

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.clocking import clocking
-from plcopen_sfc.analysis.slicing import NotDivisibleError, cone, parts_of
+from plcopen_sfc.analysis.decomposition import NotDivisibleError, cone, parts_of
 from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.analysis.timers import clocking
 from plcopen_sfc.model import ActionAssociation, Pou, Qualifier, SfcNetwork, StBody
 from plcopen_sfc.semantics.profile import profile
 from plcopen_sfc.semantics.programs.controller import Instance

@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.marking import marking_graph
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.analysis.soundness import Proof, soundness
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.net import Net

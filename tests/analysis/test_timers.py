@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
-from plcopen_sfc.analysis.clocking import clocking
 from plcopen_sfc.analysis.systems import ProgramSystem
-from plcopen_sfc.analysis.timers import waiting_timers
+from plcopen_sfc.analysis.timers import clocking, waiting_timers
 from plcopen_sfc.model import SfcBody, SfcNetwork, StBody
 from plcopen_sfc.semantics.profile import profile
 from plcopen_sfc.semantics.subjects import resolve

@@ -7,7 +7,7 @@ from textwrap import dedent
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.cli.outline import outline
+from plcopen_sfc.cli.summary import outline
 from plcopen_sfc.drawing.wording import Wording
 from plcopen_sfc.model import (
     ActionAssociation,

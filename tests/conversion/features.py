@@ -10,8 +10,6 @@ from plcopen_sfc import model as m
 from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_fbd_expression, draw_ld
 from plcopen_sfc.languages.st import parse_expression, parse_statements
 
-__all__ = ["FEATURES", "SOURCES", "Feature", "feature_project"]
-
 SOURCES = {
     "codesys": m.Dialect.CODESYS,
     "plcopen": m.Dialect.IEC,

@@ -20,7 +20,6 @@ from tests.conversion.features import FEATURES, Feature, feature_project
 _IMPORT = "no export of CODESYS has it, so its importer may not read it"
 _FINAL = "the final scan of the source makes no difference in this chart"
 
-__all__ = ["TARGETS", "Cell", "cells", "judge", "table"]
 
 CAUTIOUS = {
     ("qualifier P1", "codesys"): _IMPORT,

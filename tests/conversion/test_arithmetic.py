@@ -13,10 +13,10 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis.equivalence import equivalent
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_ld
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.programs import Controller
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.programs import Controller
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.drawing.pictures.network_layout import Box, NetworkLayout, Wire, feedback_wires
+from plcopen_sfc.drawing.pictures.network_picture import Box, NetworkLayout, Wire, feedback_wires
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model.body import FbdBody, LdBody
 

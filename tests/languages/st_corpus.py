@@ -16,7 +16,7 @@ from pydantic import BaseModel
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import SfcError
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.model.dialect import Dialect
 from tests.corpus import CORPUS, corpus_files
 from tests.languages.st_simaticml import scl_text
 

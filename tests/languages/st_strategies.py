@@ -8,10 +8,10 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Operator, Quoting
+from plcopen_sfc.model.dialect import Dialect
 
 Draw = Callable[[st.SearchStrategy[Any]], Any]
 

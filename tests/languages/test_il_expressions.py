@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.il_expressions import result_expression
+from plcopen_sfc.languages.il import result_expression
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.model.dialect import Dialect
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ import random
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.il_statements import statements
+from plcopen_sfc.languages.il import statements
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.model.dialect import Dialect
 
 
 def shown(text: str) -> str | None:

@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import (
     Parsed,
     parse_condition,
@@ -24,6 +23,7 @@ from plcopen_sfc.languages.st import (
 )
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.model.dialect import Dialect
 from tests.corpus import require_corpus
 from tests.languages.st_corpus import CorpusText, Kind, corpus_texts, distinct
 from tests.languages.st_invariants import assert_tree_fits

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import (
     Parsed,
     parse_expression,
@@ -21,6 +20,7 @@ from plcopen_sfc.languages.st import (
     without_parentheses,
 )
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.model.dialect import Dialect
 from tests.languages.st_invariants import assert_tree_fits
 from tests.languages.st_strategies import expressions, laid_out, programs, statements
 

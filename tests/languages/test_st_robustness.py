@@ -9,7 +9,6 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import (
     Parsed,
     parse_condition,
@@ -20,6 +19,7 @@ from plcopen_sfc.languages.st import (
 )
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import MAX_PROBLEMS, tokenize
+from plcopen_sfc.model.dialect import Dialect
 from tests.languages.st_invariants import assert_tree_fits
 from tests.languages.st_strategies import CODESYS, dialects, laid_out, programs
 from tests.sweeps import WHOLE

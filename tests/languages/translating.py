@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.translation import Translated, TranslationContext, translate_text
+from plcopen_sfc.model.dialect import Dialect
 
 
 def translated(text: str, source: Dialect, target: Dialect, **known: Any) -> Translated:

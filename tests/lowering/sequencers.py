@@ -6,11 +6,11 @@ from typing import Any
 
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, equivalent
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering import Construction, Language
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import Constructed, construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.semantics.charts.rig import chain
 

@@ -16,11 +16,11 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering import Construction, Language, Style
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.lowering.random_charts import QUALIFIERS, Shape, random_chart

@@ -9,11 +9,11 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering import Construction, lower
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.nets import chart_of
 from tests.lowering.charts import act, boolean, pou_with

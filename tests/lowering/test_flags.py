@@ -10,11 +10,11 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering import Construction, Language, Style, lower
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.nets import block_chart
 from tests.lowering.charts import act, boolean, pou_with, training_chain

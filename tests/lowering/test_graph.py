@@ -12,8 +12,8 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering import Construction, Language
+from plcopen_sfc.model.dialect import Dialect
 from tests.analysis.nets import any_nets, block_chart, chart_of_arcs
 from tests.languages.networks import build
 from tests.lowering.sequencers import (

@@ -8,9 +8,9 @@ from hypothesis import HealthCheck, given, settings
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError, ModelError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering import Construction, LoweredPou
 from plcopen_sfc.lowering.proof import prove
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.sequencers import STANDARD_INPUTS, STANDARD_OUTPUTS, act, block, guarded, ring, text, verdict
 from tests.lowering.test_graph import sequencers

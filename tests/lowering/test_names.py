@@ -8,9 +8,9 @@ import re
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering import lower
 from plcopen_sfc.lowering.code.code_declarations import Naming
+from plcopen_sfc.model.dialect import Dialect
 from tests.analysis.nets import chart_of
 from tests.lowering.charts import act, pou_with
 from tests.lowering.random_charts import Shape, random_chart

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering import Construction, Language, Style, lower
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import Constructed, construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.net import Net, NetStep
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.nets import block_chart, chart_of

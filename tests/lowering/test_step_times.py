@@ -8,7 +8,6 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.lowering import Construction, Language
@@ -18,6 +17,7 @@ from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.lowering.charts import act
 from tests.lowering.test_executing import chain, chart

@@ -16,7 +16,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.formats.codesys.codesys_codec import validate_codesys
 from plcopen_sfc.languages.networks import draw_fbd
-from plcopen_sfc.languages.networks.sheets import on_one_sheet
+from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering import LoweredPou, lower

@@ -6,9 +6,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.semantics.inputs import RandomInputs
+from plcopen_sfc.semantics.inputs import RandomInputs, system_inputs
 from plcopen_sfc.semantics.profile import PROFILES
-from plcopen_sfc.semantics.system_inputs import system_inputs
 from tests.lowering.sequencers import STANDARD_INPUTS, act, block, ring
 
 SEQUENCER = block(ring(act("N")), STANDARD_INPUTS, "Q")

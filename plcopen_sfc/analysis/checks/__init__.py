@@ -1,7 +1,6 @@
-"""The numbered rules on charts: one table (`RULES`), one way to apply them (`check_charts`)."""
+"""The numbered rules on charts: one table (`RULES`), one way to apply them (`check_charts`), modules by subject."""
 
-from plcopen_sfc.analysis.checks.check_run import check_charts
-from plcopen_sfc.analysis.checks.rule import Finding, Rule
-from plcopen_sfc.analysis.checks.rule_table import RULES, rule_named
+from plcopen_sfc.analysis.checks.checked_chart import Finding, Rule
+from plcopen_sfc.analysis.checks.rule_table import RULES, check_charts, rule_named
 
 __all__ = ["RULES", "Finding", "Rule", "check_charts", "rule_named"]

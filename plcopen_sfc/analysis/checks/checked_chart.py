@@ -1,18 +1,18 @@
-"""Charts and their project as the rules see them, with the places that findings can point at."""
+"""Rules, and charts and their project as rules see them, with the places that findings can point at."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 
 from plcopen_sfc.analysis.exclusivity import Truth, truth
 from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
+from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import dialect_of
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
@@ -21,6 +21,7 @@ from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step, Transition
@@ -28,6 +29,42 @@ from plcopen_sfc.model.types import DataType, DerivedType
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import PROFILES, Profile
+
+FAMILIES = tuple(PROFILES)
+"""The profiles that severities are given for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A breach of a rule: where, and what is wrong there. `hint` replaces that of the rule where more can be said."""
+
+    place: FindingPlace
+    message: str
+    hint: str = ""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A numbered rule on charts.
+
+    `why` says what goes wrong with charts that break it, and where that is known from; `hint` what to do. `severity` is
+    that of a breach, but for the profiles in `severities`; None: the rule is not for them. `example` is a chart that
+    breaks it, in textual SFC where that can say it.
+    """
+
+    code: str
+    title: str
+    why: str
+    hint: str
+    example: str
+    check: Callable[[CheckedChart], Iterator[Finding]]
+    severity: Severity | None
+    severities: Mapping[str, Severity | None] = field(default_factory=dict)
+
+    def severity_for(self, family: str) -> Severity | None:
+        """How bad a breach is under a profile of `FAMILIES`; None: the rule does not apply."""
+        return self.severities.get(family, self.severity)
+
 
 MOST_MARKINGS = 5_000
 """Markings that are visited for each chart before questions about all of them are left unanswered."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart
-from plcopen_sfc.analysis.checks.rule import Finding, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rule
 from plcopen_sfc.diagnostics import Severity
 
 

@@ -1,95 +1,262 @@
-"""Every rule, and the catalogue of them for people."""
+"""Every rule, the catalogue of them for people, their selection, and their application to charts.
+
+Findings that somebody has looked at are let be: ``plcopen-sfc: ignore STR09`` in a comment.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Iterator, Sequence
 
 from plcopen_sfc.analysis.checks import (
-    condition_rules,
-    connection_rules,
-    event_rules,
-    hierarchy_rules,
+    action_rules,
+    grafcet_rules,
     limit_rules,
-    name_rules,
-    qualifier_rules,
-    race_rules,
     reachability_rules,
-    selection_rules,
-    start_and_end_rules,
-    storing_rules,
-    suppression,
-    transient_rules,
+    structure_rules,
+    transition_rules,
 )
-from plcopen_sfc.analysis.checks.rule import FAMILIES, Rule
+from plcopen_sfc.analysis.checks.checked_chart import (
+    FAMILIES,
+    CheckedChart,
+    CheckedProject,
+    Finding,
+    FindingPlace,
+    Rule,
+    charts_of,
+)
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import Location, ModelError, nearest
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.network import CommentBox
+from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.text import MarkupText, MultilingualText, Text
+from plcopen_sfc.semantics.profile import Profile, default_profile
+from plcopen_sfc.semantics.profile import profile as profile_named
+
+_MARK = re.compile(r"\bplcopen-sfc:\s*ignore\b[ \t]*([^\r\n]*)", re.IGNORECASE)
+_CODES = re.compile(r"[ \t]*([A-Za-z]{2,4}\d{0,2})\b[ \t]*,?")
+
+
+def suppressed(place: FindingPlace, code: str) -> bool:
+    """Whether a comment at `place`, or at something that it stands in, lets findings of this code be."""
+    return any(code.startswith(listed) for element in place.elements for listed in codes_in(element))
+
+
+def marks_in(element: Element) -> bool:
+    """Whether a comment of an object wants to let something be."""
+    return any(_MARK.search(text) for text in comments_of(element))
+
+
+def codes_in(element: Element) -> Iterator[str]:
+    """The codes, or starts of codes, that the comments of an object list, in capitals."""
+    for text in comments_of(element):
+        for mark in _MARK.finditer(text):
+            position = 0
+            rest = mark[1]
+            while (code := _CODES.match(rest, position)) is not None:
+                yield code[1].upper()
+                position = code.end()
+
+
+def comments_of(element: Element) -> Iterator[str]:
+    """The comments of an object as plain text; of a chart also those that stand in its drawing."""
+    yield from _plain(element.comment)
+    if isinstance(element, SfcNetwork):
+        for node in element.logic:
+            if isinstance(node, CommentBox):
+                yield from _plain(node.content)
+
+
+def _plain(text: Text | None) -> Iterator[str]:
+    if isinstance(text, MultilingualText):
+        yield from text.texts.values()
+    elif isinstance(text, MarkupText):
+        yield text.text
+    elif text is not None:
+        yield text
+
+
+def _places(chart: CheckedChart) -> Iterator[FindingPlace]:
+    for sheet in chart.sheets:
+        yield sheet.place
+        for step in sheet.steps:
+            yield sheet.at(step)
+        for transition in sheet.transitions:
+            yield sheet.at(transition)
+        for step, association in sheet.actions():
+            yield sheet.at(step, association)
+
+
+def rule_on(codes: Iterable[str]) -> Rule:
+    """The rule that comments name codes, of these."""
+    known = tuple(codes)
+
+    def check(chart: CheckedChart) -> Iterator[Finding]:
+        for place in _places(chart):
+            element = place.elements[0]
+            listed = list(codes_in(element))
+            for code in listed:
+                if not any(each.startswith(code) for each in known):
+                    yield Finding(place, f"the comment lets {code} be, and there is no such rule")
+            if marks_in(element) and not listed:
+                yield Finding(place, "the comment lets nothing be: it names no rule")
+
+    return Rule(
+        code="CHK01",
+        title="Comments that let findings be name rules",
+        why="A misspelt code lets nothing be.",
+        hint="Write plcopen-sfc: ignore and the codes behind it, with commas between.",
+        example="the comment plcopen-sfc: ignore STR99",
+        check=check,
+        severity=Severity.WARNING,
+    )
+
+
+def selected(rules: Sequence[Rule], select: Iterable[str], ignore: Iterable[str]) -> list[Rule]:
+    """The rules that begin with one of `select` (all, where nothing is selected) and with none of `ignore`.
+
+    Raises `ModelError` for a code that no rule begins with.
+    """
+    wanted = known(rules, select)
+    unwanted = known(rules, ignore)
+    return [
+        rule for rule in rules if (not wanted or rule.code.startswith(wanted)) and not rule.code.startswith(unwanted)
+    ]
+
+
+def known(rules: Sequence[Rule], codes: Iterable[str]) -> tuple[str, ...]:
+    """The codes in capitals. Raises `ModelError` where no rule begins with one of them."""
+    found = tuple(code.strip().upper() for code in ([codes] if isinstance(codes, str) else codes))
+    for code in found:
+        if not code or not any(rule.code.startswith(code) for rule in rules):
+            groups = sorted({rule.code[:3] for rule in rules})
+            near = nearest(code, [rule.code for rule in rules])
+            raise ModelError(
+                f"there is no rule {code!r}{near}", hint=f"Rules begin with {', '.join(groups)}; see docs/checks.md."
+            )
+    return found
+
+
+def check_charts(
+    subject: Project | Pou | SfcNetwork,
+    *,
+    profile: str | Profile | None = None,
+    select: Iterable[str] = (),
+    ignore: Iterable[str] = (),
+) -> list[Diagnostic]:
+    """What is wrong with the charts of a project, of a POU, or with one chart: see `plcopen_sfc.api.check`."""
+    rules = selected(RULES, select, ignore)
+    project = subject if isinstance(subject, Project) else _home(subject)
+    execution = profile_named(profile) if profile is not None else default_profile(project)
+    found: list[Diagnostic] = []
+    for chart in _charts(subject, CheckedProject(project), execution):
+        found += findings(chart, rules)
+    return found
+
+
+def findings(chart: CheckedChart, rules: Iterable[Rule]) -> Iterator[Diagnostic]:
+    """What the rules find in one chart, but for what is excluded from the program or what comments let be."""
+    for rule in rules:
+        severity = rule.severity_for(chart.family)
+        if severity is None:
+            continue
+        for finding in rule.check(chart):
+            if not finding.place.excluded and not suppressed(finding.place, rule.code):
+                location = Location(path=finding.place.path or None)
+                yield Diagnostic(rule.code, severity, finding.message, location, finding.hint or rule.hint)
+
+
+def _charts(subject: Project | Pou | SfcNetwork, around: CheckedProject, profile: Profile) -> Iterator[CheckedChart]:
+    if isinstance(subject, SfcNetwork):
+        everywhere = (chart for pou in around.project.pous if pou.name for chart in charts_of(around, pou, profile))
+        alone = CheckedChart(around, None, FindingPlace("", (subject,)), subject, profile)
+        yield next((chart for chart in everywhere if chart.chart is subject), alone)
+        return
+    for pou in [subject] if isinstance(subject, Pou) else around.project.pous:
+        yield from charts_of(around, pou, profile)
+
+
+def _home(subject: Pou | SfcNetwork) -> Project:
+    """The project that a POU or chart is in; an empty one where it is in none."""
+    if subject.project is not None:
+        return subject.project
+    if isinstance(subject, SfcNetwork):
+        subject = Pou(name="", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=subject)])
+    return Project(pous=[subject])
+
 
 _ON_CHARTS: tuple[Rule, ...] = (
-    connection_rules.STR01,
-    start_and_end_rules.STR02,
-    connection_rules.STR04,
-    connection_rules.STR05,
+    structure_rules.STR01,
+    structure_rules.STR02,
+    structure_rules.STR04,
+    structure_rules.STR05,
     reachability_rules.STR06,
     reachability_rules.STR07,
     reachability_rules.STR08,
-    start_and_end_rules.STR09,
+    structure_rules.STR09,
     reachability_rules.STR10,
-    start_and_end_rules.STR11,
-    start_and_end_rules.STR12,
-    hierarchy_rules.STR13,
-    start_and_end_rules.STR14,
+    structure_rules.STR11,
+    structure_rules.STR12,
+    grafcet_rules.STR13,
+    structure_rules.STR14,
     reachability_rules.STR15,
-    name_rules.NAM01,
-    name_rules.NAM02,
-    name_rules.NAM03,
-    name_rules.NAM04,
-    name_rules.NAM05,
-    selection_rules.SEL01,
-    selection_rules.SEL02,
-    selection_rules.SEL03,
-    selection_rules.SEL04,
-    condition_rules.CND01,
-    condition_rules.CND02,
-    condition_rules.CND03,
-    condition_rules.CND04,
-    condition_rules.CND05,
-    condition_rules.CND06,
-    condition_rules.CND07,
-    condition_rules.CND08,
-    condition_rules.CND09,
-    qualifier_rules.ACT01,
-    storing_rules.ACT02,
-    storing_rules.ACT03,
-    race_rules.ACT04,
-    qualifier_rules.ACT05,
-    qualifier_rules.ACT06,
-    qualifier_rules.ACT07,
-    qualifier_rules.ACT08,
-    qualifier_rules.ACT09,
-    storing_rules.ACT10,
-    event_rules.ACT11,
-    event_rules.ACT12,
-    event_rules.ACT13,
-    qualifier_rules.ACT14,
-    qualifier_rules.ACT15,
-    qualifier_rules.ACT16,
-    qualifier_rules.ACT17,
-    storing_rules.ACT18,
-    transient_rules.EVO01,
-    transient_rules.EVO02,
-    event_rules.TIM01,
-    hierarchy_rules.HIE01,
-    hierarchy_rules.HIE02,
-    hierarchy_rules.HIE03,
-    hierarchy_rules.HIE04,
-    hierarchy_rules.HIE05,
-    hierarchy_rules.HIE06,
-    hierarchy_rules.HIE07,
-    hierarchy_rules.HIE08,
+    structure_rules.NAM01,
+    structure_rules.NAM02,
+    structure_rules.NAM03,
+    structure_rules.NAM04,
+    structure_rules.NAM05,
+    transition_rules.SEL01,
+    transition_rules.SEL02,
+    transition_rules.SEL03,
+    transition_rules.SEL04,
+    transition_rules.CND01,
+    transition_rules.CND02,
+    transition_rules.CND03,
+    transition_rules.CND04,
+    transition_rules.CND05,
+    transition_rules.CND06,
+    transition_rules.CND07,
+    transition_rules.CND08,
+    transition_rules.CND09,
+    action_rules.ACT01,
+    action_rules.ACT02,
+    action_rules.ACT03,
+    action_rules.ACT04,
+    action_rules.ACT05,
+    action_rules.ACT06,
+    action_rules.ACT07,
+    action_rules.ACT08,
+    action_rules.ACT09,
+    action_rules.ACT10,
+    grafcet_rules.ACT11,
+    grafcet_rules.ACT12,
+    grafcet_rules.ACT13,
+    action_rules.ACT14,
+    action_rules.ACT15,
+    action_rules.ACT16,
+    action_rules.ACT17,
+    action_rules.ACT18,
+    reachability_rules.EVO01,
+    reachability_rules.EVO02,
+    grafcet_rules.TIM01,
+    grafcet_rules.HIE01,
+    grafcet_rules.HIE02,
+    grafcet_rules.HIE03,
+    grafcet_rules.HIE04,
+    grafcet_rules.HIE05,
+    grafcet_rules.HIE06,
+    grafcet_rules.HIE07,
+    grafcet_rules.HIE08,
     limit_rules.LIM01,
     limit_rules.LOW01,
     limit_rules.LOW02,
 )
 
-RULES: tuple[Rule, ...] = (*_ON_CHARTS, suppression.rule_on([*(rule.code for rule in _ON_CHARTS), "CHK01"]))
+RULES: tuple[Rule, ...] = (*_ON_CHARTS, rule_on([*(rule.code for rule in _ON_CHARTS), "CHK01"]))
 """Every rule, by group and number."""
 
 

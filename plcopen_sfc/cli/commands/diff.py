@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from plcopen_sfc.cli.guard import UNREADABLE
 from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, load_input
-from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.cli.screen import UNREADABLE, Screen
 from plcopen_sfc.comparison import ChangeKind, ProjectDiff, diff
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import FormatError, InputError, SfcError

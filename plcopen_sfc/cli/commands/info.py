@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from plcopen_sfc.cli.outline import outline
 from plcopen_sfc.cli.reading import error_data, exit_code_for, expand, finding_data, load_each
 from plcopen_sfc.cli.screen import Screen, Table
-from plcopen_sfc.cli.summary import FileSummary, all_charts, summarise
+from plcopen_sfc.cli.summary import FileSummary, all_charts, outline, summarise
 from plcopen_sfc.model.project import Project
 
 _FEW_CHARTS = 4

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import UntestedError
-from plcopen_sfc.cli.guard import INTERRUPTED, UNREADABLE
 from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, exit_code_for, load_input, written_to_stdout
-from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.cli.screen import INTERRUPTED, UNREADABLE, Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.formats.registry import format_named

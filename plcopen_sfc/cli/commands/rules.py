@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from plcopen_sfc.analysis.checks import RULES, Rule
-from plcopen_sfc.analysis.checks.check_run import selected
-from plcopen_sfc.analysis.checks.rule_table import catalogue, in_profiles
+from plcopen_sfc.analysis.checks.rule_table import catalogue, in_profiles, selected
 from plcopen_sfc.cli.screen import Screen, Table
 
 

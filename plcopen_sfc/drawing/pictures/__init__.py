@@ -2,10 +2,10 @@
 
 * `chart_picture`: a chart with the charts inside it, as the text of an SVG file
 * `chart_arrangement`: the nested branches of a chart on the page
-* `symbol_pictures`, `action_pictures`: steps, transitions and jumps; action blocks
-* `network_picture`, `network_layout`: networks of FBD and LD
+* `symbol_pictures`: steps, transitions, jumps and action blocks
+* `network_picture`: networks of FBD and LD
 * `graph_texts`: Mermaid and Graphviz
-* `svg_canvas`: shapes, texts and themes; `text_measures`: widths of texts, wrapped texts
+* `svg_canvas`: shapes, texts and themes, widths of texts
 """
 
 from plcopen_sfc.drawing.pictures.chart_picture import (

@@ -9,9 +9,8 @@ from typing import TypeVar
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.drawing.pictures.chart_arrangement import Arrangement
-from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme
+from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle, Sheet
-from plcopen_sfc.drawing.pictures.text_measures import text_width
 from plcopen_sfc.drawing.wording import Wording
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model.body import Body, SfcBody

@@ -27,7 +27,6 @@ from itertools import takewhile
 from plcopen_sfc.formats.codesys23.exp_outline import PRAGMA, Span, after_comments, core, find_end, is_in_comment
 from plcopen_sfc.formats.text_patch import Key, Place, WrittenBlock, block_span, plain_lines
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il import OPERATORS, is_il
 from plcopen_sfc.languages.networks import shown_body, shown_condition
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -35,6 +34,7 @@ from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain

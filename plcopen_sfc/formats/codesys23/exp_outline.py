@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from plcopen_sfc.languages.declarations import split_units
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Problem
+from plcopen_sfc.model.dialect import Dialect
 
 Span: TypeAlias = tuple[int, int]
 

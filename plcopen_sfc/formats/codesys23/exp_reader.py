@@ -43,11 +43,11 @@ from plcopen_sfc.formats.text_patch import (
 from plcopen_sfc.languages.declarations import Declared, read_declarations, read_interface
 from plcopen_sfc.languages.declarations.declaration_comments import said
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.languages.st.parsing import parse_statements
 from plcopen_sfc.model.body import Body, StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Elementary, ElementaryType

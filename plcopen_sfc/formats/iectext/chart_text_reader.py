@@ -12,8 +12,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.iectext.text_outline import TextPart
 from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, taken, wrapped
 from plcopen_sfc.languages.il import is_il
-from plcopen_sfc.languages.pragmas import Fields, PathError, RemainderEntry, StaleError, apply
-from plcopen_sfc.languages.pragmas.remainder import format_path
+from plcopen_sfc.languages.pragmas import Fields, PathError, RemainderEntry, StaleError, apply, format_path
 from plcopen_sfc.languages.st.lexer import Token
 from plcopen_sfc.model.actions import Qualifier
 

@@ -19,7 +19,6 @@ from plcopen_sfc.formats.matiec.matiec_project import fit_project, pous_in_order
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments, plain_comment
 from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, WrittenBlock, decode_text, numbered
 from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type, write_value
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import without
 from plcopen_sfc.languages.pragmas import NotationError, parse_change
 from plcopen_sfc.languages.problems import Lines
@@ -28,6 +27,7 @@ from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition

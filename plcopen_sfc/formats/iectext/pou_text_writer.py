@@ -36,8 +36,7 @@ from plcopen_sfc.formats.iectext.text_printing import (
 from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, format_comment, indented, unwrapped, wrapped
 from plcopen_sfc.formats.text_patch import Key, WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.networks import shown_body, shown_condition, shown_named_condition
-from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
-from plcopen_sfc.languages.pragmas.remainder import Numbered, Segment
+from plcopen_sfc.languages.pragmas import Fields, Numbered, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody

@@ -36,11 +36,10 @@ from plcopen_sfc.formats.iectext.text_source import (
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
 from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import write_access_section, write_config_section
-from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, changes, plain_fields
-from plcopen_sfc.languages.pragmas.remainder import Append, Named, Segment
+from plcopen_sfc.languages.pragmas import Append, Fields, Named, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import Token, tokenize
 from plcopen_sfc.languages.task_schedules import duration_literal, iec_form
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
 from plcopen_sfc.model.types import DataTypeDeclaration

@@ -10,9 +10,9 @@ from bisect import bisect_left
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st.lexer import Comment, Token, Tokens, tokenize
+from plcopen_sfc.model.dialect import Dialect
 
 
 class PartKind(StrEnum):

@@ -11,13 +11,13 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import Helper, NetworkProblem, body_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
     Coil,

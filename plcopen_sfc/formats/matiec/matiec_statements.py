@@ -16,12 +16,12 @@ from dataclasses import replace
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.il import CALLS
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import ElementaryType, SimpleValue
 from plcopen_sfc.report import ConversionReport, Outcome

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_section
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import condition_reader, is_empty_network
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable

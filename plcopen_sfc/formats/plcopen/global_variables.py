@@ -26,12 +26,11 @@ from plcopen_sfc.formats.plcopen.source_marks import (
 )
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations import read_declarations
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.s7_globals import is_retained
-from plcopen_sfc.languages.s7_results import is_void
+from plcopen_sfc.languages.s7_programs import is_void
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node
-from plcopen_sfc.languages.st.rendering import render
+from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES
 from plcopen_sfc.languages.start_values import filled
@@ -40,6 +39,7 @@ from plcopen_sfc.languages.translation import NameScope, Renames
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.renames import identifier, kept_names
 from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, TagTable, Task, TaskSettings
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, MemberValue, StructType, StructValue, Variable

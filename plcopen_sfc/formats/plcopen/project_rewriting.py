@@ -47,7 +47,7 @@ from plcopen_sfc.formats.plcopen.step_rewriting import (
 from plcopen_sfc.formats.provenance import is_untouched
 from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
-from plcopen_sfc.languages.s7_results import is_void
+from plcopen_sfc.languages.s7_programs import is_void
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition

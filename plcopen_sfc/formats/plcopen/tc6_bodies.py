@@ -42,7 +42,7 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
 )
 from plcopen_sfc.formats.provenance import read_later
 from plcopen_sfc.formats.xml.extension_data import add_markup, fields_left
-from plcopen_sfc.languages.networks.sheets import on_one_sheet
+from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.drawing import Places
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind

@@ -64,7 +64,7 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
 )
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
-from plcopen_sfc.languages.s7_flip_flops import put_logic
+from plcopen_sfc.languages.s7_boxes import put_logic
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.project import Configuration, Project, Scaling
 from plcopen_sfc.model.sfc import SfcNetwork

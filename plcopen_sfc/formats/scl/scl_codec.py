@@ -38,10 +38,8 @@ from plcopen_sfc.languages.declarations.declaration_comments import LINE_END, co
 from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, write_value
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.declarations.type_names import SECTION_KEYWORDS, is_unit_quoted_in_scl
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
-from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
-from plcopen_sfc.languages.pragmas.remainder import Named
+from plcopen_sfc.languages.pragmas import Named, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.s7_globals import (
     UNCALLED,
     by_retention,
@@ -53,13 +51,13 @@ from plcopen_sfc.languages.s7_globals import (
     tag_tables_of,
     unconnected,
 )
-from plcopen_sfc.languages.s7_programs import report_program, report_tasks, s7_programs
-from plcopen_sfc.languages.s7_results import is_void
+from plcopen_sfc.languages.s7_programs import is_void, report_program, report_tasks, s7_programs
 from plcopen_sfc.languages.s7_types import NO_START, S7Types, s7_types
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import SfcBody, StBody
 from plcopen_sfc.model.compare import path_of
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import Text, plain

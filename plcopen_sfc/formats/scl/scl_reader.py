@@ -27,7 +27,6 @@ from plcopen_sfc.languages.declarations import Declared, DeclaredUnit, Head, rea
 from plcopen_sfc.languages.declarations.declaration_comments import said
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.declarations.type_names import is_identifier, is_unit_quoted_in_scl
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.s7_types import number_of, s7_types
 from plcopen_sfc.languages.st import declaration_nodes as d
@@ -36,6 +35,7 @@ from plcopen_sfc.languages.st.parsing import parse_statements
 from plcopen_sfc.languages.start_values import Path, Types, ValuePathError, apart, assembled
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DerivedType, SimpleValue, StructType, Value, Variable

@@ -7,7 +7,6 @@ passes the variables. The statements stay as they are.
 
 from __future__ import annotations
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_globals import global_names
 from plcopen_sfc.languages.s7_programs import s7_programs
@@ -15,6 +14,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, walk
 from plcopen_sfc.languages.st.effects import ANYTHING, effects
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, ElementaryType, Variable

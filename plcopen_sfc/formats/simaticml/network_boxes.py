@@ -15,15 +15,15 @@ from plcopen_sfc.formats.simaticml.added_elements import RETURN
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.network_graph import wires_of
-from plcopen_sfc.languages.s7_results import RESULT
+from plcopen_sfc.languages.s7_programs import RESULT
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_statements, render, transform, walk
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES, SHORT_TYPES, LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, BlockCall, BlockVariable, InputPin, LogicNetwork
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project

@@ -38,7 +38,7 @@ from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT, TiaVersion, vers
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup, markup_of
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
-from plcopen_sfc.languages.s7_flip_flops import put_boxes
+from plcopen_sfc.languages.s7_boxes import put_boxes
 from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of, unconnected
 from plcopen_sfc.languages.s7_programs import report_tasks, s7_programs
 from plcopen_sfc.languages.s7_types import s7_types

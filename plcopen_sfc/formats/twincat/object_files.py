@@ -34,7 +34,7 @@ from plcopen_sfc.formats.twincat.kept_data import kept_data, kept_in
 from plcopen_sfc.formats.twincat.object_archive import archived, unknown_type
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
-from plcopen_sfc.languages.networks.shown_text import shown_body, shown_named_condition
+from plcopen_sfc.languages.networks.drawn_conditions import shown_body, shown_named_condition
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, cycle_literal, nanoseconds, schedule_of
 from plcopen_sfc.model.base import Carried, Element, ForeignData

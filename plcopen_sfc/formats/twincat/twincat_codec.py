@@ -10,7 +10,7 @@ from plcopen_sfc.formats.plcopen.project_rewriting import rewrite_project
 from plcopen_sfc.formats.twincat.object_files import adapted_task, read_object, task_document, write_object
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import parse_xml
-from plcopen_sfc.languages.s7_flip_flops import put_logic
+from plcopen_sfc.languages.s7_boxes import put_logic
 from plcopen_sfc.languages.syntax_problems import embedded_code
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project

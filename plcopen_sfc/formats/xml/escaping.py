@@ -12,8 +12,6 @@ from bisect import bisect_right
 
 from plcopen_sfc.errors import EncodingError, Location
 
-__all__ = ["Habits", "RawText", "encode_text", "escape_attribute", "escape_text"]
-
 _NAMED = {"lt": "<", "gt": ">", "amp": "&", "quot": '"', "apos": "'"}
 _TEXT_UNIT = re.compile(r"&([^;&\s]+);|\r\n?")
 _ATTRIBUTE_UNIT = re.compile(r"&([^;&\s]+);|\r\n|[\r\n\t]")

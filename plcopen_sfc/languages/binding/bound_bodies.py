@@ -13,7 +13,6 @@ from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, references
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites_in
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il import CALLS, JUMPS, STORING, instructions
 from plcopen_sfc.languages.networks import Helper, body_statements, chart_statements, condition_reader
 from plcopen_sfc.languages.st import nodes as n
@@ -22,6 +21,7 @@ from plcopen_sfc.languages.st.effects import Effects, calls, effects, path_of, t
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Pou

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from plcopen_sfc.languages.binding.text_sites import Role
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.grafcet_conditions import program_parts
 from plcopen_sfc.languages.il import CALLS, JUMPS, instructions
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_expression, parse_statements
@@ -18,6 +17,7 @@ from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.st.nodes import Quoting, Span
 from plcopen_sfc.languages.st.parsing import parse_declarations
 from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.model.dialect import Dialect
 
 
 @dataclass(frozen=True, slots=True)

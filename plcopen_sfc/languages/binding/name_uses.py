@@ -19,9 +19,9 @@ from plcopen_sfc.languages.binding.name_sites import (
 )
 from plcopen_sfc.languages.binding.symbols import Binding, Declaration, Kind, Level
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import Use
 

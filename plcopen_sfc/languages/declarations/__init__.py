@@ -2,10 +2,13 @@
 
 from plcopen_sfc.languages.declarations.declaration_reading import (
     Declared,
+    DeclaredUnit,
     Found,
     Head,
+    Units,
     read_declarations,
     read_interface,
+    split_units,
 )
 from plcopen_sfc.languages.declarations.declaration_writing import (
     write_access_section,
@@ -17,7 +20,6 @@ from plcopen_sfc.languages.declarations.declaration_writing import (
     write_value,
     write_variable,
 )
-from plcopen_sfc.languages.declarations.declared_units import DeclaredUnit, Units, split_units
 
 __all__ = [
     "Declared",

@@ -6,8 +6,8 @@ import re
 from bisect import bisect_left
 from collections.abc import Iterable
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
+from plcopen_sfc.model.dialect import Dialect
 
 LINE_END = re.compile(r"\r\n|\r|\n")
 

@@ -14,10 +14,10 @@ from plcopen_sfc.languages.declarations.type_names import (
     written_elementary,
     written_name,
 )
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.parsing import parse_declarations, parse_expression
 from plcopen_sfc.languages.st.printing import INDENT
 from plcopen_sfc.model import types as t
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.text import Text, plain
 from plcopen_sfc.model.variables import AccessDirection, AccessSection, ConfigSection, Interface, VariableSection
 

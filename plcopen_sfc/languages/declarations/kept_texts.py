@@ -6,12 +6,12 @@ import re
 from typing import NamedTuple
 from xml.sax.saxutils import escape, unescape
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.declaration_nodes import PouHead
 from plcopen_sfc.languages.st.parsing import parse_declarations
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.variables import Interface
 
 KEPT_DATA = "urn:plcopen-sfc:declaration"

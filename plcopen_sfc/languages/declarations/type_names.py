@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.declaration_nodes import KEYWORDS
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import Elementary
 from plcopen_sfc.model.variables import SectionKind
 

@@ -12,6 +12,9 @@ from plcopen_sfc.languages.networks.drawn_conditions import (
     condition_reader,
     is_empty_network,
     kept_conditions,
+    shown_body,
+    shown_condition,
+    shown_named_condition,
 )
 from plcopen_sfc.languages.networks.network_drawing import (
     DrawnExpression,
@@ -30,8 +33,7 @@ from plcopen_sfc.languages.networks.results import (
     NetworkStatements,
     NetworkText,
 )
-from plcopen_sfc.languages.networks.shown_text import shown_body, shown_condition, shown_named_condition
-from plcopen_sfc.languages.networks.values import normal_form
+from plcopen_sfc.languages.networks.wires import normal_form
 
 __all__ = [
     "DrawingRules",

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.network_reading import network_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.project import Project
 

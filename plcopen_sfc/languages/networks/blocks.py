@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.network_graph import (
     EDGE_COILS,
     EDGE_CONTACTS,
@@ -18,20 +17,21 @@ from plcopen_sfc.languages.networks.network_graph import (
     is_enable,
     is_memory_pin,
 )
-from plcopen_sfc.languages.networks.values import (
+from plcopen_sfc.languages.networks.wires import (
     TRUE,
     Factor,
     Product,
+    Wires,
     expression_of,
     inverted,
     joined,
     product_of,
 )
-from plcopen_sfc.languages.networks.wires import Wires
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.effects import is_variable
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
     BlockCall,

@@ -1,6 +1,6 @@
 """Text to function block diagrams: values and statements as elements that wait for their place.
 
-`plcopen_sfc.languages.networks.ladders` draws the same as ladder diagrams.
+`plcopen_sfc.languages.networks.network_drawing` draws the same as ladder diagrams.
 """
 
 from __future__ import annotations
@@ -9,10 +9,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, by_name, constant_of, is_harmless, is_power
-from plcopen_sfc.languages.networks.network_graph import MEMORY_PINS
-from plcopen_sfc.languages.networks.pictures import (
+from plcopen_sfc.languages.networks.element_places import (
     GRID,
     ROW,
     Area,
@@ -24,14 +22,16 @@ from plcopen_sfc.languages.networks.pictures import (
     placed,
     text_width,
 )
+from plcopen_sfc.languages.networks.network_graph import MEMORY_PINS
 from plcopen_sfc.languages.networks.results import NetworkProblem
-from plcopen_sfc.languages.networks.values import TRUE, joined
+from plcopen_sfc.languages.networks.wires import TRUE, joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.effects import Path, is_impure, is_repeatable, path_of, reads
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, operator_block, standard_block
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
     BlockCall,

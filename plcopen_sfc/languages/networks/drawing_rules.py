@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.effects import Path, is_variable, path_of
 from plcopen_sfc.languages.st.nodes import Expression, Operator
@@ -14,6 +13,7 @@ from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, operator_block, standard_block
 from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, StringType, Variable
 
 

@@ -1,18 +1,287 @@
-"""Text to networks: expressions and statements drawn as FBD or LD."""
+"""Text to networks: expressions and statements drawn as FBD or LD.
+
+In ladder diagrams AND is contacts behind each other, OR is branches; the rest are blocks between them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.languages.networks.drafting import Drafter, Rung
-from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
-from plcopen_sfc.languages.networks.ladders import LadderDrafter
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, is_boolean_result
+from plcopen_sfc.languages.networks.element_places import (
+    GRID,
+    ROW,
+    Area,
+    BlockDraft,
+    DrawnItem,
+    Slot,
+    WireStart,
+    connect,
+    placed,
+    text_width,
+)
 from plcopen_sfc.languages.networks.results import NetworkProblem
-from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.networks.wires import TRUE, is_true, joined, normal_form
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.effects import is_repeatable, is_variable, path_of
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.languages.standard_blocks import operator_block, standard_block
 from plcopen_sfc.model.body import FbdBody, LdBody
-from plcopen_sfc.model.network import Connection, Label, LogicNetwork, Node
+from plcopen_sfc.model.network import (
+    BlockCall,
+    Coil,
+    Connection,
+    Contact,
+    InputPin,
+    Label,
+    LeftPowerRail,
+    LogicNetwork,
+    Node,
+    OutputPin,
+    RightPowerRail,
+    Storage,
+)
+
+_GAP = 2 * GRID
+RAIL_WIDTH = 10
+
+Inflow = Sequence[WireStart] | None
+"""Where power comes from: ends of wires, or None for the left power rail."""
+
+
+class _Part(NamedTuple):
+    """A part of a rung: `place` puts it somewhere, given where its power comes from; `line` as in `DrawnItem`."""
+
+    line: float
+    place: Callable[[float, float, Inflow], Area]
+
+
+class LadderDrafter(Drafter):
+    """Makes the elements of one ladder diagram, between its power rails."""
+
+    def __init__(self, rules: DrawingRules, first_id: int) -> None:
+        super().__init__(rules, first_id)
+        self._inside = False
+        self._rail = LeftPowerRail(id=0)
+
+    def sink(self, target: Expression, value: Expression, storage: Storage) -> DrawnItem:
+        """A coil where the value is Boolean, else a variable as in FBD."""
+        if storage is Storage.NONE and not (self._is_boolean(value) or self._is_boolean(target)):
+            return super().sink(target, value, storage)
+        bare = n.bare(value)
+        negated = isinstance(bare, n.Unary) and bare.operator is Operator.NOT and not self._is_contact(bare.operand)
+        item = self.power(bare.operand if negated and isinstance(bare, n.Unary) else value)
+        text = self._text(target)
+        width = text_width(text)
+        coil = Coil(
+            id=self.new_id(),
+            variable=text,
+            negated=negated != item.negated,
+            storage=storage,
+            input=InputPin(position=(0, ROW / 2)),
+            output=OutputPin(position=(width, ROW / 2)),
+            execution_order=self.new_order(),
+        )
+        self.nodes.append(coil)
+        return placed(coil, (width, ROW), [Slot(coil.input or InputPin(), ROW / 2, item)], [], ROW / 2)
+
+    def power(self, expression: Expression) -> DrawnItem:
+        """A Boolean value as contacts that start at the left power rail."""
+        if self._inside:
+            return super().value(expression)
+        part = self._part(expression, at_rail=True)
+        return DrawnItem(part.line, lambda x, y: part.place(x, y, None))
+
+    def value(self, expression: Expression) -> DrawnItem:
+        """As in FBD, but that AND and OR of contacts come from the left power rail."""
+        inner = n.bare(expression)
+        joins = isinstance(inner, n.Operation) and inner.operator in (Operator.AND, Operator.OR)
+        return self.power(inner) if joins and self._is_boolean(inner) else super().value(inner)
+
+    # -- parts of a rung
+
+    def _part(self, expression: Expression, *, at_rail: bool) -> _Part:
+        """An expression as a part of a rung. `at_rail`: nothing is before it."""
+        inner = n.bare(expression)
+        if is_true(inner):
+            return _Part(ROW / 2, self._through)
+        if isinstance(inner, n.Operation) and inner.operator in (Operator.AND, Operator.OR) and self._is_boolean(inner):
+            flat = joined(inner.operator, inner.operands)
+            operands = flat.operands if isinstance(flat, n.Operation) else (flat,)
+            if inner.operator is Operator.OR:
+                return _parallel([self._branch(operand, at_rail=at_rail) for operand in operands])
+            parts = []
+            repeatable = True
+            for operand in operands:
+                # power that parts into branches is read once for each of them
+                parts.append(
+                    self._part(operand, at_rail=at_rail)
+                    if repeatable or not _branches(operand)
+                    else self._block_between(operand)
+                )
+                at_rail = at_rail and is_true(operand)
+                repeatable = repeatable and is_repeatable(normal_form(operand))
+            return _series(parts)
+        negated = isinstance(inner, n.Unary) and inner.operator is Operator.NOT
+        variable = n.bare(inner.operand) if isinstance(inner, n.Unary) and negated else inner
+        if self._is_contact(variable):
+            return self._contact(variable, negated=negated)
+        return self._block_at_rail(inner) if at_rail else self._block_between(inner)
+
+    def _branch(self, expression: Expression, *, at_rail: bool) -> _Part:
+        """An operand of OR. A plain wire around other branches would be lost among the wires that it starts from."""
+        if not at_rail and is_true(normal_form(expression)):
+            return self._block_between(TRUE)
+        return self._part(expression, at_rail=at_rail)
+
+    def _contact(self, variable: Expression, *, negated: bool) -> _Part:
+        self._note_reading(variable)
+        text = self._text(variable)
+        width = text_width(text)
+        pin = InputPin(position=(0, ROW / 2))
+        contact = Contact(
+            id=self.new_id(), variable=text, negated=negated, input=pin, output=OutputPin(position=(width, ROW / 2))
+        )
+        self.nodes.append(contact)
+
+        def place(x: float, y: float, inflow: Inflow) -> Area:
+            contact.position, contact.width, contact.height = (x, y), width, ROW
+            row = y + ROW / 2
+            connect(pin, (x, row), self._through(x, y, inflow).ends, x)
+            return Area((WireStart(contact.id, None, (x + width, row)),), x + width, y + ROW)
+
+        return _Part(ROW / 2, place)
+
+    def _block_at_rail(self, expression: Expression) -> _Part:
+        item = self._not_negated(self.value(expression))
+        return _Part(item.line, lambda x, y, _inflow: item.place(x, y))
+
+    def _block_between(self, expression: Expression) -> _Part:
+        """A value that is no contact, joined by an AND block with what comes before it."""
+        outside, self._inside = self._inside, True
+        item = self.value(expression)
+        self._inside = outside
+        block = operator_block(Operator.AND)
+        assert block is not None  # noqa: S101
+        inflow: list[Inflow] = []
+        before = DrawnItem(ROW / 2, lambda x, y: self._through(x, y, inflow[-1]))
+        draft = BlockDraft("AND", call=self._call_kind(BlockCall.OPERATOR))
+        names = [self._pin(block, pin.name) for pin in block.inputs]
+        draft.inputs = [(names[0], before), (names[1], item)]
+        draft.outputs = [self._pin(block, block.result.name)]
+        joint = self._block(draft, draft.outputs[0], acting=False)
+
+        def place(x: float, y: float, ends: Inflow) -> Area:
+            inflow.append(ends)
+            return joint.place(x, y)
+
+        return _Part(joint.line, place)
+
+    def _through(self, x: float, y: float, inflow: Inflow) -> Area:
+        """A plain wire."""
+        row = y + ROW / 2
+        if inflow is None:
+            self._rail.outputs.append(OutputPin(name="", position=(RAIL_WIDTH, row - self._rail.position[1])))
+            ends = [WireStart(self._rail.id, None, (self._rail.position[0] + RAIL_WIDTH, row))]
+        else:
+            ends = [end if end.at[1] == row else _led(end, x, row) for end in inflow]
+        return Area(tuple(ends), x, y + ROW)
+
+    # -- what is Boolean
+
+    def _is_contact(self, expression: Expression) -> bool:
+        inner = n.bare(expression)
+        if not is_variable(inner) or self._is_boolean(inner) is False:
+            return False
+        return not (isinstance(inner, n.Member) and path_of(inner.base) in self._waiting.keys() - self._begun)
+
+    def _is_boolean(self, expression: Expression) -> bool | None:
+        """True if a value is of type BOOL; None: unknown."""
+        inner = n.bare(expression)
+        known = self.rules.booleans.get(self._text(inner).lower()) if is_variable(inner) else None
+        if known is not None:
+            return known
+        if isinstance(inner, n.Operation | n.Unary) and inner.operator in _LOGIC:
+            operands = inner.operands if isinstance(inner, n.Operation) else (inner.operand,)
+            return all(self._is_boolean(operand) is not False for operand in operands)
+        if isinstance(inner, n.Member):
+            return self._output_is_boolean(inner)
+        return is_boolean_result(inner)
+
+    def _output_is_boolean(self, member: n.Member) -> bool | None:
+        type_name = self._types.get(path_of(member.base))
+        block = standard_block(type_name) if type_name is not None else None
+        name = block.output_name(member.name.identifier) if block is not None else None
+        return next((pin.type == "BOOL" for pin in block.outputs if pin.name == name), None) if block else None
+
+    # -- the rails
+
+    def start(self, x: float, y: float) -> float:
+        """Draw the left power rail for the rungs that are placed next; returns where they may begin."""
+        self._rail = LeftPowerRail(id=self.new_id(), position=(x, y), width=RAIL_WIDTH)
+        return x + RAIL_WIDTH + _GAP
+
+    def rail(self, bottom: float) -> LeftPowerRail:
+        """The left power rail, down to `bottom`."""
+        self._rail.height = bottom - self._rail.position[1]
+        return self._rail
+
+    def finish(self, nodes: Sequence[Node], right: float, bottom: float) -> tuple[LeftPowerRail, RightPowerRail]:
+        """The power rails around `nodes`, which have their places."""
+        top = self._rail.position[1]
+        pins = []
+        for coil in (node for node in nodes if isinstance(node, Coil)):
+            at = (coil.position[0] + (coil.width or 0), coil.position[1] + ROW / 2)
+            wire = Connection(source=coil.id, points=[(right, at[1]), at])
+            pins.append(InputPin(position=(0, at[1] - top), connections=[wire]))
+        size = {"width": RAIL_WIDTH, "height": bottom - top}
+        return self.rail(bottom), RightPowerRail(id=self.new_id(), position=(right, top), inputs=pins, **size)
+
+
+_LOGIC = frozenset({Operator.AND, Operator.OR, Operator.XOR, Operator.NOT, Operator.AND_THEN, Operator.OR_ELSE})
+
+
+def _branches(expression: Expression) -> bool:
+    inner = n.bare(expression)
+    return isinstance(inner, n.Operation) and inner.operator is Operator.OR
+
+
+def _led(end: WireStart, x: float, row: float) -> WireStart:
+    """The end of a wire led on to another row."""
+    corner = x - GRID
+    return end._replace(at=(x, row), route=((corner, row), (corner, end.at[1]), end.at, *end.route))
+
+
+def _series(parts: Sequence[_Part]) -> _Part:
+    line = max(part.line for part in parts)
+
+    def place(x: float, y: float, inflow: Inflow) -> Area:
+        bottom = y
+        right = x
+        for number, part in enumerate(parts):
+            area = part.place(right + _GAP if number else x, y + line - part.line, inflow)
+            right, bottom, inflow = area.right, max(bottom, area.bottom), area.ends
+        return Area(tuple(inflow or ()), right, bottom)
+
+    return _Part(line, place)
+
+
+def _parallel(parts: Sequence[_Part]) -> _Part:
+    def place(x: float, y: float, inflow: Inflow) -> Area:
+        ends: list[WireStart] = []
+        right, below = x, y
+        for part in parts:
+            area = part.place(x, below, inflow)
+            ends += area.ends
+            right, below = max(right, area.right), area.bottom + GRID
+        return Area(tuple(ends), right, below - GRID)
+
+    return _Part(parts[0].line, place)
+
 
 _MARGIN = 20
 _RUNG_GAP = 20

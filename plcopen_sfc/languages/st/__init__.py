@@ -11,8 +11,7 @@ from plcopen_sfc.languages.st.parsing import (
     parse_expression,
     parse_statements,
 )
-from plcopen_sfc.languages.st.printing import print_node
-from plcopen_sfc.languages.st.rendering import render
+from plcopen_sfc.languages.st.printing import print_node, render
 from plcopen_sfc.languages.st.walking import children, transform, walk, without_parentheses
 
 __all__ = [

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS, Token, Tokens, tokenize
 from plcopen_sfc.languages.st.nodes import Argument, Expression, Name, Node, Range, Unreadable
+from plcopen_sfc.model.dialect import Dialect
 
 # -- types
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st.nodes import Span
+from plcopen_sfc.model.dialect import Dialect
 
 
 class Token:

@@ -13,8 +13,8 @@ from enum import StrEnum
 from fractions import Fraction
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.nodes import Literal
+from plcopen_sfc.model.dialect import Dialect
 
 
 class LiteralError(ModelError):

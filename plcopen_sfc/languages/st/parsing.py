@@ -1,27 +1,305 @@
-"""Parsing structured text: every text gets a tree, and what does not parse stays in it as it stands."""
+"""Parsing structured text: every text gets a tree, and what does not parse stays in it as it stands.
+
+After an error the parser is taken back to the statements that were being read, what cannot be read up to the next
+semicolon becomes one `Unreadable` statement, and reading goes on behind it. A missing semicolon is put in.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache
 from importlib.resources import files
 from threading import Lock
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 from lark import Lark
+from lark.exceptions import UnexpectedToken
 from lark.lexer import Lexer
 
 from plcopen_sfc.collector import collecting_rarely
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.builder import Builder
-from plcopen_sfc.languages.st.builder_declarations import DeclarationBuilder
+from plcopen_sfc.languages.st.builder import Builder, DeclarationBuilder, StatementList
 from plcopen_sfc.languages.st.declaration_nodes import Declarations, tokenize_declarations
-from plcopen_sfc.languages.st.lexer import Comment, Token, tokenize
-from plcopen_sfc.languages.st.nodes import Node
-from plcopen_sfc.languages.st.recovery import Reading
+from plcopen_sfc.languages.st.lexer import MAX_PROBLEMS, Comment, Token, Tokens, tokenize
+from plcopen_sfc.languages.st.nodes import Node, Unreadable
+from plcopen_sfc.model.dialect import Dialect
+
+_CLOSED_BY = {
+    "IF": "END_IF",
+    "CASE": "END_CASE",
+    "FOR": "END_FOR",
+    "WHILE": "END_WHILE",
+    "REPEAT": "END_REPEAT",
+    "REGION": "END_REGION",
+    "TRY": "ENDTRY",
+    "VAR": "END_VAR",
+    "VAR_ACCESS": "END_VAR",
+    "VAR_CONFIG": "END_VAR",
+    "TYPE": "END_TYPE",
+    "STRUCT": "END_STRUCT",
+    "UNION": "END_UNION",
+}
+_CLOSING = frozenset(_CLOSED_BY.values())
+_DIVIDING = frozenset({"ELSE", "ELSIF", "UNTIL", "CATCH", "FINALLY"})
+_STARTS = frozenset({"IF", "POU", "END_VAR", "END_TYPE", "END_STRUCT", "END_UNION"})
+"""Where one of these is accepted, a statement or a declaration may start."""
+_HEADS = frozenset({"POU", "END_POU"})
+_BEHIND_SECTIONS = _HEADS | {"VAR", "VAR_ACCESS", "VAR_CONFIG", "TYPE", "$END"}
+_INSIDE_DECLARATIONS = frozenset({"STRUCT", "UNION"})
+
+
+class Reading:
+    """One run of the parser over `found`, from the rule `start`."""
+
+    def __init__(self, lark: Lark, builder: Builder, start: str, text: str, found: Tokens) -> None:
+        self._parser = lark.parse_interactive(start=start)
+        self._values: list[Any] = self._parser.parser_state.value_stack
+        self._states: list[Any] = self._parser.parser_state.state_stack
+        # lark's own tokens are strings that remember much more and cost as much
+        self._feed = cast("Callable[..., Any]", self._parser.parser_state.feed_token)
+        self._builder = builder
+        self._is_list = start in ("statements", "declarations")
+        self._text = text
+        self._tokens = [*found.tokens, Token("$END", "", (len(text), len(text)))]
+        builder.problems = []
+
+    def run(self) -> Any:
+        """Return the node of the rule; None if an error leaves nothing of it."""
+        tokens = self._tokens
+        feed = self._feed
+        if self._is_list:
+            self._feed_semicolon(0)
+        position, last = 0, len(tokens) - 1
+        while True:
+            try:
+                for index in range(position, last):
+                    position = index
+                    feed(tokens[index])
+                position = last
+                # after an error nothing may be left to reduce, and lark looks for the end when it reduces
+                complete = self._is_list and len(self._values) == 1
+                result = self._values[0] if complete else feed(tokens[last], is_end=True)
+            except UnexpectedToken:
+                if not self._is_list:
+                    self._tell(position)
+                    return None
+                position = self._recover(position)
+            else:
+                return self._builder.whole(result, len(self._text)) if self._is_list else result
+
+    def _feed_semicolon(self, offset: int) -> None:
+        """Feed a semicolon that does not stand in the text; an empty statement that it makes is left out."""
+        self._feed(Token("SEMICOLON", ";", (offset, offset)))
+
+    def _tell(self, position: int) -> None:
+        token = self._tokens[position]
+        if token.type == "BAD":  # the lexer has told why
+            return
+        accepted = self._accepted()
+        message = expectation(token, accepted)
+        opening = self._opening()
+        closing = {"UNTIL", _CLOSED_BY[opening.type]} if opening is not None else set()
+        if opening is not None and closing & accepted and token.type in _BEHIND_SECTIONS | _CLOSING:
+            line, _ = Lines(self._text).place(opening.span[0])
+            message += f" for the {opening.value.split()[0].upper()} in line {line}"
+        self._builder.problems.append(Problem(message, token.span))
+
+    def _accepted(self) -> set[str]:
+        """The types of the tokens that could stand next."""
+        return set(self._parser.accepts())  # type: ignore[no-untyped-call]  # lark does not say
+
+    def _opening(self) -> Token | None:
+        """The keyword of the innermost block that is open."""
+        return next((v for v in reversed(self._values) if isinstance(v, Token) and v.type in _CLOSED_BY), None)
+
+    def _opening_type(self) -> str | None:
+        opening = self._opening()
+        return opening.type if opening is not None else None
+
+    def _unfinished_head(self) -> Token | None:
+        """The keyword of the innermost block if its statements have not begun: ``IF a``."""
+        for value in reversed(self._values):
+            if isinstance(value, StatementList):
+                break
+            if isinstance(value, Token) and value.type in _CLOSED_BY:
+                return value
+        return None
+
+    def _recover(self, position: int) -> int:
+        """Make the parser ready to go on; the index of the token to go on with."""
+        token = self._tokens[position]
+        if not (token.type == "END_REPEAT" and self._behind_unreadable()):  # its condition is what could not be read
+            self._tell(position)
+        if len(self._builder.problems) >= MAX_PROBLEMS:
+            return self._give_up(position)
+        if self._semicolon_is_missing(position):
+            self._feed_semicolon(self._tokens[position - 1].span[1])
+            return position
+        if token.type in _BEHIND_SECTIONS and "END_VAR" in self._accepted():
+            end = self._tokens[position - 1].span[1]
+            self._feed(Token("END_VAR", "", (end, end)))
+            return position
+        if token.type == "$END":
+            return self._give_up(position)
+        if token.type in _CLOSING and self._close_outer_block(token) and token.type in self._accepted():
+            return position
+        if token.type == "END_REPEAT" and self._opening_type() == "REPEAT":
+            return self._drop_block(position)
+        if self._accepted() & _STARTS:  # an empty list is made only when something follows that fits
+            self._feed_semicolon(token.span[0])
+        start, opened = self._unwind(token.span[0])
+        position = self._skip(position, opened)
+        end = max(self._tokens[position - 1].span[1], start)
+        self._keep(start, end)
+        return position
+
+    def _give_up(self, position: int) -> int:
+        """Leave everything from the outermost unfinished statement on as it stands."""
+        start, _ = self._unwind(self._tokens[position].span[0], outermost=True)
+        self._keep(start, len(self._text))
+        return len(self._tokens) - 1
+
+    def _semicolon_is_missing(self, position: int) -> bool:
+        token = self._tokens[position]
+        accepted = self._accepted()
+        if "SEMICOLON" not in accepted or accepted & _STARTS:  # where a statement may start, none is unfinished
+            return False
+        if token.type == "$END" or token.type in _CLOSED_BY or token.type in _CLOSING or token.type in _DIVIDING:
+            return True
+        between = self._text[self._tokens[position - 1].span[1] : token.span[0]]
+        return token.type != "BAD" and ("\n" in between or "\r" in between)
+
+    def _close_outer_block(self, token: Token) -> bool:
+        """If `token` closes a block around the innermost one, go back to the statements of that block."""
+        openings = [v for v in self._values if isinstance(v, Token) and _CLOSED_BY.get(v.type) == token.type]
+        if not openings or self._unfinished_head() is openings[-1]:
+            return False
+        start = token.span[0]
+        while self._opening() is not openings[-1] or not isinstance(self._values[-1], StatementList):
+            start = self._pop(start)
+        self._keep(start, token.span[0])
+        return True
+
+    def _drop_block(self, position: int) -> int:
+        """Leave the innermost block, which ends at `position` but lacks a part (REPEAT without UNTIL), as it stands."""
+        opening, start = self._opening(), self._tokens[position].span[0]
+        while self._opening() is opening or not isinstance(self._values[-1], StatementList):
+            start = self._pop(start)
+        position += 2 if self._tokens[position + 1].type == "SEMICOLON" else 1
+        self._keep(start, self._tokens[position - 1].span[1])
+        return position
+
+    def _behind_unreadable(self) -> bool:
+        statements = self._values[-1]
+        return isinstance(statements, StatementList) and bool(statements) and isinstance(statements[-1], Unreadable)
+
+    def _unwind(self, start: int, *, outermost: bool = False) -> tuple[int, int]:
+        """Take the parser back to the statements it was reading: where what it forgot starts, and its open blocks."""
+        opened = 0
+        while len(self._values) > 1 and (outermost or not isinstance(self._values[-1], StatementList)):
+            value = self._values[-1]
+            opened += isinstance(value, Token) and value.type in _CLOSED_BY
+            start = self._pop(start)
+        return start, opened
+
+    def _pop(self, start: int) -> int:
+        self._states.pop()
+        value = self._values.pop()
+        while isinstance(value, list):
+            if not value:
+                return start
+            value = value[0]
+        span = value.span if value is not None else None  # an optional part that is not there
+        return min(start, span[0]) if span is not None else start
+
+    def _skip(self, position: int, opened: int) -> int:
+        """The token behind a statement that cannot be read and that has opened so many blocks."""
+        depth, first = opened, position
+        closing = {_CLOSED_BY[v.type] for v in self._values if isinstance(v, Token) and v.type in _CLOSED_BY}
+        for index in range(position, len(self._tokens)):
+            kind = self._tokens[index].type
+            if kind == "$END" or (kind in _HEADS and index > first):
+                return index
+            if kind in _CLOSED_BY:
+                if depth == 0 and index > first and kind not in _INSIDE_DECLARATIONS:
+                    return index
+                depth += 1
+            elif kind in _CLOSING:
+                if depth == 0:
+                    if index > first and kind in closing:
+                        return index
+                    continue
+                depth -= 1
+                if depth == 0:
+                    return index + (2 if self._tokens[index + 1].type == "SEMICOLON" else 1)
+            elif depth == 0 and (kind == "SEMICOLON" or (kind in _DIVIDING and closing and index > first)):
+                return index + (kind == "SEMICOLON")
+        return len(self._tokens) - 1
+
+    def _keep(self, start: int, end: int) -> None:
+        statements: StatementList = self._values[-1]
+        if statements and statements[-1].span[0] >= start:
+            start = statements[-1].span[1]
+        statements.append(Unreadable(self._text[start:end], span=(start, end)))
+
+
+_SHOWN = {
+    "SEMICOLON": "';'",
+    "COLON": "':'",
+    "COMMA": "','",
+    "DOT": "'.'",
+    "RANGE": "'..'",
+    "LPAR": "'('",
+    "RPAR": "')'",
+    "LSQB": "'['",
+    "RSQB": "']'",
+    "ASSIGN": "':='",
+    "ARROW": "'=>'",
+    "$END": "the end of the text",
+    "TRY": "__TRY",
+    "CATCH": "__CATCH",
+    "FINALLY": "__FINALLY",
+    "ENDTRY": "__ENDTRY",
+    "POU": "the head of a POU",
+    "END_POU": "the end of a POU",
+    "QUALIFIER": "CONSTANT or the like",
+    "DIRECTION": "READ_ONLY or READ_WRITE",
+    "EDGE": "R_EDGE or F_EDGE",
+    "POINTER": "POINTER TO or REFERENCE TO",
+}
+_CONTINUATIONS = frozenset(
+    {"OPERATOR", "SIGN", "DOT", "LSQB", "CARET", "PERIPHERAL", "COMPOUND_ASSIGN", "LPAR", "ARROW", "RANGE", "COLON"}
+)
+_STATEMENT_STARTS = frozenset({"IF", "CASE", "FOR", "WHILE", "REPEAT", "EXIT", "CONTINUE", "RETURN"})
+_EXPRESSION_STARTS = frozenset({"NAME", "LITERAL", "ADDRESS", "NOT", "LPAR", "SIGN", "OPERATOR"})  # AND(a, b)
+_SHOWN_TEXT = 30
+
+
+def expectation(found: Token, accepted: Iterable[str]) -> str:
+    """``found 'THEN', expected ';' or an operator``, of the terminals that the grammar accepts there."""
+    left = set(accepted)
+    words: list[str] = []
+    if left >= _STATEMENT_STARTS:
+        words.append("a statement")
+        left -= _STATEMENT_STARTS | _EXPRESSION_STARTS | {"SEMICOLON", "GOTO", "JMP", "REGION", "TRY", "CODE"}
+    elif left >= _EXPRESSION_STARTS:
+        words.append("an expression")
+        left -= _EXPRESSION_STARTS
+    elif "NAME" in left:
+        words.append("a name")
+        left.discard("NAME")
+    if "OPERATOR" in left:
+        words.append("an operator")
+        left -= _CONTINUATIONS
+    words[:0] = sorted(_SHOWN.get(terminal, terminal) for terminal in left)
+    expected = f"{', '.join(words[:-1])} or {words[-1]}" if len(words) > 1 else "".join(words)
+    shown = found.value if len(found.value) <= _SHOWN_TEXT else found.value[:_SHOWN_TEXT] + ".."
+    what = "the end of the text" if found.type == "$END" else f"'{shown}'"
+    return f"found {what}, expected {expected}" if expected else f"{what} cannot stand here"
+
 
 Tree_co = TypeVar("Tree_co", covariant=True)
 

@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import Any, TypeVar, cast
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.expression_types import (
     BIT_STRINGS,
     CALCULATING,
@@ -38,6 +37,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator
 from plcopen_sfc.languages.st.walking import parts
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, TranslationContext
+from plcopen_sfc.model.dialect import Dialect
 
 _SIGN_OF_TIME = "TIME has no sign in CODESYS: a difference below zero is weeks long there, and below zero in {tool}"
 _SIGN_OF_DIFFERENCE = "CODESYS does not document how it compares or divides a difference of {types} below zero"

@@ -6,7 +6,6 @@ import re
 from datetime import date, timedelta
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.literals import (
     SHORT_TYPES,
     TIME_RANGES,
@@ -17,6 +16,7 @@ from plcopen_sfc.languages.st.literals import (
     time_literal,
 )
 from plcopen_sfc.languages.translation.translation_context import TITLES, PartText
+from plcopen_sfc.model.dialect import Dialect
 
 _SHORT = {"BYTE": "B", "WORD": "W", "DWORD": "DW"}
 _LACKING = {

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Quoting
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.translation.renames import NameScope
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, TranslationContext
 from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.model.dialect import Dialect
 
 _OF_THE_LANGUAGE = frozenset({"EN", "ENO"})
 _OF_OBJECTS = frozenset({"THIS", "SUPER"})

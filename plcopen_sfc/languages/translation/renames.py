@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.standard_blocks import standard_blocks
 from plcopen_sfc.languages.words import TRANSLATED_KEYWORDS
 from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.s7_types import S7Types
 from plcopen_sfc.languages.st.nodes import Call, Expression, Node, Span
 from plcopen_sfc.languages.translation.renames import Renames
+from plcopen_sfc.model.dialect import Dialect
 
 
 class StepNotation(StrEnum):

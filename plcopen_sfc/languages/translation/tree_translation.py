@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any, TypeVar, cast
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
@@ -28,6 +27,7 @@ from plcopen_sfc.languages.translation.translation_context import (
     TranslationContext,
 )
 from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.model.dialect import Dialect
 
 _ACTIVE, _TIME, _OWN_TIME = "X", "T", "U"
 

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
@@ -31,6 +30,7 @@ from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
 from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import NamedTuple, NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.effects import targets
@@ -22,6 +21,7 @@ from plcopen_sfc.lowering.code.flat_statements import flatten
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection

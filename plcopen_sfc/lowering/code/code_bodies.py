@@ -8,15 +8,15 @@ from itertools import pairwise
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, DrawnFbd, DrawnLd, declared_rules, draw_fbd, draw_ld
-from plcopen_sfc.languages.networks.sheets import on_one_sheet
+from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, TextNetwork
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, LogicNetwork, RightPowerRail
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import Variable

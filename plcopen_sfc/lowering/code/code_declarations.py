@@ -11,11 +11,11 @@ from collections.abc import Container, Iterable, Iterator
 from typing import NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
 from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Configuration, Project, Tag, TagTable
 from plcopen_sfc.model.text import Text

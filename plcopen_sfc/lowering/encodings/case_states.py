@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
@@ -27,6 +26,7 @@ from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, States, tool_of
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, number_in_name, step_numbers
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import Step, Transition
 from plcopen_sfc.model.types import (
     DataType,

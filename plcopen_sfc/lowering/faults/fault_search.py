@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any, NamedTuple
 
-from plcopen_sfc.analysis.clocking import clocking
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, frozen, plain
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.pairing import step_observations
 from plcopen_sfc.analysis.product import Branching, failure_of
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
+from plcopen_sfc.analysis.timers import clocking
 from plcopen_sfc.lowering.faults.fault_detection import (
     CASE_RULES,
     FLIP_FLOP_RULES,

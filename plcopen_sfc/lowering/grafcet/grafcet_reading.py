@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 from plcopen_sfc.errors import LoweringError, UnknownBehaviourError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, is_constant
@@ -25,12 +24,12 @@ from plcopen_sfc.lowering.reading.text_reading import ActionTargets, ConditionTe
 from plcopen_sfc.lowering.schedule.scan_schedule import refuse_classic
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.charts.chart_actions import Owner
-from plcopen_sfc.semantics.charts.grafcet.executed_actions import CONTINUOUS, STORED
-from plcopen_sfc.semantics.charts.grafcet.grafcet_program import has_grafcet
+from plcopen_sfc.semantics.charts.grafcet.grafcet_program import CONTINUOUS, STORED, has_grafcet
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import EdgeTerm, TermTexts, TimeTerm, is_term, rising
 from plcopen_sfc.semantics.net import Net, indexes

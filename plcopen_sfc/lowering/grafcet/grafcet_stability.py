@@ -7,13 +7,13 @@ from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
 
 from plcopen_sfc.analysis.exclusivity import exclusive
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, disjunction, is_constant, negation, simplified
 from plcopen_sfc.lowering.grafcet.grafcet_terms import TermCode
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, DelayInCondition, EdgeInCondition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import RuledChart
 from plcopen_sfc.semantics.net import Competing, Net, NetTransition, indexes, mask
 from plcopen_sfc.semantics.profile import Profile

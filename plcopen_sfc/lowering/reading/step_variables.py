@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import TypeVar
 
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
@@ -16,6 +15,7 @@ from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment, call, con
 from plcopen_sfc.lowering.code.code_declarations import TIME
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables

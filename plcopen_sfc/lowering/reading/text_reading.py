@@ -12,8 +12,7 @@ from plcopen_sfc.languages.binding.name_resolution import Resolver, Untyped
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.symbols import Kind
 from plcopen_sfc.languages.binding.text_sites import Role, Site
-from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.il_statements import statements as instruction_statements
+from plcopen_sfc.languages.il import statements as instruction_statements
 from plcopen_sfc.languages.networks import (
     Helper,
     NetworkExpression,
@@ -27,6 +26,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -42,7 +42,7 @@ from plcopen_sfc.model.types import (
 
 
 class ActionTargets:
-    """Kinds of the targets of a POU's actions; see `plcopen_sfc.semantics.charts.situation_plans`."""
+    """Kinds of the targets of a POU's actions; see `plcopen_sfc.semantics.charts.transition_firing`."""
 
     def __init__(self, pou: Pou, project: Project | None, dialect: Dialect) -> None:
         self._site = Site(pou, place=pou.place)

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
@@ -17,6 +16,7 @@ from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, Style
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.variables import SectionKind
 
 

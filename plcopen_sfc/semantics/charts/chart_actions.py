@@ -22,8 +22,8 @@ from plcopen_sfc.semantics.charts.qualifier_control import (
     SituationChange,
     StandardControl,
 )
-from plcopen_sfc.semantics.charts.situation_plans import MOST_PLANS, Run, Write, execution
 from plcopen_sfc.semantics.charts.step_state import Origin, Reached
+from plcopen_sfc.semantics.charts.transition_firing import MOST_PLANS, Run, Write, execution
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.routines import Routines

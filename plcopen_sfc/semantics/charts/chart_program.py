@@ -18,9 +18,19 @@ from plcopen_sfc.semantics.charts.grafcet.grafcet_program import Grafcet, has_gr
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import check_no_graph
 from plcopen_sfc.semantics.charts.qualifier_control import SituationChange
 from plcopen_sfc.semantics.charts.sfc_flags import FlagEffect, Flags, Tip, analysis
-from plcopen_sfc.semantics.charts.situation_plans import Plan, Plans, Run, Watch
 from plcopen_sfc.semantics.charts.step_state import Reached, Steps, forgetting, tick
-from plcopen_sfc.semantics.charts.transition_firing import NOTHING, Cleared, Move, choice, testing_order, watched
+from plcopen_sfc.semantics.charts.transition_firing import (
+    NOTHING,
+    Cleared,
+    Move,
+    Plan,
+    Plans,
+    Run,
+    Watch,
+    choice,
+    testing_order,
+    watched,
+)
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
 from plcopen_sfc.semantics.programs.routines import Routines

@@ -4,18 +4,16 @@
 
 * values: `types` (types and frames), `runtime`, `function_runtime`, `standard_blocks` (what runs), `code_generation`
   (lines of Python, compiled and linked), `value_code` (values as Python), `places` (variables), `addresses`
-* notes about texts: `variable_use` (reads and writes), `decisions` and `marks` (what directed runs look at),
-  `unknown_calls`
+* notes about texts: `variable_use` (reads and writes), `marks` (what directed runs look at), `unknown_calls`
 * names: `scopes` (`TranslatedProject`, `Scope`, `Unit`)
-* translation: `paths`, `operators`, `standard_functions`, `calls`, `expressions`; `guards`, `statements`,
-  `instruction_list`; `routines` (any text as a function); `declared_types`, `pou_translation`
-* the whole: `project_library`, `snapshots`, `controller`
+* translation: `paths`, `operators`, `standard_functions`, `calls`, `expressions`; `statements`, `instruction_list`;
+  `routines` (any text as a function, POUs)
+* the whole: `project_library` (POUs and types), `controller`
 """
 
 from plcopen_sfc.semantics.programs import types
 from plcopen_sfc.semantics.programs.controller import Controller, Instance, InstanceVariable
-from plcopen_sfc.semantics.programs.pou_translation import ChartCompiler
-from plcopen_sfc.semantics.programs.routines import Routines
+from plcopen_sfc.semantics.programs.routines import ChartCompiler, Routines
 from plcopen_sfc.semantics.programs.runtime import Processor
 from plcopen_sfc.semantics.programs.scopes import CompiledChart, Scope
 from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout, Type

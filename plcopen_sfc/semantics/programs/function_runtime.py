@@ -9,7 +9,6 @@ from datetime import date
 from typing import Any
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.literals import (
     SECOND,
     LiteralError,
@@ -20,6 +19,7 @@ from plcopen_sfc.languages.st.literals import (
     time_literal,
     time_of_day_literal,
 )
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.runtime import half_even, truncated
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family
 

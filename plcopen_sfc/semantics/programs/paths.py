@@ -9,9 +9,9 @@ from dataclasses import replace
 from typing import Any
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.places import Place, Space, Unknown

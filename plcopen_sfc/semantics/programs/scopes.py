@@ -11,10 +11,10 @@ from plcopen_sfc.languages.binding.name_resolution import preferred
 from plcopen_sfc.languages.binding.name_scopes import Scopes
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level
 from plcopen_sfc.languages.binding.text_sites import Role
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.model import types as m
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.semantics.profile import Profile

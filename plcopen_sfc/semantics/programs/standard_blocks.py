@@ -12,8 +12,8 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.runtime import Processor
 from plcopen_sfc.semantics.programs.types import BOOL, INSTANT, Direction, ElementaryType, Frame, Layout, elementary
 

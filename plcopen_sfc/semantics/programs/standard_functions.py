@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.languages.standard_blocks import BlockKind, StandardBlock, standard_block
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import function_runtime
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.operators import Operators

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field, replace
 from enum import Enum, StrEnum
 from typing import Any
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.literals import SECOND, TIME_RANGES
+from plcopen_sfc.model.dialect import Dialect
 
 MOST_ELEMENTS = 256
 """Of an array: the time of a comparison grows with them."""

@@ -13,8 +13,6 @@ from typing import Any, TypeAlias
 from plcopen_sfc.semantics.programs.runtime import Pointer, Processor
 from plcopen_sfc.semantics.programs.types import INSTANT, LINT, ElementaryType, Family, Frame, Layout
 
-__all__ = ["UnknownBlocks", "UnknownCalls"]
-
 _SMALL = 12
 """Numbers below it are as likely as all others: programs compare with small ones."""
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs.code_generation import Linker
 from plcopen_sfc.semantics.programs.types import (

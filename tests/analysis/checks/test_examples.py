@@ -9,7 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis.checks import RULES, Rule, rule_named
-from plcopen_sfc.analysis.checks.rule import FAMILIES
+from plcopen_sfc.analysis.checks.checked_chart import FAMILIES
 from plcopen_sfc.analysis.checks.rule_table import catalogue
 from tests.analysis.checks.charts import project_of
 

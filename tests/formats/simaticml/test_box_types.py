@@ -9,10 +9,10 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.api import convert
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, draw_fbd
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.report import Outcome
 
 CHART = """FUNCTION_BLOCK Chart

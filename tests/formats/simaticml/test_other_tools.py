@@ -12,10 +12,10 @@ from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.api import convert
 from plcopen_sfc.formats.simaticml.coils_and_contacts import writes_bits_on_a_condition
 from plcopen_sfc.formats.simaticml.network_boxes import put_operands
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, declared_rules, draw_fbd, draw_ld
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.charts import boolean

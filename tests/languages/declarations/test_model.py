@@ -19,7 +19,7 @@ from plcopen_sfc.languages.declarations import (
     write_value,
 )
 from plcopen_sfc.languages.declarations.type_names import is_identifier
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.model.dialect import Dialect
 from tests import strategies as random_model
 from tests.sweeps import examples
 

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.languages.declarations import split_units
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import declaration_nodes as d
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_declarations
+from plcopen_sfc.model.dialect import Dialect
 from tests.sweeps import examples
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.network_reading import network_statements
 from plcopen_sfc.languages.networks.results import NetworkStatements
 from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
     BlockParameters,

@@ -6,10 +6,10 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_ld
 from plcopen_sfc.languages.networks.alike import say_the_same
 from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.model.dialect import Dialect
 
 TEXT = "Q1 := (B1 OR NOT B2) AND B3; Q2 := B4;"
 

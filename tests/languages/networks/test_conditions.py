@@ -8,11 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.drawn_conditions import chart_statements, condition_expression
 from plcopen_sfc.languages.networks.network_drawing import DrawnExpression, draw_fbd_expression, draw_ld_expression
 from plcopen_sfc.languages.networks.results import NetworkExpression
-from plcopen_sfc.languages.networks.values import normal_form
+from plcopen_sfc.languages.networks.wires import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
@@ -34,6 +33,7 @@ from plcopen_sfc.model import (
     Transition,
     WiredCondition,
 )
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import InputPin
 from tests.languages.networks.build import block, coil, contact, output, pin, rail, variable
 from tests.languages.networks.programs import booleans

@@ -12,13 +12,12 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
 from plcopen_sfc.languages.networks.drawn_conditions import chart_statements, condition_expression
 from plcopen_sfc.languages.networks.network_drawing import draw_fbd, draw_ld
 from plcopen_sfc.languages.networks.network_reading import body_statements
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkStatements
-from plcopen_sfc.languages.networks.values import normal_form
+from plcopen_sfc.languages.networks.wires import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.model import (
     Body,
@@ -31,6 +30,7 @@ from plcopen_sfc.model import (
     SfcBody,
     WiredCondition,
 )
+from plcopen_sfc.model.dialect import Dialect
 from tests.corpus import corpus_files, require_corpus
 from tests.samples import fixture_files, real_files
 

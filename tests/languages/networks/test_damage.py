@@ -8,9 +8,9 @@ from typing import Any
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.network_reading import network_statements
 from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
     BlockCall,

@@ -10,11 +10,10 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.networks.network_drawing import draw_fbd, draw_fbd_expression, draw_ld, draw_ld_expression
 from plcopen_sfc.languages.networks.network_reading import body_statements, network_expression
-from plcopen_sfc.languages.networks.values import normal_form
+from plcopen_sfc.languages.networks.wires import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.standard_blocks import Tool
@@ -30,6 +29,7 @@ from plcopen_sfc.model import (
     PouKind,
     Project,
 )
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import BlockCall, Node, Storage
 from tests.languages.networks.programs import INSTANCES, programs
 from tests.samples import FIXTURES

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc import model as m
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import (
     DrawingRules,
     DrawnFbd,
@@ -20,6 +19,7 @@ from plcopen_sfc.languages.networks import (
     draw_ld,
 )
 from plcopen_sfc.languages.st import parse_statements, print_node
+from plcopen_sfc.model.dialect import Dialect
 from tests.sweeps import examples
 
 

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
 from plcopen_sfc.languages.networks.network_drawing import (
     DrawnExpression,
@@ -19,11 +18,12 @@ from plcopen_sfc.languages.networks.network_drawing import (
     draw_ld_expression,
 )
 from plcopen_sfc.languages.networks.network_reading import body_statements, network_expression
-from plcopen_sfc.languages.networks.values import inverted, normal_form
+from plcopen_sfc.languages.networks.wires import inverted, normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.model.dialect import Dialect
 from tests.languages.networks.programs import INSTANCES, booleans, numbers, programs
 
 tools = st.sampled_from([None, *Tool])

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
 from plcopen_sfc.languages.networks.network_drawing import draw_fbd, draw_ld
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
     Connection,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.network_reading import network_statements
 from plcopen_sfc.languages.networks.results import Helper
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
     BlockCall,

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.networks.network_drawing import draw_fbd, draw_ld
 from plcopen_sfc.languages.networks.network_reading import network_statements
-from plcopen_sfc.languages.networks.values import normal_form
+from plcopen_sfc.languages.networks.wires import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.model.network import (
     Block,

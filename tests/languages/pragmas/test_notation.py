@@ -14,13 +14,13 @@ from plcopen_sfc.languages.pragmas import (
     DEFAULT,
     NotationError,
     PathError,
+    Scanner,
     StaleError,
     apply,
     changes,
     format_value,
     parse_change,
 )
-from plcopen_sfc.languages.pragmas.notation import Scanner
 from tests.sweeps import examples
 
 keys = st.text(max_size=4)

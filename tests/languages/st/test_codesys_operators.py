@@ -6,12 +6,12 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.translation import translate
+from plcopen_sfc.model.dialect import Dialect
 
 TEXTS = """p := __NEW(INT);
 p := __NEW(POINTER TO STRING, size);

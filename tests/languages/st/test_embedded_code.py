@@ -6,11 +6,11 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import LoweringError, SimulationError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_declarations, parse_expression, parse_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.translation import translate
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.report import Outcome
 
 SOURCE = """{{ #include "drive.h" }}

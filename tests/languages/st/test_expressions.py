@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.nodes import Literal, Name, Quoting, Unary, Unreadable, bare
+from plcopen_sfc.model.dialect import Dialect
 from tests.languages.st.shapes import MINUS, NOT, shape
 
 IEC, CODESYS, SCL = Dialect.IEC, Dialect.CODESYS, Dialect.SCL

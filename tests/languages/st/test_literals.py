@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import Parsed, parse_expression, parse_statements, walk
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import (
@@ -27,6 +26,7 @@ from plcopen_sfc.languages.st.literals import (
     time_of_day_literal,
     write_literal,
 )
+from plcopen_sfc.model.dialect import Dialect
 from tests.corpus import require_corpus
 from tests.languages.st_corpus import Kind, corpus_texts, distinct
 

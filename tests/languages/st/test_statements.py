@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import Parsed, parse_statements
 from plcopen_sfc.languages.st.lexer import CommentKind
 from plcopen_sfc.languages.st.nodes import If, Statements, Unreadable
+from plcopen_sfc.model.dialect import Dialect
 from tests.languages.st.shapes import shape
 
 IEC, CODESYS, SCL = Dialect.IEC, Dialect.CODESYS, Dialect.SCL

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.translation import Translated, translate_text
+from plcopen_sfc.model.dialect import Dialect
 
 IEC, CODESYS, TWINCAT, SCL = Dialect.IEC, Dialect.CODESYS, Dialect.TWINCAT, Dialect.SCL
 

@@ -7,9 +7,9 @@ from collections import Counter
 import pytest
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.translation import Translated, TranslationContext, translate, translate_text
+from plcopen_sfc.model.dialect import Dialect
 from tests.corpus import require_corpus
 from tests.languages.st_corpus import CorpusText, Kind, corpus_texts, distinct
 from tests.sweeps import WHOLE, in_turn

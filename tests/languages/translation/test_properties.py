@@ -12,12 +12,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, transform, walk, without_parentheses
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Quoting
 from plcopen_sfc.languages.translation import TextKind, TranslationContext, translate, translate_text, translate_tree
+from plcopen_sfc.model.dialect import Dialect
 from tests.languages.st_strategies import laid_out, programs
 
 IEC, CODESYS, TWINCAT, SCL = Dialect.IEC, Dialect.CODESYS, Dialect.TWINCAT, Dialect.SCL

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.translation import NameScope, Rename, Renames, TranslationContext, translate_text
+from plcopen_sfc.model.dialect import Dialect
 
 SCL, IEC = Dialect.SCL, Dialect.IEC
 LOCAL, GLOBAL, MEMBER = NameScope.LOCAL, NameScope.GLOBAL, NameScope.MEMBER

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.translation import (
     StepNotation,
     StepReferences,
@@ -13,6 +12,7 @@ from plcopen_sfc.languages.translation import (
     TranslationContext,
     translate_text,
 )
+from plcopen_sfc.model.dialect import Dialect
 
 IEC, CODESYS, SCL = Dialect.IEC, Dialect.CODESYS, Dialect.SCL
 S = StepNotation

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.translation import TranslationContext, translate_text, translate_tree
+from plcopen_sfc.model.dialect import Dialect
 from tests.languages.translating import assert_says_the_same, translated
 
 IEC, CODESYS, TWINCAT, SCL = Dialect.IEC, Dialect.CODESYS, Dialect.TWINCAT, Dialect.SCL

@@ -6,8 +6,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.model import Project
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.inputs import RandomInputs
 
 TEXT = """TYPE Pair : STRUCT a : INT; b : BOOL; END_STRUCT; END_TYPE

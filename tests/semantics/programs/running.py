@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import plcopen_sfc as sfc
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.model import Project
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import Controller, Instance
 
 MS = 1_000_000

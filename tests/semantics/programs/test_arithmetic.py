@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as s
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.model.dialect import Dialect
 from tests.semantics.programs.running import main
 from tests.sweeps import examples
 

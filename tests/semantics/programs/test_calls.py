@@ -6,8 +6,8 @@ import pytest
 
 from plcopen_sfc.errors import SimulationError, UnknownFunctionError
 from plcopen_sfc.languages.declarations import read_declarations, read_interface
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.model import Action, Method, Project, StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import Controller, Instance
 from tests.semantics.programs.running import main, project_of, start
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as s
 
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import Instance
 from tests.semantics.programs.running import MS, scan_at, start
 from tests.sweeps import examples

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as s
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.standard_blocks import BlockKind, standard_blocks
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import Controller
 from tests.semantics.programs.running import main, project_of
 from tests.sweeps import examples

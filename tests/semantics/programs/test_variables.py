@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc.errors import ModelError, SimulationError
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.model import DataBlock, Interface, Tag, TagTable, Variable, VariableSection
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import Controller
 from tests.semantics.programs.running import main, project_of, start
 

@@ -7,7 +7,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, Frame
 

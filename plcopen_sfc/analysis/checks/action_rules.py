@@ -1,0 +1,547 @@
+"""Rules about actions: qualifiers and times, values that are kept, and steps that write the same variable together."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+from plcopen_sfc.analysis.checks.action_targets import (
+    Manner,
+    TargetUse,
+    assignments,
+    body_named,
+    by_operand,
+    constant,
+    operand,
+    uses,
+    written_elsewhere,
+)
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, FindingPlace, Rule
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.effects import Path, path_of
+from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
+from plcopen_sfc.semantics.net import NetStep
+
+_KEEPING = frozenset({Manner.SET, Manner.RESET, Manner.STORED})
+
+
+def _mixed(chart: CheckedChart) -> Iterator[Finding]:
+    for found in by_operand(chart).values():
+        continuous = next((use for use in found if use.manner is Manner.CONTINUOUS), None)
+        if continuous is None:
+            continue
+        for use in found:
+            if use.manner in _KEEPING:
+                there = f"step {continuous.step.name} writes it continuously ({_how(continuous)})"
+                what = {Manner.SET: "set", Manner.RESET: "reset"}.get(use.manner, "stored")
+                message = f"{use.name} is {what} here ({_how(use)}), and {there}"
+                yield Finding(use.sheet.at(use.step, use.association), message)
+
+
+def _how(use: TargetUse) -> str:
+    kind = use.association.kind
+    return kind.value if kind is not None else use.association.qualifier.value
+
+
+def _takes_back(use: TargetUse) -> bool:
+    """Whether an action resets its operand, or assigns something that may be FALSE."""
+    value = (use.association.value or "").strip().upper()
+    return use.manner is Manner.RESET or (use.manner is Manner.STORED and value not in ("TRUE", "1"))
+
+
+def _never_reset(chart: CheckedChart) -> Iterator[Finding]:
+    for path, found in by_operand(chart).items():
+        setting = [use for use in found if use.manner is Manner.SET]
+        if setting and not any(map(_takes_back, found)) and not written_elsewhere(chart, path):
+            use = setting[0]
+            message = f"{use.name} is set ({_how(use)}), and nothing resets it"
+            yield Finding(use.sheet.at(use.step, use.association), message)
+
+
+def _never_set(chart: CheckedChart) -> Iterator[Finding]:
+    for path, found in by_operand(chart).items():
+        if all(use.manner is Manner.RESET for use in found) and not written_elsewhere(chart, path):
+            use = found[0]
+            message = f"{use.name} is reset, and nothing sets it"
+            yield Finding(use.sheet.at(use.step, use.association), message)
+
+
+def _both_at_once(chart: CheckedChart) -> Iterator[Finding]:
+    for found in by_operand(chart).values():
+        setting = {id(use.step): use for use in found if use.manner is Manner.SET and use.association.event is None}
+        for use in found:
+            other = setting.get(id(use.step))
+            if other is not None and use.manner is Manner.RESET and use.association.event is None:
+                message = f"the step sets {use.name} ({_how(other)}) and resets it: the reset wins"
+                yield Finding(use.sheet.at(use.step, use.association), message)
+
+
+def _chart(first: str, second: str) -> str:
+    return f"""
+INITIAL_STEP S1: {first} END_STEP
+STEP S2: {second} END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+"""
+
+
+ACT02 = Rule(
+    code="ACT02",
+    title="An operand is written continuously or stored, not both",
+    why="A continuous action writes its operand all the time, also FALSE: whatever a stored action did is overwritten "
+    "at once (IEC 60848:2013, 4.8; tools for GRAFCET refuse it). With the action control of IEC 61131-3 the operand "
+    "is TRUE while either of them wants it, which few readers expect; in S7-GRAPH N resets it when its step is left.",
+    hint="Use S and R, or the continuous action in every step.",
+    example=_chart("q(N);", "q(S);"),
+    check=_mixed,
+    severity=Severity.WARNING,
+    severities={"grafcet": Severity.ERROR},
+)
+
+ACT03 = Rule(
+    code="ACT03",
+    title="What is set is reset",
+    why="A stored action stays active when its step is left, until an R of the same action. Without one it never "
+    "ends; initialising the chart does not end it in all tools. Code anywhere in the project that writes the variable "
+    "counts as a reset.",
+    hint="Add an action with R to the step in which it shall end.",
+    example=_chart("q(S);", ""),
+    check=_never_reset,
+    severity=Severity.WARNING,
+)
+
+ACT10 = Rule(
+    code="ACT10",
+    title="What is reset is set",
+    why="R ends a stored action of the same name. Where there is none, R does nothing, or the variable is set "
+    "elsewhere: then two places fight for it.",
+    hint="Look where it is set; correct the name if it is another.",
+    example=_chart("q(R);", ""),
+    check=_never_set,
+    severity=Severity.INFO,
+)
+
+ACT18 = Rule(
+    code="ACT18",
+    title="A step does not set and reset the same operand",
+    why="R dominates in the action control of IEC 61131-3 (ed. 3, 6.7.4.6), so that the operand is never set; where "
+    "the actions are coils, the last line counts.",
+    hint="Remove one of them, or use P1 and P0.",
+    example=_chart("q(S); q(R);", ""),
+    check=_both_at_once,
+    severity=Severity.WARNING,
+)
+
+
+_MOST_WRITERS = 40
+"""Writers of one variable that are compared with each other."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Write:
+    """A step that assigns a value to a variable: the literal, or "" where it is not one."""
+
+    step: NetStep
+    place: FindingPlace
+    path: Path
+    name: str
+    value: str
+    action: str = ""
+    kind: ActionKind | None = None
+
+
+def _writes(chart: CheckedChart) -> Iterator[_Write]:
+    """What steps assign, by associations and in the code of their actions. Continuous actions are joined by OR."""
+    of_step: dict[int, list[NetStep]] = {}
+    for net_step in chart.net.steps:
+        of_step.setdefault(id(net_step.step), []).append(net_step)
+    kept = {Manner.SET: "TRUE", Manner.RESET: "FALSE"}
+    for use in uses(chart):
+        if use.manner in (*kept, Manner.STORED):
+            value = kept.get(use.manner) or _literal(use.association.value, chart)
+            place = use.sheet.at(use.step, use.association)
+            for step in of_step.get(id(use.step), ()):
+                yield _Write(step, place, use.path, use.name, value, kind=use.association.kind)
+    for sheet in chart.sheets:
+        for own in sheet.steps:
+            bodies = [(sheet.at(own, a), a.body or body_named(a.target, chart), a.target or "") for a in own.actions]
+            main = own.main_action
+            bodies.append((sheet.at(own), body_named(main, chart) if isinstance(main, str) else main, ""))
+            for place, body, action in bodies:
+                for assigned in assignments(body, chart):
+                    path = path_of(assigned.target)
+                    if path and isinstance(n.bare(assigned.target), n.Name | n.Member | n.Address):
+                        name = print_node(assigned.target, chart.dialect)
+                        for step in of_step.get(id(own), ()):
+                            yield _Write(step, place, path, name, constant(assigned.value), action)
+
+
+def _literal(value: str | None, chart: CheckedChart) -> str:
+    if value is None:
+        return "TRUE"
+    path = operand(value, chart)
+    return "" if path else value.strip().upper()
+
+
+def _races(chart: CheckedChart) -> Iterator[Finding]:
+    by_path: dict[Path, list[_Write]] = {}
+    for write in _writes(chart):
+        by_path.setdefault(write.path, []).append(write)
+    for writes in by_path.values():
+        reported: set[tuple[str, str]] = set()
+        for first, second in combinations(writes[:_MOST_WRITERS], 2):
+            pair = (first.place.path, second.place.path)
+            if pair in reported or not _differ(first, second):
+                continue
+            when = _together(chart, first, second)
+            if when:
+                reported.add(pair)
+                message = f"{second.name} is written here and in step {first.step.path}, {when}"
+                yield Finding(second.place, message)
+
+
+def _differ(first: _Write, second: _Write) -> bool:
+    """Whether it makes a difference which of two writes comes last."""
+    if first.action and first.action.casefold() == second.action.casefold():
+        return False  # one action, which runs once however many steps ask for it
+    return not first.value or first.value != second.value
+
+
+def _together(chart: CheckedChart, first: _Write, second: _Write) -> str:
+    """When both are written in one evolution; empty: never, or nobody knows."""
+    moment = {ActionKind.ON_ACTIVATION, ActionKind.ON_DEACTIVATION}
+    if first.kind in moment and second.kind in moment:
+        return _at_once(chart, first, second)
+    if first.step is second.step:
+        return ""  # in the order in which they stand
+    if chart.graph.complete and chart.graph.concurrent(first.step, second.step):
+        return "and both can be active together"
+    return ""
+
+
+def _at_once(chart: CheckedChart, first: _Write, second: _Write) -> str:
+    """Whether transitions that let both happen can be cleared in one evolution."""
+    net = chart.net
+    for a in _causes(chart, first):
+        for b in _causes(chart, second):
+            if a == b:
+                return f"and both happen when {net.transitions[a].path} is cleared"
+            both = net.transitions[a].pre | net.transitions[b].pre
+            apart = not net.transitions[a].pre & net.transitions[b].pre
+            if apart and chart.graph.complete and any(not both & ~marking for marking in chart.graph):
+                return f"and {net.transitions[a].path} and {net.transitions[b].path} can be cleared together"
+    return ""
+
+
+def _causes(chart: CheckedChart, write: _Write) -> set[int]:
+    """The transitions that let a stored action happen, also by activating or leaving an enclosing step."""
+    activation = write.kind is ActionKind.ON_ACTIVATION
+    beside = chart.net.entering if activation else chart.net.leaving
+    found: set[int] = set()
+    waiting, seen = [write.step], {write.step.index}
+    while waiting:
+        step = waiting.pop()
+        found.update(beside[step.index])
+        for upper in _around(chart, step, activation=activation):
+            if upper.index not in seen:
+                seen.add(upper.index)
+                waiting.append(upper)
+    return found
+
+
+def _around(chart: CheckedChart, step: NetStep, *, activation: bool) -> Iterator[NetStep]:
+    """The enclosing steps that deactivate a step when they are left, or activate it when they are entered."""
+    partial = chart.sheet_of(step).partial
+    if partial is None:
+        return
+    for upper in chart.net.steps:
+        for enclosure in upper.step.encloses or ():
+            linked = {name.casefold() for name in enclosure.activated_steps}
+            here = enclosure.chart.casefold() == partial.name.casefold()
+            if here and (not activation or step.step.name.casefold() in linked):
+                yield upper
+
+
+ACT04 = Rule(
+    code="ACT04",
+    title="Steps that are active together do not write the same variable",
+    why="Which of them comes last decides, and that is the tool's affair: the order of steps in the file, of names, "
+    "of network numbers. In GRAFCET all stored actions of one evolution happen at once, those of the step that is "
+    "left and those of the step that is entered too (IEC 60848:2013, 4.8).",
+    hint="Let one place write the variable; let the steps set variables of their own, and join these.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP A: q(S); END_STEP
+STEP B: q(R); END_STEP
+TRANSITION FROM S1 TO (A, B) := a; END_TRANSITION
+TRANSITION FROM (A, B) TO S1 := b; END_TRANSITION
+""",
+    check=_races,
+    severity=Severity.WARNING,
+)
+
+
+_TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TF})
+_ONLY_WITH_EVENT = frozenset(
+    {
+        Qualifier.ON,
+        Qualifier.OFF,
+        Qualifier.CS,
+        Qualifier.CU,
+        Qualifier.CD,
+        Qualifier.CR,
+        Qualifier.TL,
+        Qualifier.TD,
+        Qualifier.TR,
+    }
+)
+_NINE = 9
+
+
+def _no_time(duration: str | None) -> bool:
+    return duration is None or not duration.strip()
+
+
+def _without_time(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if association.qualifier.needs_duration and _no_time(association.duration):
+                message = f"the qualifier {association.qualifier} needs a time"
+                yield Finding(sheet.at(step, association), message)
+
+
+def _with_time(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            timed = association.qualifier.needs_duration or association.qualifier in _TIMERS
+            plain = association.kind is None and not timed
+            if plain and not _no_time(association.duration) and not _ZERO.fullmatch(association.duration or ""):
+                message = f"the time {association.duration} has no effect with the qualifier {association.qualifier}"
+                yield Finding(sheet.at(step, association), message)
+
+
+_ZERO = re.compile(r"\s*(?:L?T(?:IME)?#0(?:[a-z]+)?|PT0S|0)\s*", re.IGNORECASE)
+"""What some tools write where there is no time."""
+
+
+def _several_times(chart: CheckedChart) -> Iterator[Finding]:
+    first: dict[tuple[str, ...], tuple[str, str]] = {}
+    for use in uses(chart):
+        if not use.association.qualifier.needs_duration or _no_time(use.association.duration):
+            continue
+        time = (use.association.duration or "").strip().upper()
+        known = first.setdefault(use.path, (time, use.step.name))
+        if known[0] != time:
+            message = f"{use.name} has another time here ({use.association.duration}) than in step {known[1]}"
+            yield Finding(use.sheet.at(use.step, use.association), message)
+
+
+def _foreign(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if association.kind is None and association.qualifier not in chart.profile.qualifiers:
+                message = f"there is no qualifier {association.qualifier} here"
+                yield Finding(sheet.at(step, association), message)
+
+
+def _nothing_done(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if not association.target and association.body is None and association.forcing is None:
+                yield Finding(sheet.at(step, association), "the association names no action and no variable")
+
+
+def _step_actions(chart: CheckedChart) -> Iterator[Finding]:
+    if chart.pou is None:
+        return
+    known = {action.name.casefold() for action in chart.pou.actions} | {m.name.casefold() for m in chart.pou.methods}
+    for sheet in chart.sheets:
+        for step in sheet.steps:
+            for kind, name in (
+                ("entry", step.entry_action),
+                ("main", step.main_action),
+                ("exit", step.exit_action),
+            ):
+                if isinstance(name, str) and name.isidentifier() and name.casefold() not in known:
+                    yield Finding(sheet.at(step), f"the POU has no action {name!r}, the {kind} action of the step")
+
+
+def _more_than_nine(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step in sheet.steps:
+            count = sum(not association.exclude for association in step.actions)
+            if count > _NINE:
+                yield Finding(sheet.at(step), f"the step has {count} associations")
+
+
+def _initial_with_actions(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if step.initial:
+                yield Finding(sheet.at(step, association), "the initial step has an association")
+                break
+
+
+# -- S7-GRAPH
+
+
+def _events(chart: CheckedChart) -> Iterator[Finding]:
+    names = {step.name.casefold() for sheet in chart.sheets for step in sheet.steps} | {"s_all"}
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            place = sheet.at(step, association)
+            qualifier = association.qualifier
+            if qualifier in _ONLY_WITH_EVENT and association.event in (None, ActionEvent.C):
+                yield Finding(place, f"the qualifier {qualifier} needs an event")
+            switched = association.target if qualifier in (Qualifier.ON, Qualifier.OFF) else None
+            if switched and switched.strip('#"').casefold() not in names:
+                yield Finding(place, f"{qualifier} names {switched!r}, which is no step of this block")
+
+
+def _guards(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            place = sheet.at(step, association)
+            interlock = step.interlock is not None and step.interlock.condition is not None
+            supervision = step.supervision is not None and step.supervision.condition is not None
+            if (association.interlock or association.event is ActionEvent.C) and not interlock:
+                yield Finding(place, "the action depends on the interlock, and the step has none")
+            elif association.event in (ActionEvent.L0, ActionEvent.L1) and not interlock:
+                yield Finding(place, f"the event {association.event} never comes: the step has no interlock")
+            elif association.event in (ActionEvent.V0, ActionEvent.V1) and not supervision:
+                yield Finding(place, f"the event {association.event} never comes: the step has no supervision")
+
+
+def _ring(action: str) -> str:
+    return f"""
+INITIAL_STEP S1: END_STEP
+STEP S2: {action} END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+"""
+
+
+ACT01 = Rule(
+    code="ACT01",
+    title="A timed qualifier has a time",
+    why="L, D, SD, DS and SL do nothing, or something at once, without one (IEC 61131-3 ed. 3, table 59). CoDeSys and "
+    "CODESYS refuse the chart.",
+    hint="Add the time.",
+    example=_ring("q(D);"),
+    check=_without_time,
+    severity=Severity.ERROR,
+)
+
+ACT05 = Rule(
+    code="ACT05",
+    title="A qualifier without time has none",
+    why="The time has no effect, although one was probably expected.",
+    hint="Remove the time, or use the qualifier that was meant.",
+    example=_ring("q(N, T#5s);"),
+    check=_with_time,
+    severity=Severity.WARNING,
+)
+
+ACT06 = Rule(
+    code="ACT06",
+    title="An action has one time",
+    why="All timed associations of an action share one action control, and that has one time input: which of several "
+    "times counts is undefined (IEC 61131-3 ed. 3, 6.7.4.6).",
+    hint="Use the same time everywhere, or actions of their own.",
+    example="""
+INITIAL_STEP S1: q(L, T#2s); END_STEP
+STEP S2: q(D, T#5s); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+""",
+    check=_several_times,
+    severity=Severity.WARNING,
+    severities={"codesys": Severity.INFO, "codesys23": Severity.INFO, "s7graph": None, "grafcet": None},
+)
+
+ACT07 = Rule(
+    code="ACT07",
+    title="The qualifier exists in the tool",
+    why="S7-GRAPH has no P, P0, P1, SD, DS and SL; IEC 61131-3 has no CALL, no ON and OFF, no counters and timers; "
+    "no tool documents what DL of TC6 does.",
+    hint="Express it in another way: P1 is the event S1 of S7-GRAPH, SD a set action and a timer.",
+    example="""
+INITIAL_STEP S1: q(P1); END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+""",
+    check=_foreign,
+    severity=Severity.ERROR,
+)
+
+ACT08 = Rule(
+    code="ACT08",
+    title="An association names what it executes",
+    why="An association without an action, a variable or code does nothing.",
+    hint="Name the action, or remove the line.",
+    example="a line of an action block with the qualifier N and nothing else",
+    check=_nothing_done,
+    severity=Severity.WARNING,
+)
+
+ACT09 = Rule(
+    code="ACT09",
+    title="Step actions exist",
+    why="The entry, main or exit action of a step names an action of the POU that is not there: the chart does not "
+    "compile.",
+    hint="Add the action, or correct the name.",
+    example="a step with the entry action Start in a POU without an action Start",
+    check=_step_actions,
+    severity=Severity.ERROR,
+)
+
+ACT14 = Rule(
+    code="ACT14",
+    title="An IEC step of CoDeSys V2.3 has up to nine associations",
+    why="CoDeSys V2.3 takes nine.",
+    hint="Put several of them into one action, or into a step that is active at the same time.",
+    example="a step with ten lines in its action block",
+    check=_more_than_nine,
+    severity=None,
+    severities={"codesys23": Severity.ERROR},
+)
+
+ACT15 = Rule(
+    code="ACT15",
+    title="The initial step of CoDeSys V2.3 has no associations",
+    why="In CoDeSys V2.3 the initial step that the editor makes cannot be associated with actions.",
+    hint="Let a step with the transition TRUE before it do what the initial step shall do.",
+    example="an initial step with N Ready",
+    check=_initial_with_actions,
+    severity=None,
+    severities={"codesys23": Severity.WARNING},
+)
+
+ACT16 = Rule(
+    code="ACT16",
+    title="Events of S7-GRAPH are at the actions that need them",
+    why="ON, OFF, counters and all timers but TF act on an event only, and ON and OFF switch steps of their own block "
+    "(S7-GRAPH manual, actions).",
+    hint="Add the event (S1: when the step becomes active), or name a step of this block.",
+    example="an action ON Step5 without an event",
+    check=_events,
+    severity=None,
+    severities={"s7graph": Severity.ERROR},
+)
+
+ACT17 = Rule(
+    code="ACT17",
+    title="Actions wait for conditions that the step has",
+    why="An action with C, or with one of the events L0, L1, V0 and V1, depends on the interlock or the supervision "
+    "of its step. Without one, C is always true, and the events never come.",
+    hint="Program the interlock or supervision, or remove the event.",
+    example="an action with the event V1 in a step without supervision",
+    check=_guards,
+    severity=None,
+    severities={"s7graph": Severity.WARNING},
+)
