@@ -247,18 +247,20 @@ def step_observations(
     """What tells of each step of `left` that it is active, on both sides. Raises `ModelError` for names not there.
 
     `flags`: by the path of a step a variable of the other side (``X2``), what a variable must equal (``s = 2``), or the
-    path of a step there.
+    path of a step there. A path with ``._x`` means a step that will be active in the next scan (CODESYS).
     Where they are not given, equal step paths of two charts, and variables with usual names (``X_Fill``, ``Fill_X``,
     ``XFill``, ``Fill``, and ``X2`` for a step of number 2 or a name that ends so), tell.
     """
     bits = {path: 1 << index for index, path in enumerate(left.steps)}
     if flags is not None:
         found = []
-        for step, text in flags.items():
+        for given, text in flags.items():
+            step = given.removesuffix("._x")
             path = next((each for each in bits if each.casefold() == step.casefold()), None)
             if path is None:
                 raise ModelError(f"there is no step {step!r}", hint="There are: " + ", ".join(list(bits)[:20]))
-            found.append((path, Observation(path, bit=bits[path]), _flag(right, text)))
+            own = Observation(path, bit=bits[path], follows=step != given)
+            found.append((path, own, _flag(right, text)))
         return found
     others = {path.casefold(): 1 << index for index, path in enumerate(right.steps)}
     usual = {

@@ -35,7 +35,15 @@ from plcopen_sfc.semantics.programs.runtime import UNREAD
 from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT, ElementaryType, Family, Frame
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
-from plcopen_sfc.semantics.subjects import Subject, Watched, is_written, step_marking, watched, watched_members
+from plcopen_sfc.semantics.subjects import (
+    Subject,
+    Watched,
+    following_situation,
+    is_written,
+    step_marking,
+    watched,
+    watched_members,
+)
 
 _NUMBERS = (Family.INTEGER, Family.BITS, Family.REAL, Family.DURATION)
 
@@ -97,15 +105,19 @@ _NO_STEPS = StepTimes(limit=0, anywhere=frozenset(), read=frozenset())
 
 @dataclass(frozen=True)
 class Observation:
-    """Something to compare: a variable, whether it has a value (``state = 3``), or whether a step is active (`bit`)."""
+    """Something to compare: a variable, whether it has a value (``state = 3``), or whether a step is active (`bit`).
+
+    `follows`: whether the step will be active in the next scan.
+    """
 
     path: str
     equals: Value | None = None
     bit: int = 0
+    follows: bool = False
 
     def __str__(self) -> str:
         if self.bit:
-            return f"{self.path}.X"
+            return f"{self.path}.{'_x' if self.follows else 'X'}"
         return self.path if self.equals is None else f"{self.path} = {self.equals}"
 
 
@@ -301,20 +313,22 @@ class ProgramSystem:
             return
 
         places = iter(range(len(wanted)))
-        plan = [(each.bit, each.equals, 0 if each.bit else next(places)) for each in wanted]
+        plan = [(each.bit, each.follows, each.equals, 0 if each.bit else next(places)) for each in wanted]
         has_bits = any(each.bit for each in wanted)
+        following = following_situation(self.instance) if any(each.follows for each in wanted) else int
 
         def observed() -> tuple[Any, ...]:
             values = read()
             marking = self._marking() if has_bits else 0
+            next_marking = following()
             return tuple(
                 [
-                    marking & bit != 0
+                    (next_marking if follows else marking) & bit != 0
                     if bit
                     else values[place]
                     if equals is None
                     else bool(asked(values[place]) == equals)
-                    for bit, equals, place in plan
+                    for bit, follows, equals, place in plan
                 ]
             )
 

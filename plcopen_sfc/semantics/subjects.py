@@ -176,6 +176,14 @@ def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]
     return (), lambda: 0
 
 
+def following_situation(instance: Instance) -> Callable[[], int]:
+    """What gives, as bits, the steps of the chart that an instance is whose transitions the next scan looks at."""
+    for path, chart, frame in instance.charts():
+        if not path and isinstance(chart, ChartProgram):
+            return partial(chart.situation, frame)
+    return step_marking(instance)[1]
+
+
 def signal_of(type_: Type) -> Signal | None:
     """The signal for a type of a running program; None for what is no single value."""
     if not isinstance(type_, ElementaryType) or type_.family is Family.SPECIAL:

@@ -6,8 +6,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, TypeAlias
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
@@ -36,6 +36,12 @@ from plcopen_sfc.semantics.net import Net
 
 Q = Qualifier
 _STORED = {Q.S, Q.SD, Q.DS, Q.SL}
+EarlierSteps: TypeAlias = "Callable[[Sequence[int]], Expression | None]"
+"""When one of some steps was active in the last scan; None where the code does not keep that."""
+
+
+def unknown_before(steps: Sequence[int]) -> None:
+    """Return None: the code does not keep the situation of the last scan."""
 
 
 class ActionControlCode:
@@ -44,10 +50,35 @@ class ActionControlCode:
     `ending`: a condition that ends stored actions besides R.
     """
 
-    def __init__(self, memory: Memory, active: StepValue, ending: Expression = FALSE) -> None:
+    def __init__(
+        self,
+        memory: Memory,
+        active: StepValue,
+        ending: Expression = FALSE,
+        was_active: EarlierSteps = unknown_before,
+    ) -> None:
         self._memory = memory
         self._active = active
         self._ending = ending
+        self._was_active = was_active
+
+    def plain(self, action: ActionSource) -> tuple[Expression, Expression] | None:
+        """Return when an action is executed that its steps alone decide on, and when it was in the last scan.
+
+        None for all others, and where the code does not keep the situation of the last scan: they need a memory.
+        """
+        return self._steps_alone(action.uses)
+
+    def _steps_alone(
+        self, uses: Sequence[ActionUse], qualifier: Qualifier = Q.N
+    ) -> tuple[Expression, Expression] | None:
+        if not uses or not all(
+            use.qualifier is qualifier and not use.inverted and is_constant(use.condition, TRUE) for use in uses
+        ):
+            return None
+        steps = list(dict.fromkeys(step for use in uses for step in use.steps))
+        before = self._was_active(steps)
+        return (disjunction(map(self._active, steps)), before) if before is not None else None
 
     def drive(self, action: ActionSource, into: list[Statement]) -> Expression:
         """Return the output Q of the action control, with its pulses P1 and P0: TRUE while the action is active."""
@@ -79,8 +110,15 @@ class ActionControlCode:
         found: list[Expression] = []
         for qualifier, edge in ((Q.P1, self._memory.rising), (Q.P0, self._memory.falling)):
             value = self._input(action, qualifier)
-            if not is_constant(value, FALSE):
+            if is_constant(value, FALSE):
+                continue
+            alone = self._steps_alone([use for use in action.uses if use.qualifier is qualifier], qualifier)
+            if alone is None:
                 found.append(edge(f"{action.name}_{qualifier}", value, into))
+            else:
+                now, before = alone
+                begins = qualifier is Q.P1
+                found.append(conjunction([now, negation(before)] if begins else [negation(now), before]))
         return found
 
     def _input(self, action: ActionSource, *qualifiers: Qualifier) -> Expression:
@@ -115,7 +153,12 @@ class ActionControlCode:
 
     def _pulse(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
         value = self._input(action, Q.P)
-        return [] if is_constant(value, FALSE) else [self._memory.rising(f"{action.name}_P", value, into)]
+        if is_constant(value, FALSE):
+            return []
+        alone = self._steps_alone([use for use in action.uses if use.qualifier is Q.P], Q.P)
+        if alone is not None:
+            return [conjunction([alone[0], negation(alone[1])])]
+        return [self._memory.rising(f"{action.name}_P", value, into)]
 
     def _stored_and_timed(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
         found: list[Expression] = []
@@ -190,7 +233,9 @@ class SequentialControlCode:
         active: StepValue,
         ending: Expression = FALSE,
         entered: bool = False,
+        was_active: EarlierSteps = unknown_before,
     ) -> None:
+        self._was_active = was_active
         self._net, self._code, self._memory, self._active = net, code, memory, active
         self._times, self._ending, self._entered = times, ending, entered
         self._before: dict[tuple[int, ...], n.Name] = {}
@@ -260,7 +305,13 @@ class SequentialControlCode:
         active = self._is_active(use.steps)
         return negation(active) if use.inverted else active
 
+    def plain(self, action: ActionSource) -> None:
+        """Return None: in this control decisions of the scan before are no memory."""
+
     def _acted(self, use: ActionUse) -> Expression:
+        known = self._was_active(use.steps)
+        if known is not None:
+            return negation(known) if use.inverted else known
         if use.steps not in self._before:
             name = "_".join(self._net.steps[step].path for step in use.steps[:1])
             # at the start an initial step counts as active before, unless its activation is an event under the profile

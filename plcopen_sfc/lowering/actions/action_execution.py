@@ -24,11 +24,12 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     disjunction,
     is_constant,
     negation,
+    when,
 )
 from plcopen_sfc.lowering.code.code_bodies import comment_lines
 from plcopen_sfc.lowering.code.code_declarations import BOOL
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import GuardedText, LoweredCode, StepValue, TextNetwork
 from plcopen_sfc.lowering.code_texts import Suffix, Texts
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
@@ -196,6 +197,10 @@ class _Execution:
         """Append a network that drives and executes an action."""
         statements: list[Statement] = []
         if action.target is None:
+            plain = self._control.plain(action) if self._final_scan else None
+            if plain is not None:  # the steps of the last scan tell that it has just ended
+                self._add(action, disjunction(plain))
+                return
             lasting, single = self._control.outputs(action, statements)
             executed = disjunction([lasting, single])
             if self._final_scan and self._verbatim and not is_constant(lasting, FALSE):
@@ -216,6 +221,11 @@ class _Execution:
         # one assignment is enough where the profile writes in every scan, or nothing else could have written in between
         elif self._always or self._owned.is_false_at_rest(action.target):
             statements.append(assignment(action.target, self._control.drive(action, statements)))
+        elif (plain := self._control.plain(action)) is not None:
+            driven, before = plain
+            switched_on, switched_off = (assignment(action.target, each) for each in (TRUE, FALSE))
+            statements.append(n.If((n.Branch(driven, (switched_on,)), n.Branch(before, (switched_off,)))))
+            self._memory.ends.append(when(before, switched_off))
         elif self._verbatim:
             driven = self._control.drive(action, statements)
             # other code writes this variable too: it is set back once, and left alone while its action is inactive
@@ -264,6 +274,23 @@ class _Execution:
                 idle += self._memory.conditional("", off, [assignment(action.target, FALSE)])
                 acting.append((replace(action, statements=(assignment(action.target, TRUE),)), driven))
                 continue
+            plain = self._control.plain(action)
+            if plain is not None:  # no memory: the steps of this scan and of the last one tell all
+                driven, before = plain
+                ended = conjunction([before, negation(driven)])
+                if action.target is None:
+                    if self._final_scan:
+                        ending += self._memory.conditional("", ended, action.statements)
+                    acting.append((action, driven))
+                    continue
+                rest, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
+                if self._always:
+                    idle += self._memory.conditional("", negation(driven), rest)
+                else:
+                    ending += self._memory.conditional("", ended, rest)
+                    self._memory.ends.append(when(before, *rest))
+                acting.append((replace(action, statements=(on,)), driven))
+                continue
             lasting, single = self._control.outputs(action, deciding)
             if action.target is not None:
                 driven = self._memory.named(f"{name}_Q", disjunction([lasting, single]), deciding)
@@ -307,9 +334,11 @@ class _Execution:
             return
         lines = print_node(n.Statements(tuple(before)), self._source.dialect).splitlines()
         lines.append(f"IF {print_node(executed, self._source.dialect)} THEN")
-        lines += [f"    {line}".rstrip() for line in dedent(action.text).strip("\n").splitlines()]
+        own = dedent(action.text).strip("\n")
+        lines += [f"    {line}".rstrip() for line in own.splitlines()]
         lines += ["END_IF;", *print_node(n.Statements(tuple(behind)), self._source.dialect).splitlines()]
-        self._code.networks.append(TextNetwork(title, "\n".join(lines), self._captions(action)))
+        guarded = GuardedText(executed, own, action.statements) if not (before or behind) else None
+        self._code.networks.append(TextNetwork(title, "\n".join(lines), self._captions(action), guarded))
 
     def explain(self, action: ActionSource) -> None:
         """Append the comments of an action that does nothing."""

@@ -47,6 +47,16 @@ class TextNetwork:
     title: str
     text: str
     comment: str = ""
+    guarded: GuardedText | None = None
+
+
+@dataclass(frozen=True)
+class GuardedText:
+    """Text of a `TextNetwork` without its IF: it is executed under a condition, and does what the statements do."""
+
+    condition: n.Expression
+    text: str
+    statements: tuple[n.Statement, ...]
 
 
 @dataclass
@@ -100,6 +110,11 @@ class LoweredCode:
         text = self.caption(comment)
         self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=text))
         return self.naming.local(name)
+
+    @property
+    def own_names(self) -> set[str]:
+        """Names of the variables that it has declared, in lower case: no other code writes them."""
+        return {variable.name.casefold() for variable in (*self.variables, *self.constants)}
 
     @property
     def needs_flat_statements(self) -> bool:

@@ -33,7 +33,7 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
             found.update(re.findall(r"\w+", network.text.casefold()))
     # once written and once read
     once = {name for name in helpers if found[name] == 2}
-    private = {variable.name.casefold() for variable in (*code.variables, *code.constants)}
+    private = code.own_names
     gone: set[str] = set()
     for place, network in enumerate(code.networks):
         if isinstance(network, CodeNetwork) and not network.remarks:

@@ -35,6 +35,7 @@ from plcopen_sfc.lowering.encodings.case_states import (
     one_region,
     regions_of,
 )
+from plcopen_sfc.lowering.encodings.step_branches import BranchCode, Scope, StepBranches, branch_lines
 from plcopen_sfc.lowering.lowering_options import States
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together, refuse_classic
@@ -66,6 +67,9 @@ class RegionEncoding(ScanSchedule):
             comment = self.texts.transition_of(transition.path)
             self._bits[index] = self.code.declare(self.texts.transition_name(self.net, transition), comment=comment)
         self._again: dict[int, n.Name] = {}
+        self._last: dict[int, n.Name] = {}
+        self._done: dict[int, list[BranchCode]] = {}
+        self._entered: n.Name | None = None
 
     def active(self, step: int) -> Expression:
         """Return a comparison of the state of its region."""
@@ -89,21 +93,32 @@ class RegionEncoding(ScanSchedule):
 
     def on_change(self, exits: Sequence[StepPart], entries: Sequence[StepPart]) -> list[Statement]:
         """Return what compares states with those of the last scan: one memory for all steps of a region."""
-        none = self.names.no_state
-        if none is None:
-            return super().on_change(exits, entries)
-        last: dict[int, n.Name] = {}
-        for machine, _ in self._by_region([*exits, *entries]):
-            if machine.region.index not in last:
-                last[machine.region.index] = self.names.declare_last(self.states.suffix(machine.region))
         found: list[Statement] = []
         for machine, these in self._by_region(exits):
-            found += self._changed(last[machine.region.index], machine.state, these)
+            found += self._changed(self._last_state(machine), machine.state, these)
         for machine, these in self._by_region(entries):
-            found += self._changed(machine.state, last[machine.region.index], these)
-        found += [assignment(each, self.machines[index].state) for index, each in last.items()]
-        self.memory.ends += [assignment(each, none) for each in last.values()]
+            found += self._changed(machine.state, self._last_state(machine), these)
         return found
+
+    def was_active(self, steps: Sequence[int]) -> Expression:
+        """Return a comparison of the states of the last scan."""
+        machines = [(self.states.machine_of(step), self.names.step(step)) for step in steps]
+        return disjunction(equal(self._last_state(machine), step) for machine, step in machines)
+
+    def remember(self) -> None:
+        """Append the assignments of the states of the last scan."""
+        kept = [assignment(each, self.machines[index].state) for index, each in self._last.items()]
+        self.code.add(self.texts.steps_before, kept)
+        self.memory.ends += [assignment(each, self.names.no_state) for each in self._last.values()]
+
+    def _last_state(self, machine: RegionState) -> n.Name:
+        """Return the variable with the state that a region had in the last scan."""
+        index = machine.region.index
+        if index not in self._last:
+            entered = self.profile.initial_steps_entered
+            suffix = self.states.suffix(machine.region)
+            self._last[index] = self.names.declare_last(machine.region, suffix, entered=entered)
+        return self._last[index]
 
     def _by_region(self, parts: Sequence[StepPart]) -> list[tuple[RegionState, list[StepPart]]]:
         """Return the parts in their order, with those of one region behind each other together."""
@@ -156,8 +171,33 @@ class RegionEncoding(ScanSchedule):
         chosen = n.Case(selected, tuple(branches))
         self.code.add(self.texts.selection, [when(selecting, *ended, chosen)])
 
+    def into_branches(self, begin: int) -> None:
+        """Move what active steps do into the branches of the CASE, where that is the same."""
+        # blocks in conditions are not executed while no transition may fire: then the CASE is not either
+        if len(self.machines) > 1 or (self.blocking and any(self.source.preparations)):
+            return
+        (machine,) = self.machines
+        last = self._last.get(machine.region.index)
+        branches = StepBranches(
+            machine.state,
+            last,
+            {self.names.step(i): i for i in machine.region.steps},
+            Scope(self.source, self.code.own_names),
+        )
+        self.code.networks[begin:] = branches.take(self.code.networks[begin:])
+        self._done = branches.code
+        if branches.enters and last is not None:
+            self._entered = self.code.declare(self.texts.entered, comment=self.texts.entered_comment)
+            self.code.add("", [assignment(self._entered, negation(equal(machine.state, last)))])
+
     def change_situation(self) -> None:
         """Append the assignments of following states, where these had to wait."""
+        if self._is_announced:
+            held = self.sfc_flags.held
+            self.code.add(
+                self.texts.init, [when(held, self.states.set_back(self.machines[0]))] if held != FALSE else []
+            )
+            return
         waiting = [machine for machine in self.machines if self.states.has_following(machine)]
         restart = [when(self.init, *map(self.states.set_back, waiting))] if self.init is not None and waiting else []
         self.code.add(self.texts.moves, [*restart, *self.states.following_assignments()])
@@ -202,9 +242,27 @@ class RegionEncoding(ScanSchedule):
     def _must_wait(self, machine: RegionState) -> bool:
         """Return True if other code than its own CASE reads or writes the state of a region."""
         # where actions come first they see the situation of the last scan, chosen transitions wait until the next one
-        if self.profile.order is ScanOrder.ACTIONS_FIRST or machine.blocks or machine.region.block is not None:
+        if machine.blocks or machine.region.block is not None:
+            return True
+        if self.profile.order is ScanOrder.ACTIONS_FIRST and not self._is_announced:
             return True
         return bool(self._askers.get(machine.state.identifier, set()) - {machine.region.index})
+
+    @cached_property
+    def _is_announced(self) -> bool:
+        """True if transitions change the state itself, which then tells of the next scan: nothing asks before that."""
+        return (
+            self.profile.order is ScanOrder.ACTIONS_FIRST
+            and len(self.machines) == 1
+            and not (self.source.asked_outside or self.source.logic)
+            and SfcFlag.TRANS not in self.source.flags
+            and not (self.blocking and self.modes.selecting is not None)
+        )
+
+    def active_steps(self) -> dict[str, Expression]:
+        """Return expressions by the paths of steps, or by ``Fill._x`` if they tell of the next scan."""
+        found = super().active_steps()
+        return {f"{path}._x": active for path, active in found.items()} if self._is_announced else found
 
     @cached_property
     def _askers(self) -> dict[str, set[int]]:
@@ -221,11 +279,14 @@ class RegionEncoding(ScanSchedule):
         return found
 
     def _guarded(self, machine: RegionState, case: list[str]) -> list[str]:
-        """Return a CASE that is not executed while no transition may fire."""
+        """Return a CASE that is not executed while no transition may fire, or whose transitions do nothing then."""
         if not self.blocking:
             return case
         blocked = disjunction(self.blocking)
-        if self.states.has_following(machine) or self.init is None:  # it is set back where it changes
+        if self._done:  # meanwhile the initial step is active
+            back = f"{INDENT}{self.text(self.states.set_back(machine))}"
+            return [*case, f"IF {self.text(blocked)} THEN // {self.texts.held}", back, "END_IF;"]
+        if self._is_announced or self.states.has_following(machine) or self.init is None:  # set back where it changes
             head = [f"IF {self.text(negation(blocked))} THEN"]
         else:
             head = [f"IF {self.text(blocked)} THEN", INDENT + self.text(self.states.set_back(machine)), "ELSE"]
@@ -275,7 +336,8 @@ class RegionEncoding(ScanSchedule):
     def _case(self, machine: RegionState) -> list[str]:
         def leaving(step: NetStep) -> list[str]:
             transitions = [self.net.transitions[t] for t in self.net.leaving[step.index]]
-            return self.states.tried([self._try(machine, t) for t in transitions if len(t.sources) == 1])
+            tried = self.states.tried([self._try(machine, t) for t in transitions if len(t.sources) == 1])
+            return [*branch_lines(self._done.get(step.index, ()), self._entered, self.text), *tried]
 
         def joining(block: ParallelBlock) -> list[str]:
             return self.states.tried([self._try(machine, self.net.transitions[t]) for t in block.joins])

@@ -62,7 +62,8 @@ class StateNames:
         rules: LoweringRules,
         surroundings: Collection[str],
     ) -> None:
-        self._code, self._texts = code, rules.texts
+        self._code, self._texts, self._dialect = code, rules.texts, source.dialect
+        self._new_value: Callable[[str, str], Expression] | None = None
         # where steps are selected, the regions of all others have none
         # selecting a step of one region ends all others
         left = OperatingMode.SELECT in rules.modes and len(regions.regions) > 1
@@ -81,12 +82,20 @@ class StateNames:
         self._steps = written[: len(steps)]
         self._waiting = written[len(steps) : len(steps) + len(waiting)]
         self._none = written[-1]
-        unused = (
-            None if isinstance(self._type, DerivedType) else n.Literal("-1" if 0 in step_numbers(source.net) else "0")
-        )
-        self.no_state: Expression | None = self._none if none else unused
-        """State of no step, also where the chart always has one; None: an enumeration has no such value."""
-        self._no_initial = self._initial[-1] if none else unused.text if unused is not None else None
+        self._no_number = "-1" if 0 in step_numbers(source.net) else "0"
+        self._no_state = self._none if none else None
+        self._no_initial = self._initial[-1]
+
+    @property
+    def no_state(self) -> Expression:
+        """State of no step, also where the chart always has one."""
+        if self._no_state is None:
+            if self._new_value is not None:
+                self._no_state = self._new_value(self._texts.no_step, self._no_number)
+                self._no_initial = print_node(self._no_state, self._dialect)
+            else:
+                self._no_state, self._no_initial = n.Literal(self._no_number), self._no_number
+        return self._no_state
 
     def step(self, step: int) -> Expression:
         """Return the state in which a step is active."""
@@ -119,11 +128,23 @@ class StateNames:
         """State in which no step of a region is active."""
         return self._none
 
-    def declare_last(self, suffix: str) -> n.Name:
-        """Declare a variable for the state of a region in the last scan, at first that of no step."""
+    def declare_last(self, region: Region, suffix: str, *, entered: bool) -> n.Name:
+        """Declare a variable for the state of a region in the last scan.
+
+        `entered`: the start is an activation of the initial step, so at first it has that of no step.
+        """
         texts = self._texts
-        name = f"{texts.last_state}_{suffix}" if suffix else texts.last_state
-        return self._code.declare(name, self._type, initial=self._no_initial, comment=texts.last_state_comment)
+        if isinstance(self._type, DerivedType):
+            name, comment = texts.last_step, texts.last_state_comment
+        else:
+            name, comment = texts.last_state, texts.last_state_comment
+        wanted = f"{name}_{suffix}" if suffix else name
+        if entered or region.initial is None:
+            assert self.no_state  # noqa: S101
+            initial = self._no_initial
+        else:
+            initial = self._initial[region.initial]
+        return self._code.declare(wanted, self._type, initial=initial, comment=comment)
 
     def _constant(self, state: _State) -> n.Name:
         return self._code.declare_constant(state.constant, self._type, str(state.number), state.comment)
@@ -135,21 +156,27 @@ class StateNames:
         used = {name.casefold() for name in source.names()}
         name = Naming(source.dialect, {*surroundings, *used}).fresh(f"{source.pou.name}_{self._texts.enumeration}")
         naming = Naming(source.dialect, ())
-        values = [naming.fresh(state.name) for state in states]
-        listed = [EnumValue(name=v, value=str(state.number)) for v, state in zip(values, states, strict=True)]
+        enumeration = EnumType(values=[])
         self._code.data_types.append(
             DataTypeDeclaration(
                 name=name,
                 folder=source.pou.folder,
                 place=source.pou.place,
-                type=EnumType(values=listed),
+                type=enumeration,
                 comment=self._texts.enumeration_of(source.pou.name),
             )
         )
         self._type = DerivedType(name=name)
-        if source.dialect is Dialect.CODESYS:
-            return [n.Member(n.Name(name), n.Name(value)) for value in values]
-        return [n.Literal(f"{name}#{value}") for value in values]
+
+        def declared(wanted: str, number: str) -> Expression:
+            value = naming.fresh(wanted)
+            enumeration.values.append(EnumValue(name=value, value=number))
+            if source.dialect is Dialect.CODESYS:
+                return n.Member(n.Name(name), n.Name(value))
+            return n.Literal(f"{name}#{value}")
+
+        self._new_value = declared
+        return [declared(state.name, str(state.number)) for state in states]
 
 
 def _refuse_without_enumerations(source: ChartSource, rules: LoweringRules) -> None:

@@ -142,6 +142,7 @@ class GrafcetScan:
             source, code, memory = without_texts(source), self._drive.code, self._drive.memory
         control = PassingActionCode(code, memory, encoding.active, self._seen, ending)
         add_actions(source, code, control, memory, encoding.rules)
+        encoding.remember()
 
     # -- blocks of their own for actions
 

@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.reading.chart_source import (
     StepStatements,
     StepTimeLimit,
 )
+from plcopen_sfc.lowering.reading.step_variables import asked_outside
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets, ConditionText, TextReader
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, SfcBody, StBody
@@ -129,6 +130,7 @@ class _Reader(TextReader):
             tuple(self._watches()),
             self._flags,
             instances=self.instances,
+            asked_outside=asked_outside(self.pou, self._net),
         )
         # a flag can be used by its name alone, which is known when all texts are read
         return replace(source, undeclared_flags=self._undeclared(source.names()))

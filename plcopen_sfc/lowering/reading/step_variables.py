@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from typing import TypeVar
@@ -15,7 +16,9 @@ from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment, call, con
 from plcopen_sfc.lowering.code.code_declarations import TIME
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
+from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
@@ -205,6 +208,18 @@ def _is_beyond(literal: n.Literal) -> bool:
         return value.kind is LiteralKind.DURATION and isinstance(value.value, int) and value.value > _LONGEST
     except LiteralError:
         return False
+
+
+def asked_outside(pou: Pou, net: Net) -> bool:
+    """Return True if a body of the POU beside a chart may ask for data of its steps (``S3.X``)."""
+    names = "|".join(re.escape(step.step.name) for step in net.steps)
+    asking = re.compile(rf"\b(?:{names})\s*\.\s*_?[xt]\b", re.IGNORECASE)
+    own = [step.step.name for step in net.steps]
+    for _, _, body in pou.named_bodies():
+        is_chart = isinstance(body, SfcBody) and [step.name for step in body.chart.steps] == own
+        if not is_chart and asking.search(body.model_dump_json()):
+            return True
+    return False
 
 
 def bits_by_number(net: Net) -> dict[str, int]:

@@ -9,7 +9,13 @@ from typing import NoReturn
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.actions.action_control import ActionControlCode, SequentialControlCode, stepwise_timed
+from plcopen_sfc.lowering.actions.action_control import (
+    ActionControlCode,
+    EarlierSteps,
+    SequentialControlCode,
+    stepwise_timed,
+    unknown_before,
+)
 from plcopen_sfc.lowering.actions.action_execution import (
     StepPart,
     add_actions,
@@ -130,6 +136,19 @@ class ScanSchedule(ABC):
             found += self.memory.conditional(self.texts.with_suffix(name, "entered"), entered, statements)
         return found
 
+    def was_active(self, steps: Sequence[int]) -> Expression | None:  # noqa: ARG002
+        """Return an expression that is TRUE if one of the steps was active in the last scan.
+
+        None where the code does not keep it. At the start and after a restart none was, unless the profile has it so.
+        """
+        return None
+
+    def into_branches(self, begin: int) -> None:  # noqa: B027
+        """Move what active steps execute, in networks from `begin` on, to their transitions, where that is the same."""
+
+    def remember(self) -> None:  # noqa: B027
+        """Append what keeps the situation for `was_active` in the next scan."""
+
     @abstractmethod
     def choose_transitions(self) -> None:
         """Append the networks that decide which transitions fire."""
@@ -172,9 +191,12 @@ class ScanSchedule(ABC):
             # what ends actions and times is known only when all of them are lowered
             place = len(self.code.networks)
             self.code.add(self.texts.times, times)
+            begin = len(self.code.networks)
             self.add_actions()
-            self.sfc_flags.end(place, self.times, [drive.call for drive in self.drives])
             self.sfc_flags.before_transitions()
+            self.into_branches(begin)
+            self.remember()
+            self.sfc_flags.end(place, self.times, [drive.call for drive in self.drives])
             self.choose_transitions()
             self.sfc_flags.report_transition(self.any_fires)
         else:
@@ -186,6 +208,7 @@ class ScanSchedule(ABC):
             restarts = [s for step, when in self.reentered().items() for s in self.times.restarts(step, when)]
             self.code.add(self.texts.times, [*restarts, *times])
             self.add_actions()
+            self.remember()
         self.memory.finish(self.texts.first_scan)
 
     def begin_classic(self) -> None:
@@ -206,19 +229,24 @@ class ScanSchedule(ABC):
         ending = self.init if self.init is not None and self.rules.reset_actions else FALSE
         if self.rules.actions is ActionPlace.BLOCK:
             self._add_drive_block(ending)
-            return
-        add_actions(self.source, self.code, self._control(self.code, self.memory, ending), self.memory, self.rules)
+        else:
+            control = self._control(self.code, self.memory, ending, self.was_active)
+            add_actions(self.source, self.code, control, self.memory, self.rules)
 
     def _control(
-        self, code: LoweredCode, memory: Memory, ending: Expression
+        self, code: LoweredCode, memory: Memory, ending: Expression, was_active: EarlierSteps = unknown_before
     ) -> ActionControlCode | SequentialControlCode:
         """Return the control of actions that are a part of `code`."""
         if self.profile.action_control is Control.SEQUENTIAL:
             entered = self.profile.initial_steps_entered
             return SequentialControlCode(
-                self.net, code, memory, self.times, active=self.active, ending=ending, entered=entered
+                *(self.net, code, memory, self.times),
+                active=self.active,
+                ending=ending,
+                entered=entered,
+                was_active=was_active,
             )
-        return ActionControlCode(memory, self.active, ending)
+        return ActionControlCode(memory, self.active, ending, was_active)
 
     def drive_block(self, wanted: str, beside: Iterable[Statement] = ()) -> DriveBlock:
         """Return a block for actions, which gets the flags of steps and what `signals` says; see `DriveBlock`."""

@@ -157,6 +157,12 @@ class SfcFlagCode:
         return disjunction(causes) if causes else None
 
     @property
+    def held(self) -> Expression:
+        """Condition that is TRUE while the chart is held in its initial steps; FALSE if nothing holds it."""
+        flags = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
+        return disjunction(each for each in (self._init, *flags) if each is not None)
+
+    @property
     def blocking(self) -> list[Expression]:
         """Conditions of which each keeps all transitions from firing while it is TRUE."""
         return [each for each in (self._init, self._flags.get(SfcFlag.RESET)) if each is not None]

@@ -1,0 +1,94 @@
+"""What a step does, in the branch of its step: under profiles with actions before transitions."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis import VerdictKind
+from plcopen_sfc.lowering import LoweredPou
+from plcopen_sfc.model.dialect import Dialect
+from tests.lowering.charts import act, boolean, pou_with
+
+
+def clamp() -> m.Pou:
+    """Three steps with all that CODESYS executes for a step."""
+    chart = m.SfcNetwork()
+    steps = [chart.add_step(name, initial=name == "Wait") for name in ("Wait", "Clamp", "Release")]
+    for step, following, condition in zip(steps, [*steps[1:], steps[0]], ("Start", "Closed", "Opened"), strict=True):
+        chart.add_transition(step, following, condition)
+    act(chart, steps[1], "Valve")
+    act(chart, steps[2], "Ready", condition="Opened")
+    pou = pou_with(chart)
+    assert pou.interface is not None
+    pou.interface.sections.append(m.VariableSection(variables=[boolean("Odd"), boolean("Even")]))
+    steps[1].entry_action = m.StBody(text="Odd := NOT Odd;")
+    steps[1].main_action = m.StBody(text="Even := NOT Even;")
+    return pou
+
+
+def lowered(pou: m.Pou, *, verify: bool = True) -> LoweredPou:
+    return sfc.lower(m.Project(dialect=Dialect.CODESYS, pous=[pou]), "case", verify=verify)
+
+
+def text_of(made: LoweredPou) -> str:
+    assert isinstance(made.code, m.StBody)
+    return made.code.text
+
+
+def helpers(made: LoweredPou, pou: m.Pou) -> list[str]:
+    own = {variable.name for variable in pou.variables()}
+    interface = made.pou.interface
+    assert interface is not None
+    return [v.name for s in interface.sections if not s.constant for v in s.variables if v.name not in own]
+
+
+def test_entry_main_and_continuous_actions_stand_in_the_branch_of_their_step() -> None:
+    pou = clamp()
+    made = lowered(pou)
+    assert made.proof is not None
+    assert made.proof.kind is VerdictKind.PROVEN
+    branch = text_of(made).partition("STEP_Clamp: // Step Clamp\n")[2].partition("    STEP_Release")[0]
+    assert [line.strip() for line in branch.splitlines()] == [
+        "IF step_entered THEN",
+        "Odd := NOT Odd;",
+        "END_IF;",
+        "Even := NOT Even;",
+        "Valve := TRUE;",
+        "IF Closed THEN",
+        "step_number := STEP_Release;",
+        "END_IF;",
+    ]
+    assert helpers(made, pou) == ["step_number", "last_step_number", "step_entered"]
+
+
+def test_what_another_statement_sees_stays_in_front_of_the_case() -> None:
+    pou = clamp()
+    chart = pou.sfc
+    assert chart is not None
+    # it asks for an output that is written behind it, and so as it was in the last scan
+    chart.step("Wait").main_action = m.StBody(text="Ready := Valve;")
+    made = lowered(pou)
+    assert made.proof is not None
+    assert made.proof.kind is VerdictKind.PROVEN
+    assert "Ready := Valve;" in text_of(made).partition("// Step sequence")[0]
+
+
+@pytest.mark.parametrize("asking", ["Odd := Clamp.x;", "Odd := FALSE;"])
+def test_the_state_of_the_next_scan_is_kept_apart_only_where_something_asks_for_steps(asking: str) -> None:
+    pou = clamp()
+    pou.actions = [m.Action(name="Look", body=m.StBody(text=asking))]
+    made = lowered(pou, verify=False)
+    assert ("next_step_number" in helpers(made, pou)) == ("Clamp" in asking)
+
+
+def test_an_output_that_others_write_too_needs_no_variable_of_its_own() -> None:
+    pou = clamp()
+    chart = pou.sfc
+    assert chart is not None
+    chart.step("Wait").exit_action = m.StBody(text="Valve := FALSE;")
+    made = lowered(pou)
+    assert made.proof is not None
+    assert made.proof.kind is VerdictKind.PROVEN
+    assert "Valve_Q" not in helpers(made, pou)
