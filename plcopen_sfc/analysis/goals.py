@@ -372,10 +372,13 @@ class Goals:
             if isinstance(node, n.Name | n.Member | n.Index | n.Address) and self._input(print_node(node)) is not None:
                 return None
         instance = self._system.instance
+        self._library.is_complete = True  # a branch of a method has names that are known in the method alone
         try:
             function = Routines(instance.unit.scope).expression(print_node(tree), instance.unit.pou.name)
         except SfcError:
             return None
+        finally:
+            self._library.is_complete = False
         frame = instance.frame
 
         def value() -> Any:

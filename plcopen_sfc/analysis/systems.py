@@ -32,7 +32,7 @@ from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.controller import Controller, Instance
 from plcopen_sfc.semantics.programs.marks import Marks
 from plcopen_sfc.semantics.programs.runtime import UNREAD
-from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT, ElementaryType, Family, Frame
+from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT, ElementaryType, Family, Frame, OpaqueType
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import (
@@ -68,7 +68,7 @@ class FreeCalls(UnknownCalls):
         """Whether instances keep what tells different histories apart."""
         return self._branching is None
 
-    def value(self, name: str, arguments: Any, type_: ElementaryType) -> Any:
+    def value(self, name: str, arguments: Any, type_: ElementaryType | OpaqueType) -> Any:
         """The result of a function, or an output of a block in a situation; equal for equal arguments."""
         if self._branching is None:
             return super().value(name, arguments, type_)
@@ -76,6 +76,8 @@ class FreeCalls(UnknownCalls):
             raise NotProvableError(f"{name} is not known, and is called in other scans on both sides")
         before = tuple(call for call in self.log if name.startswith(f"{call[0]}."))
         question = ("call", name, self.key(arguments), before)
+        if isinstance(type_, OpaqueType):
+            raise NotProvableError(f"{name} is not known, and its value is of a type that is not known")
         if type_.family is Family.BOOL:
             return self._branching.answer(question)
         if self.number is not None and type_.family in _NUMBERS and type_.narrowed is None and not type_.names:

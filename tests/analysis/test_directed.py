@@ -299,3 +299,28 @@ def test_a_time_behind_an_alternative_is_waited_for(other: str) -> None:
         sfc.loads(text.format(condition).encode(), format="iec-text") for condition in ("b OR S.T > T#1h", other)
     )
     assert equivalent(timed, changed, "iec", cap=50, runs=5, scan_time="100ms").different
+
+
+UNKNOWN = """FUNCTION_BLOCK Fill
+VAR_INPUT Go : BOOL; Level : REAL; END_VAR
+VAR_OUTPUT Valve : BOOL; END_VAR
+VAR Bus : ModbusRead; Answer, Last : ModbusAnswer; END_VAR
+METHOD Limit : BOOL
+VAR_INPUT Enable : BOOL; END_VAR
+VAR half : REAL; END_VAR
+half := Level / 2.0;
+IF Enable AND half > 40.0 THEN Limit := TRUE; ELSE Limit := FALSE; END_IF
+END_METHOD
+{call}
+Last := Answer;
+Valve := Limit(Enable := Go) AND Bus.Done;
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("call", ["Bus(Start := Go);", "Bus(Start := Go, Data => Answer);"])
+def test_branches_of_methods_and_values_of_unknown_types_are_run(call: str) -> None:
+    """The names of a method are no variables of the program; values of an unknown type can be copied."""
+    one, other = (sfc.loads(UNKNOWN.format(call=call).encode(), format="iec-text").pou("Fill") for _ in range(2))
+    verdict = equivalent(one, other, runs=2, scans=200)
+    assert (verdict.equal, verdict.different) == (True, False), str(verdict)

@@ -133,6 +133,11 @@ class Calls:
         for argument in outputs:
             assert argument.name is not None and argument.value is not None  # noqa: S101, PT018  # it is an output
             target = self._translator.place(argument.value)
+            if not isinstance(target.type, t.ElementaryType | t.OpaqueType):
+                pin = argument.name.identifier
+                raise SimulationError(
+                    f"{name} is not known to the simulator, nor what its output {pin} has for members"
+                )
             self._translator.note_write(target)
             pin = f"{short}.{argument.name.identifier.casefold()}"
             text = f"unknown_value({pin!r}, {held}, {self._library.linker.name(target.type, 'type')})"

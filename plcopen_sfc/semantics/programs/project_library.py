@@ -538,6 +538,8 @@ class Library(TranslatedProject):
         """Return the external variable of an undeclared path."""
         key = path.casefold()
         found = self.implicits.get(key)
+        if found is None and self.is_complete:
+            raise SimulationError(f"{path} is not declared")
         if found is None:
             self.undeclared[path] = type_
             found = self.implicits[key] = self.add(path, type_, None)

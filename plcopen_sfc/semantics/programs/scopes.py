@@ -81,6 +81,8 @@ class TranslatedProject(ABC):
         self.marks = Marks() if marking else None
         self.implicits: dict[str, Place] = {}
         """External variables that the project does not declare, by their paths in lower case."""
+        self.is_complete = False
+        """True while no external variable may be added: the frame of a running program has its size."""
         self.units: dict[int, TranslatedPou] = {}
         """The POUs that were needed so far, by the identity of their models."""
         self.unknown: UnknownBlocks | None = None

@@ -11,7 +11,7 @@ from hashlib import blake2b
 from typing import Any, TypeAlias
 
 from plcopen_sfc.semantics.programs.runtime import Pointer, Processor
-from plcopen_sfc.semantics.programs.types import INSTANT, LINT, ElementaryType, Family, Frame, Layout
+from plcopen_sfc.semantics.programs.types import INSTANT, LINT, ElementaryType, Family, Frame, Layout, OpaqueType
 
 _SMALL = 12
 """Numbers below it are as likely as all others: programs compare with small ones."""
@@ -31,7 +31,7 @@ class UnknownCalls:
         """A scan begins."""
         self.log.clear()
 
-    def value(self, name: str, arguments: Any, type_: ElementaryType) -> Any:
+    def value(self, name: str, arguments: Any, type_: ElementaryType | OpaqueType) -> Any:
         """The result of a function, or an output of a block in a situation; equal for equal arguments."""
         return _of_type(self._number(name, self.key(arguments)), type_)
 
@@ -67,7 +67,9 @@ def _text(key: Any) -> str:
     return ", ".join(map(_text, key)) if isinstance(key, tuple) else str(key)
 
 
-def _of_type(number: int, type_: ElementaryType) -> Any:
+def _of_type(number: int, type_: ElementaryType | OpaqueType) -> Any:
+    if isinstance(type_, OpaqueType):
+        return number  # of its values nothing is known but which are equal
     small = number // 2 % _SMALL if number % 2 else number // 2
     match type_.family:
         case Family.BOOL:
@@ -142,7 +144,7 @@ class UnknownBlocks:
                 v[at] = calls.value(f"{name}.{member}", situation, type_)
         return situation
 
-    def value(self, name: str, arguments: Any, type_: ElementaryType, slot: int = -1) -> Any:
+    def value(self, name: str, arguments: Any, type_: ElementaryType | OpaqueType, slot: int = -1) -> Any:
         """The result of a function, or of a method of the instance whose history is in `slot`."""
         history = self._frame.v[slot] if slot >= 0 else None
         return self._calls.value(name, (arguments, history), type_)
