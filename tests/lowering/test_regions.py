@@ -130,27 +130,58 @@ def test_the_time_of_a_step_that_one_transition_leaves_and_another_one_enters() 
 def test_the_text_of_a_block() -> None:
     assert text_of(lowered(chain(PARALLEL))).startswith(
         """\
+// Transitions
+T3_4 := step_number_S2 = 3 AND step_number_S10 = 11 AND c4;
+
+// Step sequence from S2
+CASE step_number_S2 OF
+    2: // Step 2
+        IF c2 THEN
+            step_number_S2 := 3;
+        END_IF;
+    3: // Step 3
+        ; // until the simultaneous branches are joined
+END_CASE;
+
+// Step sequence from S10
+CASE step_number_S10 OF
+    10: // Step 10
+        IF c3 THEN
+            step_number_S10 := 11;
+        END_IF;
+    11: // Step 11
+        ; // until the simultaneous branches are joined
+END_CASE;
+
 // Step sequence from S1
 CASE step_number OF
     1: // Step 1 – initial step
         IF c1 THEN
-            next_step_number := 101;
-            next_step_number_S2 := 2;
-            next_step_number_S10 := 10;
+            step_number := 101;
+            step_number_S2 := 2;
+            step_number_S10 := 10;
         END_IF;
     4: // Step 4
         IF c5 THEN
-            next_step_number := 1;
+            step_number := 1;
         END_IF;
     101: // simultaneous branches from S2, S10
-        IF step_number_S2 = 3 AND step_number_S10 = 11 AND c4 THEN
-            next_step_number := 4;
-            next_step_number_S2 := 0;
-            next_step_number_S10 := 0;
+        IF T3_4 THEN
+            step_number := 4;
+            step_number_S2 := 0;
+            step_number_S10 := 0;
         END_IF;
 END_CASE;
 """
     )
+
+
+def test_a_branch_of_one_step_needs_no_case() -> None:
+    pou = chain("S1>S2+S3 S2>S4 S4+S3>S1")
+    text = text_of(lowered(pou))
+    assert "CASE step_number_S3 OF" not in text
+    assert "step_number_S3 = 3" in text
+    assert verdict(pou).kind is VerdictKind.PROVEN
 
 
 def test_sequences_that_do_not_ask_for_each_other_need_one_variable_each() -> None:

@@ -49,9 +49,10 @@ def test_what_changes_the_value_keeps_the_helper() -> None:
         EDGE + "IF b THEN q := TRUE; ELSIF edge THEN q := FALSE; END_IF;",
         EDGE + "IF b THEN q := edge; END_IF;",
     ):
-        made, variables = inlined(text)
+        helpers = "edge old" if "old" in text else "edge"
+        made, variables = inlined(text, helpers=helpers)
         as_it_was = " ".join(print_node(statements_of(text), m.Dialect.IEC).split())
-        assert (made, variables) == (as_it_was, ["edge", "old"]), text
+        assert (made, variables) == (as_it_was, helpers.split()), text
 
 
 def test_helpers_that_others_read_stay() -> None:

@@ -86,6 +86,12 @@ class ActionControlCode:
         terms = [*self._lasting(action, reset, into), *self._single(action, into)]
         return self._unless(reset, terms, action)
 
+    def set_and_reset(self, action: ActionSource) -> tuple[Expression, Expression] | None:
+        """Return what sets and what resets an action that is only stored; None for all others."""
+        if not {Q.S} <= {use.qualifier for use in action.uses} <= {Q.S, Q.R, Q.R0}:
+            return None
+        return self._input(action, Q.S), disjunction([self._input(action, Q.R, Q.R0), self._ending])
+
     def outputs(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
         """Return Q in two parts: one that lasts, after whose end an action is executed once more, and P1 and P0."""
         reset = self._input(action, Q.R, Q.R0)

@@ -31,7 +31,7 @@ from plcopen_sfc.lowering.code.code_declarations import BOOL
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import GuardedText, LoweredCode, StepValue, TextNetwork
 from plcopen_sfc.lowering.code_texts import Suffix, Texts
-from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
 from plcopen_sfc.model.types import DerivedType, SimpleValue, Variable
 from plcopen_sfc.model.variables import SectionKind
@@ -186,6 +186,7 @@ class _Execution:
         self._source, self._code, self._control, self._memory = source, code, control, memory
         self._texts = rules.texts
         self._verbatim = not code.drawn
+        self._is_block = rules.actions is ActionPlace.BLOCK
         self._final_scan = rules.profile.final_scan
         self._always = rules.profile.boolean_targets is BooleanTargets.ALWAYS
         self._blocks = standard_instances(source)
@@ -219,6 +220,14 @@ class _Execution:
         if isinstance(self._control, SequentialControlCode):
             self._decide(action, self._control, statements)
         # one assignment is enough where the profile writes in every scan, or nothing else could have written in between
+        elif (
+            self._verbatim
+            and not self._is_block
+            and self._owned.is_false_at_rest(action.target)
+            and (stored := self._control.set_and_reset(action)) is not None
+        ):  # nothing else writes the variable: it is the memory of its action
+            self._memory.latch("", *stored, statements, action.target)
+            self._memory.ends.append(assignment(action.target, FALSE))
         elif self._always or self._owned.is_false_at_rest(action.target):
             statements.append(assignment(action.target, self._control.drive(action, statements)))
         elif (plain := self._control.plain(action)) is not None:
@@ -227,9 +236,17 @@ class _Execution:
             statements.append(n.If((n.Branch(driven, (switched_on,)), n.Branch(before, (switched_off,)))))
             self._memory.ends.append(when(before, switched_off))
         elif self._verbatim:
-            driven = self._control.drive(action, statements)
+            on_before: n.Name | None = None
+            stored = self._control.set_and_reset(action)
+            if stored is not None:  # it is active as long as it was set and not reset
+                on_before = self._memory.variable(f"{action.name}_S", BOOL)
+                driven = conjunction([disjunction([stored[0], on_before]), negation(stored[1])])
+            else:
+                driven = self._control.drive(action, statements)
+            if is_constant(driven, FALSE):
+                return
             # other code writes this variable too: it is set back once, and left alone while its action is inactive
-            on = self._memory.variable(f"{action.name}_Q", BOOL)
+            on = on_before or self._memory.variable(f"{action.name}_Q", BOOL)
             begin, end = [[assignment(action.target, each), assignment(on, each)] for each in (TRUE, FALSE)]
             statements.append(n.If((n.Branch(driven, tuple(begin)), n.Branch(on, tuple(end)))))
             self._end_when_set_back(on, action.target)
@@ -265,6 +282,7 @@ class _Execution:
         ending: list[Statement] = []
         acting: list[tuple[ActionSource, Expression]] = []
         idle: list[Statement] = []
+        behind: list[Statement] = []
         for action in actions:
             name = action.name
             if action.target is not None and isinstance(self._control, SequentialControlCode):
@@ -298,9 +316,9 @@ class _Execution:
                 if self._always:
                     idle += self._memory.conditional("", negation(driven), rest)
                 else:
-                    ended = self._memory.falling(self._texts.with_suffix(name, "end"), driven, deciding)
+                    ended, was = self._memory.ended(name, driven, deciding, behind)
                     ending += self._memory.conditional("", ended, rest)
-                    self._end_when_set_back(driven, action.target)
+                    self._end_when_set_back(was, action.target)
                 acting.append((replace(action, statements=(on,)), driven))
                 continue
             if not is_constant(single, FALSE):
@@ -308,13 +326,15 @@ class _Execution:
             if not is_constant(lasting, FALSE):
                 lasting = self._memory.named(f"{name}_Q", lasting, deciding)
                 if self._final_scan:
-                    ended = self._memory.falling(self._texts.with_suffix(name, "end"), lasting, deciding)
+                    ended, was = self._memory.ended(name, lasting, deciding, behind)
+                    if was is not lasting:
+                        self._memory.ends.append(assignment(was, FALSE))
                     # a pulse in the same scan executes the action anyway: once, not twice
                     last = conjunction([ended, negation(single)])
                     ending += self._memory.conditional(self._texts.with_suffix(name, "last"), last, action.statements)
             acting.append((action, disjunction([lasting, single])))
         self._code.add(self._texts.control, deciding)
-        self._code.add(self._texts.ended, [*idle, *ending])
+        self._code.add(self._texts.ended, [*idle, *ending, *behind])
         for action, executed in acting:
             self._add(action, executed)
 

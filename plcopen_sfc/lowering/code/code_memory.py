@@ -65,6 +65,19 @@ class Memory(ABC):
         self.ends.append(end)
         return pulse
 
+    def ended(
+        self,
+        wanted: str,
+        value: Expression,
+        into: list[Statement],
+        behind: list[Statement],  # noqa: ARG002
+    ) -> tuple[Expression, Expression]:
+        """Return the same, and what was TRUE in the last scan, of a value that stays the same until `behind`.
+
+        Statements may be added to `behind`; a restart must end what is returned second.
+        """
+        return self.falling(self.texts.with_suffix(wanted, "end"), value, into), value
+
     def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
         """Return an expression that is TRUE when `value` has been TRUE for `time`.
 
@@ -157,6 +170,24 @@ class BitMemory(Memory):
     def starting(self) -> Expression:
         """Return FALSE: the flag is the memory itself."""
         return FALSE
+
+    def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """Return the value as a variable, which it may be already."""
+        if isinstance(value, n.Name) and value.identifier.casefold() in self._code.own_names:
+            return value
+        return super().named(wanted, value, into)
+
+    def ended(
+        self,
+        wanted: str,
+        value: Expression,
+        into: list[Statement],  # noqa: ARG002
+        behind: list[Statement],
+    ) -> tuple[Expression, Expression]:
+        """Return ``before AND NOT value``, and ``before``."""
+        before = self._code.declare(self.texts.with_suffix(wanted, "before"))
+        behind.append(assignment(before, value))
+        return conjunction([before, negation(value)]), before
 
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """Return ``value AND NOT`` the value of the last scan."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection
+from dataclasses import replace
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
@@ -12,8 +13,11 @@ from plcopen_sfc.languages.st.effects import Path, is_impure, may_change, reads,
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.boolean_logic import simplified
 from plcopen_sfc.lowering.code.code_declarations import BOOL
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, TextNetwork
+from plcopen_sfc.model.types import DerivedType, ElementaryType
 
+_TIMERS = ("TON", "TOF", "TON_TIME", "TOF_TIME")
+"""Types of instances whose calls change nothing but themselves."""
 _FARTHEST = 12
 """How many statements may be between a helper and its reader: what is farther away is read better by its name."""
 
@@ -34,13 +38,50 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
     # once written and once read
     once = {name for name in helpers if found[name] == 2}
     private = code.own_names
+    timers: set[Path] = {
+        (v.name.casefold(),) for v in code.variables if isinstance(v.type, DerivedType) and v.type.name in _TIMERS
+    }
     gone: set[str] = set()
     for place, network in enumerate(code.networks):
         if isinstance(network, CodeNetwork) and not network.remarks:
-            inliner = _Inliner(network.statements, once, private)
+            inliner = _Inliner(network.statements, once, private, timers)
             code.networks[place] = CodeNetwork(network.title, tuple(inliner.statements), network.comment)
             gone |= inliner.gone
     code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in gone]
+    while _without_unread(code, kept):
+        pass
+
+
+def _without_unread(code: LoweredCode, kept: Collection[Expression]) -> bool:
+    """Remove variables that nothing reads with what is assigned to them; False if there are none."""
+    unread = {v.name.casefold() for v in code.variables if isinstance(v.type, ElementaryType)}
+    unread -= {name for expression in kept for name in _names(expression)}
+    for network in code.networks:
+        if isinstance(network, TextNetwork):
+            unread -= set(re.findall(r"\w+", network.text.casefold()))
+            continue
+        for statement in network.statements:
+            target = _pure_target(statement)
+            names = Counter(_names(statement))
+            unread -= {name for name, count in names.items() if count > (name == target)}
+    for place, network in enumerate(code.networks):
+        if isinstance(network, CodeNetwork) and not network.remarks:
+            statements = tuple(each for each in network.statements if _pure_target(each) not in unread)
+            code.networks[place] = replace(network, statements=statements)
+    code.networks[:] = [each for each in code.networks if isinstance(each, TextNetwork) or each.statements]
+    written = {
+        name for each in code.networks if isinstance(each, CodeNetwork) for s in each.statements for name in _names(s)
+    }
+    gone = unread - written
+    code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in gone]
+    return bool(gone)
+
+
+def _pure_target(statement: Statement) -> str | None:
+    match statement:
+        case n.Assignment(n.Name(identifier), value, n.AssignmentKind.ASSIGN) if not is_impure(value):
+            return identifier.casefold()
+    return None
 
 
 def _names(tree: n.Node) -> list[str]:
@@ -50,9 +91,11 @@ def _names(tree: n.Node) -> list[str]:
 class _Inliner:
     """Statements of a network without the helpers `once`; `gone` are those that were replaced."""
 
-    def __init__(self, statements: tuple[Statement, ...], once: Collection[str], private: set[str]) -> None:
+    def __init__(
+        self, statements: tuple[Statement, ...], once: Collection[str], private: set[str], timers: set[Path]
+    ) -> None:
         self.statements, self.gone = list(statements), set[str]()
-        self._private = private
+        self._private, self._once, self._timers = private, once, timers
         place = 0
         while place < len(self.statements):
             each = self.statements[place]
@@ -75,7 +118,7 @@ class _Inliner:
         reader = next((i for i in behind if name in _names(self.statements[i])), None)
         if reader is None:
             return False
-        replaced = _replaced(self.statements[reader], name, value)
+        replaced = _replaced(self.statements[reader], name, value, self._once)
         if replaced is None:
             return False
         before: list[Statement] = []
@@ -95,18 +138,18 @@ class _Inliner:
         return True
 
     def _changes(self, statement: Statement, read: frozenset[Path]) -> bool:
-        return may_change(read, writes(statement, frozenset()), self._private)
+        return may_change(read, writes(statement, self._timers), self._private)
 
     def _depend(self, one: Statement, other: Statement) -> bool:
         """Return True if one of two statements changes what the other one reads or writes."""
-        return self._changes(one, reads(other) | writes(other, frozenset())) or self._changes(other, reads(one))
+        return self._changes(one, reads(other) | writes(other, self._timers)) or self._changes(other, reads(one))
 
 
 def _keeps_a_value(statement: Statement) -> bool:
     return isinstance(statement, n.Assignment) and not is_impure(statement.value)
 
 
-def _replaced(reader: Statement, name: str, value: Expression) -> Statement | None:
+def _replaced(reader: Statement, name: str, value: Expression, once: Collection[str]) -> Statement | None:
     """Return a statement with a value instead of a name, if it evaluates that before it does anything."""
 
     def change(node: n.Node) -> n.Node:
@@ -119,4 +162,9 @@ def _replaced(reader: Statement, name: str, value: Expression) -> Statement | No
         # inside a longer expression the name tells more than its value
         case n.Assignment(target, n.Name(identifier), n.AssignmentKind.ASSIGN) if identifier.casefold() == name:
             return n.Assignment(target, value)
+        # but a helper that is read once itself is a step on the way
+        case n.Assignment(n.Name(target) as helper, whole, n.AssignmentKind.ASSIGN) if (
+            target.casefold() in once and name in _names(whole) and not is_impure(whole)
+        ):
+            return n.Assignment(helper, simplified(transform(whole, change)))
     return None

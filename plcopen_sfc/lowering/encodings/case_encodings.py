@@ -36,7 +36,7 @@ from plcopen_sfc.lowering.encodings.case_states import (
     regions_of,
 )
 from plcopen_sfc.lowering.encodings.step_branches import BranchCode, Scope, StepBranches, branch_lines
-from plcopen_sfc.lowering.lowering_options import States
+from plcopen_sfc.lowering.lowering_options import ActionPlace, States
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together, refuse_classic
 from plcopen_sfc.model.actions import Qualifier
@@ -62,10 +62,6 @@ class RegionEncoding(ScanSchedule):
         self.states = StateVariables(self._regions, self.names, self.texts, source.dialect)
         self.machines = self.states.machines
         self._bits: dict[int, n.Name] = {}
-        for index in self._needing_bits(source):
-            transition = self.net.transitions[index]
-            comment = self.texts.transition_of(transition.path)
-            self._bits[index] = self.code.declare(self.texts.transition_name(self.net, transition), comment=comment)
         self._again: dict[int, n.Name] = {}
         self._last: dict[int, n.Name] = {}
         self._done: dict[int, list[BranchCode]] = {}
@@ -82,6 +78,10 @@ class RegionEncoding(ScanSchedule):
         for machine in self.machines:
             if self._must_wait(machine):
                 self.states.add_following_state(machine)
+        for index in self._needing_bits(self.source):
+            transition = self.net.transitions[index]
+            comment = self.texts.transition_of(transition.path)
+            self._bits[index] = self.code.declare(self.texts.transition_name(self.net, transition), comment=comment)
         super().exact()
 
     def while_active(self, parts: Sequence[StepPart], suffix: Suffix) -> list[Statement]:
@@ -108,6 +108,9 @@ class RegionEncoding(ScanSchedule):
     def remember(self) -> None:
         """Append the assignments of the states of the last scan."""
         kept = [assignment(each, self.machines[index].state) for index, each in self._last.items()]
+        if self._entered is not None:
+            entered = (negation(equal(self.machines[index].state, each)) for index, each in self._last.items())
+            kept.insert(0, assignment(self._entered, next(entered)))
         self.code.add(self.texts.steps_before, kept)
         self.memory.ends += [assignment(each, self.names.no_state) for each in self._last.values()]
 
@@ -142,8 +145,10 @@ class RegionEncoding(ScanSchedule):
         self.code.add(self.texts.transitions, list(self._computed_bits()))
         self._declare_again()
         self.code.add("", [assignment(flag, FALSE) for flag in self._again.values()])
-        for machine in self.machines:
+        for machine in sorted(self.machines, key=self._depth, reverse=True) if self._in_sequence else self.machines:
             lines = self._guarded(machine, self._case(machine))
+            if not lines:
+                continue
             self.code.networks.append(TextNetwork(self.states.title(machine), "\n".join(lines)))
 
     def select(self) -> None:
@@ -188,15 +193,13 @@ class RegionEncoding(ScanSchedule):
         self._done = branches.code
         if branches.enters and last is not None:
             self._entered = self.code.declare(self.texts.entered, comment=self.texts.entered_comment)
-            self.code.add("", [assignment(self._entered, negation(equal(machine.state, last)))])
 
     def change_situation(self) -> None:
         """Append the assignments of following states, where these had to wait."""
         if self._is_announced:
             held = self.sfc_flags.held
-            self.code.add(
-                self.texts.init, [when(held, self.states.set_back(self.machines[0]))] if held != FALSE else []
-            )
+            back = map(self.states.set_back, self.machines)
+            self.code.add(self.texts.init, [when(held, *back)] if held != FALSE else [])
             return
         waiting = [machine for machine in self.machines if self.states.has_following(machine)]
         restart = [when(self.init, *map(self.states.set_back, waiting))] if self.init is not None and waiting else []
@@ -242,22 +245,48 @@ class RegionEncoding(ScanSchedule):
     def _must_wait(self, machine: RegionState) -> bool:
         """Return True if other code than its own CASE reads or writes the state of a region."""
         # where actions come first they see the situation of the last scan, chosen transitions wait until the next one
-        if machine.blocks or machine.region.block is not None:
-            return True
         if self.profile.order is ScanOrder.ACTIONS_FIRST and not self._is_announced:
             return True
+        if self._in_sequence:
+            return False
+        return bool(machine.blocks or machine.region.block is not None or self._is_asked(machine))
+
+    @cached_property
+    def _in_sequence(self) -> bool:
+        """True if CASEs behind each other are as good as at once: those of branches before that which they branch from.
+
+        A branch does not see that it is begun in this scan then; whether it is ended was decided before all of them.
+        """
+        return not any(map(self._is_asked, self.machines))
+
+    def _is_asked(self, machine: RegionState) -> bool:
+        """Return True if conditions in the CASE of another region ask for the state of this one."""
         return bool(self._askers.get(machine.state.identifier, set()) - {machine.region.index})
+
+    def _depth(self, machine: RegionState) -> int:
+        """Return how many simultaneous branches a region is in."""
+        depth, block = 0, machine.region.block
+        while block is not None:
+            depth, block = depth + 1, self._regions.regions[self._regions.blocks[block].parent].block
+        return depth
 
     @cached_property
     def _is_announced(self) -> bool:
         """True if transitions change the state itself, which then tells of the next scan: nothing asks before that."""
         return (
             self.profile.order is ScanOrder.ACTIONS_FIRST
-            and len(self.machines) == 1
+            and self._in_sequence
             and not (self.source.asked_outside or self.source.logic)
             and SfcFlag.TRANS not in self.source.flags
             and not (self.blocking and self.modes.selecting is not None)
         )
+
+    @property
+    def late_edges(self) -> bool:
+        """True if only what actions remember asks whether the chart was just set back."""
+        if self.rules.actions is ActionPlace.BLOCK:  # the block has to know it too
+            return False
+        return self._is_announced and not {SfcFlag.PAUSE, SfcFlag.QUIT_ERROR} & self.source.flags
 
     def active_steps(self) -> dict[str, Expression]:
         """Return expressions by the paths of steps, or by ``Fill._x`` if they tell of the next scan."""
@@ -287,9 +316,12 @@ class RegionEncoding(ScanSchedule):
             back = f"{INDENT}{self.text(self.states.set_back(machine))}"
             return [*case, f"IF {self.text(blocked)} THEN // {self.texts.held}", back, "END_IF;"]
         if self._is_announced or self.states.has_following(machine) or self.init is None:  # set back where it changes
-            head = [f"IF {self.text(negation(blocked))} THEN"]
+            head = [f"IF {self.text(negation(blocked))} THEN"] if case else []
         else:
-            head = [f"IF {self.text(blocked)} THEN", INDENT + self.text(self.states.set_back(machine)), "ELSE"]
+            head = [f"IF {self.text(blocked)} THEN", INDENT + self.text(self.states.set_back(machine))]
+            head += ["ELSE"] if case else []
+        if not head:
+            return []
         return [*head, *(INDENT + line for line in case), "END_IF;"]
 
     # -- transitions that compete with those of another CASE
@@ -298,6 +330,8 @@ class RegionEncoding(ScanSchedule):
         """Return joins with competing transitions, with these, and joins whose condition needs statements before it."""
         found: set[int] = set()
         for block in self._regions.blocks:
+            if self._in_sequence:
+                found.update(block.joins)
             competing = self._regions.exit_competitors(block)
             # a transition that leaves a branch and the join compete, but are tried in different CASEs: their order is
             # lost there, so all of them are decided on before

@@ -341,19 +341,26 @@ class StateVariables:
         leaving: Callable[[NetStep], list[str]],
         joining: Callable[[ParallelBlock], list[str]],
     ) -> list[str]:
-        """Return the lines of a CASE: the transitions of each step, and the wait for each join."""
+        """Return the lines of a CASE: the transitions of each step, the wait for each join; none if it does nothing."""
         lines = [f"CASE {self.text(machine.state)} OF"]
+        is_idle = True
         for i in machine.region.steps:
             step = self._net.steps[i]
             # an empty branch is no error: the region waits in it until the join is tried by the parent
             joined = any(len(self._net.transitions[t].sources) > 1 for t in self._net.leaving[i])
             idle = f"; // {self._texts.until_joined}" if joined else ";"
-            content = leaving(step) or [idle]
+            content = leaving(step)
+            is_idle &= not (content or self.remarks(step.step))
+            content = content or [idle]
             lines += self.branch(self.names.step(i), self.heading(step), [*self.remarks(step.step), *content])
         for block in machine.blocks:
             firsts = [self._net.steps[self.machines[branch].first].path for branch in block.branches]
             heading = self._texts.waiting(firsts)
-            lines += self.branch(self.names.waiting(block), heading, joining(block) or [";"])
+            tried = joining(block)
+            is_idle &= not tried
+            lines += self.branch(self.names.waiting(block), heading, tried or [";"])
+        if is_idle and len(self.machines) > 1:  # a branch of one step waits for its end
+            return []
         return [*lines, "END_CASE;"]
 
     def branch(self, label: Expression, heading: str, lines: list[str]) -> list[str]:

@@ -40,10 +40,10 @@ class Scope:
             if "." in name
         }
 
-    def called(self, path: Path) -> set[str]:
+    def called(self, name: str) -> set[str]:
         """Return the words in all that a call of this name executes in the POU."""
         found: set[str] = set()
-        waiting = [path[-1]]
+        waiting = [name]
         while waiting:
             words = self._bodies.get(waiting.pop(), set()) - found
             found |= words
@@ -77,7 +77,7 @@ class Effect:
             if any(isinstance(node, n.Dereference | n.Unreadable) for node in walk(tree)):
                 self.writing.add(ANYTHING)
             self.writing |= reads(tree)
-            self.writing |= {(word,) for path in calls(tree) for word in self._scope.called(path)}
+            self.writing |= {(word,) for path in calls(tree) if len(path) == 1 for word in self._scope.called(path[0])}
 
     def conflicts(self, other: Effect) -> bool:
         """Return True if one of them touches what the other one writes."""
@@ -206,6 +206,9 @@ class StepBranches:
                 ended = when(conjunction([condition, negation(first.condition)]), *statements)
                 return _Parts((ended,), parts.moves)
             case n.Assignment(target, value, n.AssignmentKind.ASSIGN):
+                stored = self._stored(target, value)
+                if stored is not None:
+                    return stored
                 step, rest = self._asked(value)
                 if step is not None:
                     on = BranchCode((assignment(target, rest),))
@@ -234,15 +237,34 @@ class StepBranches:
         statements = branch.statements if is_constant(rest, TRUE) else (when(rest, *branch.statements),)
         return _Parts((), ((step, BranchCode(statements)),))
 
+    def _stored(self, target: Expression, value: Expression) -> _Parts | None:
+        """Return ``Q := (state = 2 OR Q) AND state <> 4`` as what steps 2 and 4 do."""
+        first, *others = _operands(value, Operator.AND)
+        sets = [each for each in _operands(first, Operator.OR) if each != target]
+        resets = [each for other in others for each in _operands(negation(other), Operator.OR)]
+        if len(sets) == len(_operands(first, Operator.OR)):
+            return None
+        moves: list[tuple[int, BranchCode]] = []
+        for asked, constant in [*((each, TRUE) for each in sets), *((each, FALSE) for each in resets)]:
+            step, rest = self._asked(asked)
+            if step is None or not is_constant(rest, TRUE) or any(step == other for other, _ in moves):
+                return None
+            moves.append((step, BranchCode((assignment(target, constant),))))
+        return _Parts((), tuple(moves)) if moves else None
+
     def _asked(self, condition: Expression) -> tuple[int | None, Expression]:
         """Return the step that a condition asks for, and the rest of it."""
-        inner = n.bare(condition)
-        operands = inner.operands if isinstance(inner, n.Operation) and inner.operator is Operator.AND else (inner,)
+        operands = _operands(condition, Operator.AND)
         for operand in operands:
             match n.bare(operand):
                 case n.Operation(Operator.EQUAL, (state, value)) if state == self._state and value in self._steps:
                     return self._steps[value], conjunction(each for each in operands if each is not operand)
         return None, condition
+
+
+def _operands(expression: Expression, operator: Operator) -> tuple[Expression, ...]:
+    inner = n.bare(expression)
+    return inner.operands if isinstance(inner, n.Operation) and inner.operator is operator else (inner,)
 
 
 def branch_lines(code: Iterable[BranchCode], entered: Expression | None, text: Callable[[n.Node], str]) -> list[str]:

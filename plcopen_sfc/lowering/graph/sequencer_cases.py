@@ -349,6 +349,8 @@ class RegionSequencer(Sequencer):
                 self.states.add_following_state(machine)
         for machine in machines:
             case = self.states.case(machine, self._leaving, self._joining)
+            if not case:
+                continue
             if not is_constant(self._guard, TRUE):
                 case = [f"IF {self.states.text(self._guard)} THEN", *(INDENT + line for line in case), "END_IF;"]
             self.code.networks.append(TextNetwork(self.states.title(machine), "\n".join(case)))

@@ -173,6 +173,11 @@ class ScanSchedule(ABC):
     def any_fires(self) -> Expression:
         """Return an expression that is TRUE if any transition fires, when it has been chosen which ones do."""
 
+    @property
+    def late_edges(self) -> bool:
+        """True if nothing needs the edges of flags before what actions remember is ended."""
+        return False
+
     def active_steps(self) -> dict[str, Expression]:
         """Return expressions that are TRUE between two scans while a step is active, by its path."""
         return {step.path: self.active(step.index) for step in self.net.steps}
@@ -185,7 +190,7 @@ class ScanSchedule(ABC):
         # CODESYS executes the actions of the old situation before it evaluates transitions: the situation chosen in one
         # scan becomes valid at the beginning of the next one
         if self.profile.order is ScanOrder.ACTIONS_FIRST:
-            self.sfc_flags.begin(self.times)
+            self.sfc_flags.begin(self.times, late_edges=self.late_edges)
             self.forgets = self.sfc_flags.forget(self.chosen())
             self.change_situation()  # what was chosen in the last scan
             # what ends actions and times is known only when all of them are lowered

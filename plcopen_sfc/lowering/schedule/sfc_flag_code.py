@@ -169,9 +169,11 @@ class SfcFlagCode:
 
     # -- before anything else in a scan
 
-    def begin(self, times: StepTimers) -> None:
-        """Append the conditions that set the chart back and stop it."""
-        self._code.add(self._texts.init, self._edges)
+    def begin(self, times: StepTimers, *, late_edges: bool) -> None:
+        """Append the conditions that set the chart back and stop it. `late_edges`: `end` appends the edges."""
+        self._late_edges = late_edges
+        if not late_edges:
+            self._code.add(self._texts.init, self._edges)
         init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
         # a restart overrides SFCPause and SFCQuitError, as in CODESYS
         stronger = [negation(each) for each in (self._init, init, reset) if each is not None]
@@ -208,7 +210,9 @@ class SfcFlagCode:
         if init is not None:  # else the initial step is executed now, and does all this
             done += [] if calls else self._ended_targets()
             done += self._assigned(SfcFlag.TRANS, FALSE) + self._assigned(SfcFlag.CURRENT_STEP, _EMPTY)
-        statements = self._memory.conditional("", self._back, done)
+        statements = self._memory.conditional("", self._back, list(dict.fromkeys(done)))
+        if self._late_edges and done:
+            statements[:0] = self._edges
         # while SFCInit is TRUE nothing is executed; SFCReset executes the initial step
         if init is not None:
             statements += self._memory.conditional("", init, [*calls, n.Return()])
