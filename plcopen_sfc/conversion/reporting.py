@@ -10,9 +10,8 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from plcopen_sfc.analysis.equivalence import equivalent
-from plcopen_sfc.analysis.verdict import Counterexample, VerdictKind
 from plcopen_sfc.conversion.comparison import Difference
 from plcopen_sfc.conversion.executed_parts import (
     OPERATING_INPUT,
@@ -34,6 +33,9 @@ from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
+
+if TYPE_CHECKING:
+    from plcopen_sfc.analysis.verdict import Counterexample
 
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
@@ -60,6 +62,9 @@ def report_running(
     what has another name in the result, `target` the rules of the target where they are not those of its files. `limit`
     is the time in seconds that all of this may take.
     """
+    from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
+    from plcopen_sfc.analysis.verdict import VerdictKind  # noqa: PLC0415
+
     profiles = default_profile(source), target or default_profile(result)
     end = time.monotonic() + limit
     for there, here in list(_pairs(source, result, called, report)):

@@ -9,10 +9,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
 from plcopen_sfc.collector import collecting_rarely
-from plcopen_sfc.conversion import Part, compare, executed, report_errors, report_execution
 from plcopen_sfc.diagnostics import DamagedSourceError, Severity
 from plcopen_sfc.documents.sources import FileSource, FolderSource
-from plcopen_sfc.documents.writer_preparation import prepared
 from plcopen_sfc.errors import FormatError, LossError, UnknownFormatError, nearest
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
@@ -28,11 +26,11 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import LOSSES, ConversionReport, Outcome
-from plcopen_sfc.semantics.profile import PROFILES
 
 if TYPE_CHECKING:
     from lxml import etree
 
+    from plcopen_sfc.conversion import Part
     from plcopen_sfc.formats.format_interface import TextCodec
     from plcopen_sfc.formats.xml.xml_codec import XmlCodec
 
@@ -107,6 +105,8 @@ def encode(
         refuse_reading_errors(project, report)
     content = source.content if source is not None and same else b""
     options = WriteOptions(version, flavour, same=same, source=content, at_rest=at_rest)
+    from plcopen_sfc.documents.writer_preparation import prepared  # noqa: PLC0415  # loading needs no interpreter
+
     with collecting_rarely():
         copy, meant, options, behaviour = prepared(project, kind, options, report)
         data = kind.codec().write(copy, options, report)
@@ -137,6 +137,9 @@ def report_behaviour(
 
     `called` gives the paths in the source of what has another name in the target; for `limit` seconds the charts run.
     """
+    from plcopen_sfc.conversion import compare, executed, report_errors, report_execution  # noqa: PLC0415
+    from plcopen_sfc.semantics.profile import PROFILES  # noqa: PLC0415
+
     target = PROFILES[flavour] if flavour else None
     own = family(project.dialect)
     found = compare(

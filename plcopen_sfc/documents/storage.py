@@ -29,7 +29,6 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, StructType
 from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import ConversionReport
-from plcopen_sfc.semantics.charts.graph.graph_parameters import operating_inputs
 
 if TYPE_CHECKING:
     from plcopen_sfc.documents.folder_projects import Progress
@@ -266,7 +265,11 @@ def save_project(
     path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
     if path is not None:
         refuse_empty(path)
-    name, at_rest = format_to_write(project, format, tia, path), operating_inputs(at_rest)
+    name = format_to_write(project, format, tia, path)
+    if at_rest:
+        from plcopen_sfc.semantics.charts.graph.graph_parameters import operating_inputs  # noqa: PLC0415  # interpreter
+
+        at_rest = operating_inputs(at_rest)
     refuse_mistakes(project, format_named(name)[0])
     if path is not None and is_folder(path, project, name):
         from plcopen_sfc.documents.folder_projects import save_folder  # noqa: PLC0415  # most projects are files

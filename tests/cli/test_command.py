@@ -40,6 +40,18 @@ def test_the_version_costs_no_import():
     assert done.stdout.splitlines()[1] == "[]"
 
 
+def test_loading_needs_neither_interpreter_nor_analysis():
+    """Only what is converted, simulated or compared pays for them; every command loads."""
+    script = (
+        "import sys, plcopen_sfc; project = plcopen_sfc.load('fixtures/codesys/sorting_conveyor.xml');"
+        "print(len(list(project.charts())));"
+        "heavy = ('plcopen_sfc.semantics', 'plcopen_sfc.analysis', 'plcopen_sfc.conversion', 'z3', 'xmlschema');"
+        "print([name for name in heavy if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True, text=True, cwd=ROOT)
+    assert done.stdout.splitlines() == ["3", "[]"]
+
+
 def test_help_needs_neither_model_nor_parser():
     script = (
         "import sys; from plcopen_sfc.cli import main; main(['convert', '--help']);"

@@ -34,7 +34,7 @@ _REALS = ("REAL", "LREAL")
 _POINTERS = ("EXT", "IN", "OUT", "MEM")
 _PROGRAM = re.compile(r"^\s*PROGRAM\s+(\w+)", re.IGNORECASE | re.MULTILINE)
 _LOCATED = re.compile(r"__LOCATED_VAR\(\s*(\w+)\s*,\s*(\w+)")
-_SECONDS = 60
+_SECONDS = 20
 """The compiler does not end for some wrong texts."""
 
 
