@@ -31,7 +31,8 @@ def test_writes_code_that_is_proven(cli: Cli, plant: Path) -> None:
     assert done.code == 0
     assert "equal (proof" in done.out
     text = (plant / "out.st").read_text(encoding="utf-8")
-    assert "CASE schrittnummer OF" in text
+    assert "CASE aktiver_schritt OF" in text
+    assert "Ablauf_Schritt : (S1, S2, S3, S4);" in text
     assert sfc.load("out.st").pou("Ablauf").sfc is None
 
 

@@ -86,8 +86,11 @@ def test_states_have_names_unless_asked_otherwise(target: str) -> None:
 
 @pytest.mark.parametrize("target", [None, "plcopen", "iec-text"])
 def test_constants_are_no_labels_in_edition_2(target: str | None) -> None:
-    """matiec: invalid case element(s) defined after 'OF' in ST 'CASE' statement."""
-    assert "    7: // Step 7" in text_of(lower(project(chain("S1>S7 S7>S1")), target=target).pou)
+    """matiec: invalid case element(s) defined after 'OF' in ST 'CASE' statement. It takes values of enumerations."""
+    label = "7" if target is None else "Ablauf_Step#S7"
+    assert f"    {label}: // Step 7" in text_of(lower(project(chain("S1>S7 S7>S1")), target=target).pou)
+    numbered = lower(project(chain("S1>S7 S7>S1")), target=target, states="numbers").pou
+    assert "    7: // Step 7" in text_of(numbered)
 
 
 def test_constants_of_scl_are_local_names() -> None:
@@ -121,7 +124,7 @@ def test_an_enumeration_is_a_type_of_its_own_whose_name_is_free() -> None:
     assert [each.name for each in lowered.project.data_types] == ["ABLAUF_STEP", "Ablauf_Step_2"]
     made = lowered.project.data_types[1].type
     assert isinstance(made, m.EnumType)
-    assert [(value.name, value.value) for value in made.values] == [("S1", "1"), ("STEP_IF", "2")]
+    assert [(value.name, value.value) for value in made.values] == [("S1", None), ("STEP_IF", None)]
     assert "active_step := Ablauf_Step_2#STEP_IF;" in text_of(lowered.pou)
     assert len(original.data_types) == 1
     codesys = lower(project(pou, dialect=m.Dialect.CODESYS), states="enumeration", profile="iec")

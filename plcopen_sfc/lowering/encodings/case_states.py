@@ -170,8 +170,10 @@ class StateNames:
 
         def declared(wanted: str, number: str) -> Expression:
             value = naming.fresh(wanted)
-            enumeration.values.append(EnumValue(name=value, value=number))
-            if source.dialect is Dialect.CODESYS:
+            # edition 2 of IEC 61131-3 and matiec number values themselves, and no code asks for the numbers
+            numbered = source.dialect is Dialect.CODESYS
+            enumeration.values.append(EnumValue(name=value, value=number if numbered else None))
+            if numbered:
                 return n.Member(n.Name(name), n.Name(value))
             return n.Literal(f"{name}#{value}")
 
