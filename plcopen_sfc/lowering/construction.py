@@ -316,6 +316,7 @@ def _code(
     """Return empty code that knows its target and the names that are taken."""
     code = LoweredCode(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
     code.tool = tool_of(rules.target, dialect)
+    code.for_others = rules.target is not None
     code.known_types = {kind.name.casefold() for kind in project.data_types}
     code.texts = rules.texts
     code.instances = source.instances

@@ -59,7 +59,7 @@ def test_lowered_code_does_the_same(form: str, seed: int, tmp_path: Path) -> Non
         verify=False,
     )
     watch = [name for name in chart.watch if not name.endswith(".X")]
-    text = sfc.dumps(lowered.project, format="iec-text", flavour="matiec").decode()
+    text = sfc.dumps(lowered.project, format="iec-text").decode()  # it is what matiec takes without being adapted
     built = matiec.build(text, tmp_path / "code")
     theirs = matiec.build(chart.text, tmp_path / "chart").run(inputs, watch, period=PERIOD)
     assert built.run(inputs, watch, period=PERIOD) == theirs

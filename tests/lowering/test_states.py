@@ -87,10 +87,18 @@ def test_states_have_names_unless_asked_otherwise(target: str) -> None:
 @pytest.mark.parametrize("target", [None, "plcopen", "iec-text"])
 def test_constants_are_no_labels_in_edition_2(target: str | None) -> None:
     """matiec: invalid case element(s) defined after 'OF' in ST 'CASE' statement. It takes values of enumerations."""
-    label = "7" if target is None else "Ablauf_Step#S7"
-    assert f"    {label}: // Step 7" in text_of(lower(project(chain("S1>S7 S7>S1")), target=target).pou)
+    branch = "    7: // Step 7" if target is None else "    Ablauf_Step#S7: (* Step 7 *)"
+    assert branch in text_of(lower(project(chain("S1>S7 S7>S1")), target=target).pou)
     numbered = lower(project(chain("S1>S7 S7>S1")), target=target, states="numbers").pou
-    assert "    7: // Step 7" in text_of(numbered)
+    assert "    7: " in text_of(numbered)
+
+
+@pytest.mark.parametrize("target", ["plcopen", "iec-text"])
+def test_code_for_all_tools_has_what_edition_2_has(target: str) -> None:
+    """matiec: no ``//``, no empty statement."""
+    text = text_of(lower(project(chain(PARALLEL)), target=target).pou)
+    assert "//" not in text
+    assert "active_step_S2 := active_step_S2; (* until the simultaneous branches are joined *)" in text
 
 
 def test_constants_of_scl_are_local_names() -> None:

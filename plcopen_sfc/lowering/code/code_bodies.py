@@ -8,10 +8,12 @@ from itertools import pairwise
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
 from plcopen_sfc.languages.networks import DrawingRules, DrawnFbd, DrawnLd, declared_rules, draw_fbd, draw_ld
 from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, TextNetwork
 from plcopen_sfc.lowering.lowering_options import Language
@@ -25,8 +27,9 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 def structured_text(code: LoweredCode, dialect: Dialect) -> StBody:
     """Return a paragraph for each network, its title and comment before it."""
-    paragraphs = [paragraph(network, dialect) for network in code.networks]
-    return StBody(text="\n\n".join(paragraphs))
+    text = "\n\n".join(paragraph(network, dialect) for network in code.networks)
+    has_pragmas = any(comment.kind is CommentKind.PRAGMA for comment in tokenize(text, dialect).comments)
+    return StBody(text=compilable_comments(text, dialect) if code.is_portable and not has_pragmas else text)
 
 
 def function_block_diagram(code: LoweredCode, dialect: Dialect, declared: list[Variable], pou: str) -> FbdBody:

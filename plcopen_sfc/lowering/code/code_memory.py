@@ -16,6 +16,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     call,
     conjunction,
     disjunction,
+    is_constant,
     negation,
     when,
 )
@@ -165,7 +166,9 @@ class BitMemory(Memory):
 
     def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:  # noqa: ARG002
         """Return all statements in one IF."""
-        return [when(condition, *statements)] if statements else []
+        if is_constant(condition, TRUE):
+            return list(statements)
+        return [when(condition, *statements)] if statements and not is_constant(condition, FALSE) else []
 
     def starting(self) -> Expression:
         """Return FALSE: the flag is the memory itself."""

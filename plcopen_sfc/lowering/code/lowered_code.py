@@ -64,8 +64,9 @@ class LoweredCode:
     """Code that a lowering has made so far. `variables` and `constants` are local, `inputs` come from outside.
 
     `data_types` are new ones of the project. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
-    `tool`: the tool that it is for, where that matters. `culture` (``de-DE``): the language of comments, where the
-    target has another usual one. `operands`: variables in which boxes of S7 keep their state, with these boxes.
+    `tool`: the tool that it is for, where that matters. `for_others`: it is for a format, not for the project.
+    `culture` (``de-DE``): the language of comments, where the target has another usual one.
+    `operands`: variables in which boxes of S7 keep their state, with these boxes.
     `texts`: names of variables. `at_rest`: the values of inputs with which the code does what the chart does, in scans
     in which `left_out`, if there is one, is FALSE. `flags`: the place of step flags; None: among the local variables.
     `known_types`: the data types of the project, in lower case.
@@ -83,6 +84,7 @@ class LoweredCode:
     drawn: bool = False
     one_sheet: bool = False
     tool: Tool | None = None
+    for_others: bool = False
     culture: str = ""
     operands: dict[n.Expression, str] = field(default_factory=dict)
     instances: Mapping[str, str] = field(default_factory=dict)
@@ -110,6 +112,11 @@ class LoweredCode:
         text = self.caption(comment)
         self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=text))
         return self.naming.local(name)
+
+    @property
+    def is_portable(self) -> bool:
+        """True if it is for every tool of IEC 61131-3: edition 2, as in matiec, has no ``//``, no empty statement."""
+        return self.for_others and self.tool is None
 
     @property
     def own_names(self) -> set[str]:

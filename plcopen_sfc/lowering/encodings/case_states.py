@@ -64,6 +64,7 @@ class StateNames:
     ) -> None:
         self._code, self._texts, self._dialect = code, rules.texts, source.dialect
         self._new_value: Callable[[str, str], Expression] | None = None
+        self.no_empty_statements = code.is_portable
         # where steps are selected, the regions of all others have none
         # selecting a step of one region ends all others
         left = OperatingMode.SELECT in rules.modes and len(regions.regions) > 1
@@ -350,7 +351,8 @@ class StateVariables:
             step = self._net.steps[i]
             # an empty branch is no error: the region waits in it until the join is tried by the parent
             joined = any(len(self._net.transitions[t].sources) > 1 for t in self._net.leaving[i])
-            idle = f"; // {self._texts.until_joined}" if joined else ";"
+            nothing = self._nothing(machine)
+            idle = f"{nothing} // {self._texts.until_joined}" if joined else nothing
             content = leaving(step)
             is_idle &= not (content or self.remarks(step.step))
             content = content or [idle]
@@ -360,10 +362,13 @@ class StateVariables:
             heading = self._texts.waiting(firsts)
             tried = joining(block)
             is_idle &= not tried
-            lines += self.branch(self.names.waiting(block), heading, tried or [";"])
+            lines += self.branch(self.names.waiting(block), heading, tried or [self._nothing(machine)])
         if is_idle and len(self.machines) > 1:  # a branch of one step waits for its end
             return []
         return [*lines, "END_CASE;"]
+
+    def _nothing(self, machine: RegionState) -> str:
+        return self.text(assignment(machine.state, machine.state)) if self.names.no_empty_statements else ";"
 
     def branch(self, label: Expression, heading: str, lines: list[str]) -> list[str]:
         """Return a branch of a CASE."""
