@@ -12,8 +12,8 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import SfcError
+from plcopen_sfc.formats.archives.chart_elements import ELEMENTS
 from plcopen_sfc.formats.format_interface import WriteOptions
-from plcopen_sfc.formats.twincat.chart_elements import ELEMENTS
 from plcopen_sfc.formats.twincat.twincat_codec import CODEC
 from plcopen_sfc.model import Pou, PouInstance, PouKind, Project, Step, Task, Transition, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome

@@ -12,8 +12,7 @@ from typing import Any
 
 from lxml import etree
 
-from plcopen_sfc.formats.codesys import codesys_names as names
-from plcopen_sfc.formats.twincat.object_archive import (
+from plcopen_sfc.formats.archives.object_archive import (
     add_array,
     add_dictionary,
     add_none,
@@ -26,6 +25,7 @@ from plcopen_sfc.formats.twincat.object_archive import (
     number_of,
     text_of,
 )
+from plcopen_sfc.formats.codesys import codesys_names as names
 
 Fields = dict[str, Any]
 """Fields of a model object that is being read."""

@@ -20,11 +20,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.formats.codesys.codesys_codec import LACKS
-from plcopen_sfc.formats.codesys.element_data import condition_text
-from plcopen_sfc.formats.plcopen.tc6_chart_meaning import DrawnChart, Line
-from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, extension_data
-from plcopen_sfc.formats.twincat.chart_elements import (
+from plcopen_sfc.formats.archives.chart_elements import (
     ASSOCIATION,
     BRANCH,
     ELEMENTS,
@@ -39,8 +35,8 @@ from plcopen_sfc.formats.twincat.chart_elements import (
     read_attributes,
     written_attribute,
 )
-from plcopen_sfc.formats.twincat.kept_data import kept_data, kept_in
-from plcopen_sfc.formats.twincat.object_archive import (
+from plcopen_sfc.formats.archives.kept_data import kept_data, kept_in
+from plcopen_sfc.formats.archives.object_archive import (
     add_dictionary,
     add_list,
     add_none,
@@ -55,6 +51,10 @@ from plcopen_sfc.formats.twincat.object_archive import (
     text_of,
     type_of,
 )
+from plcopen_sfc.formats.codesys.codesys_codec import LACKS
+from plcopen_sfc.formats.codesys.element_data import condition_text
+from plcopen_sfc.formats.plcopen.tc6_chart_meaning import DrawnChart, Line
+from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, extension_data
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.drawing import CONVERGENCES, DIVERGENCES, STEPS, Symbol, SymbolKind

@@ -1,0 +1,373 @@
+"""POUs, types and lists of variables as elements: ``POU``, ``DUT``, ``GVL``, ``Itf``, read and written.
+
+The declaration is text, the body text or an archive. Actions, methods and transition objects are elements of their POU.
+Files of TwinCAT 3 hold such elements. Exports of CODESYS V3 hold the same in another form, of which their codec makes
+such elements. ``LineIds``, which the tool counts itself, stay in the file and are nothing in the model.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias
+from uuid import NAMESPACE_URL, uuid5
+
+from lxml import etree
+
+from plcopen_sfc.diagnostics import Diagnostic
+from plcopen_sfc.errors import FormatError, Location, StructureError
+from plcopen_sfc.formats.archives.archived_charts import ChartReader, ChartWriter, read_settings, write_settings
+from plcopen_sfc.formats.archives.kept_data import kept_data, kept_in
+from plcopen_sfc.formats.archives.object_archive import archived, unknown_type
+from plcopen_sfc.formats.archives.object_declarations import METHOD, PROPERTY, bare, declaration_of, read, unit_of
+from plcopen_sfc.formats.iectext.text_source import unwrapped, wrapped
+from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
+from plcopen_sfc.formats.xml.extension_data import add_markup, markup
+from plcopen_sfc.languages.networks.drawn_conditions import shown_body, shown_named_condition
+from plcopen_sfc.model.base import Carried, Element, ForeignData
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork, SfcSettings
+from plcopen_sfc.report import ConversionReport, Outcome
+
+KINDS = ("POU", "GVL", "DUT", "Itf")
+"""The elements that are objects."""
+_Part: TypeAlias = Action | Method | NamedTransition
+_PART_NAMES = {Action: "action", Method: "method", NamedTransition: "transition"}
+_NOT_SPECIAL = ("SpecialFunc", "None")
+
+
+# -- reading ----------------------------------------------------------------------------------------------------------
+
+
+def read_element(ctx: Tc6ReadContext, thing: etree._Element, file: str | None) -> Project:
+    """Return a project with nothing but the object that an element is. Raises `StructureError`."""
+    return _Reader(ctx, thing, file).read()
+
+
+class _Reader:
+    def __init__(self, ctx: Tc6ReadContext, thing: etree._Element, file: str | None) -> None:
+        self._ctx = ctx
+        self._thing = thing
+        self._file = file
+
+    def read(self) -> Project:
+        thing = self._thing
+        declaration = _declaration(thing)
+        if declaration is None:
+            raise self._refused("has no declaration")
+        project = self._declared(thing, declaration)
+        if thing.tag != "POU":
+            self._name(project)
+            return project
+        if len(project.pous) != 1:
+            raise self._refused("does not declare one POU")
+        pou = project.pous[0]
+        self._fill(pou)
+        return project
+
+    def _refused(self, what: str) -> FormatError:
+        name = self._thing.get("Name", "")
+        place = Location(self._file, line_of(self._thing))
+        return StructureError(f"the {self._thing.tag} {name} {what}", location=place)
+
+    def _declared(self, thing: etree._Element, declaration: str) -> Project:
+        """Return what an object declares, its methods too: one reading of all takes a third of the time."""
+        holders = [thing, *thing.iterfind("Method")]
+        texts = [declaration, *(_declaration(each) or "" for each in holders[1:])]
+        unit = unit_of(declaration)
+        methods = "".join(f"\n{text}\nEND_METHOD" for text in texts[1:])
+        found = read(unit.around(f"{declaration}{methods}"), self._file)
+        if thing.tag == "POU" and [len(pou.methods) for pou in found.project.pous] != [len(holders) - 1]:
+            # one that is damaged takes its neighbours along
+            return self._declared_apart(thing, declaration)
+        lines = [text.count("\n") + 1 for text in texts]
+        starts = [1, *(1 + lines[0] + sum(count + 1 for count in lines[1:i]) for i in range(1, len(lines)))]
+        for each in found.diagnostics:
+            line = each.location.line or 1
+            number = max((i for i, start in enumerate(starts) if start <= line), default=0)
+            self._report(each, holders[number], line - starts[number])
+        return found.project
+
+    def _declared_apart(self, thing: etree._Element, declaration: str) -> Project:
+        found = read(unit_of(declaration).around(declaration), self._file)
+        for each in found.diagnostics:
+            self._report(each, thing, (each.location.line or 1) - 1)
+        for element in thing.iterfind("Method"):
+            method = read(METHOD.around(_declaration(element) or ""), self._file)
+            for each in method.diagnostics:
+                self._report(each, element, (each.location.line or 1) - 2)
+            declared = method.project.pous[0].methods[:1] if method.project.pous else []
+            for pou in found.project.pous:
+                pou.methods += declared or [Method(name=element.get("Name", ""))]
+        return found.project
+
+    def _report(self, found: Diagnostic, thing: etree._Element, line: int) -> None:
+        """Report what was found in a declaration, so many lines below its first."""
+        holder = thing.find("Declaration")
+        start = line_of(holder) if holder is not None else None
+        place = Location(self._file, start + line if start is not None else None, None, found.location.path)
+        self._ctx.diagnostics.append(Diagnostic(found.code, found.severity, found.message, place))
+
+    def _name(self, project: Project) -> None:
+        """Give types and lists of variables the name and the identity of their object."""
+        guid = identity_of(self._thing)
+        for declared in project.data_types[:1]:
+            declared.object_id = guid
+        for section in project.global_variables:
+            section.name = self._thing.get("Name", "")
+            section.object_id = guid
+
+    def _fill(self, pou: Pou) -> None:
+        thing, ctx = self._thing, self._ctx
+        ctx.place = [f"POU {pou.name}"]
+        pou.object_id = identity_of(thing)
+        names = frozenset(str(each.get("Name", "")).casefold() for each in thing.iterfind("Transition"))
+        body = self._body(thing, names)
+        pou.bodies = [body] if body is not None else []
+        methods = iter(pou.methods)
+        for child in thing:
+            if child.tag == "Method":
+                self._part(next(methods), child, names)
+            elif child.tag == "Action":
+                pou.actions.append(Action(name=child.get("Name", "")))
+                self._part(pou.actions[-1], child, names)
+            elif child.tag == "Transition":
+                pou.transitions.append(NamedTransition(name=child.get("Name", "")))
+                self._part(pou.transitions[-1], child, names)
+            elif child.tag == "Property":
+                _carry(pou).data.append(_property(child))
+        others = [child for child in thing if isinstance(child.tag, str) and child.tag not in _OWN_ELEMENTS]
+        _keep(pou, dict(set(attributes_of(thing).items()) - {_NOT_SPECIAL}), others)
+        ctx.place = []
+
+    def _part(self, part: _Part, element: etree._Element, names: frozenset[str]) -> None:
+        self._ctx.place.append(f"{_PART_NAMES[type(part)]} {part.name}")
+        part.object_id = identity_of(element)
+        _keep(part, attributes_of(element))
+        part.body = self._body(element, names)
+        self._ctx.place.pop()
+
+    def _body(self, owner: etree._Element, names: frozenset[str]) -> Body | None:
+        held = owner.find("Implementation")
+        body = next((child for child in held if isinstance(child.tag, str)), None) if held is not None else None
+        if body is None:
+            return None
+        if body.tag == "ST" and not len(body):
+            return StBody(text=body.text or "")
+        archive = body.find("XmlArchive")
+        chart = archived(archive) if archive is not None else None
+        if body.tag == "SFC" and archive is not None and chart is not None:
+            wrong = unknown_type(archive)
+            if wrong is not None:
+                self._ctx.error("TWC103", f"the type {wrong.get('n')} is another one than in any known file", wrong)
+            fields = ChartReader(self._ctx, names).read(chart)
+            settings = owner.find("ObjectProperties/XmlArchive")
+            found = archived(settings) if settings is not None else None
+            stated = read_settings(self._ctx, found) if found is not None else None
+            network = SfcNetwork.model_validate(fields)
+            if stated is not None:
+                network.settings = SfcSettings.model_validate(stated)
+            return SfcBody(chart=network)
+        self._ctx.warn("TWC104", f"a body in {body.tag} is kept as it is, and not understood", body)
+        return OpaqueBody(source="twincat", content=markup(body))
+
+
+_OWN_ELEMENTS = frozenset(
+    {"Declaration", "Implementation", "ObjectProperties", "LineIds", "Action", "Method", "Transition", "Property"}
+)
+
+
+def _declaration(element: etree._Element) -> str | None:
+    found = element.find("Declaration")
+    return (found.text or "") if found is not None else None
+
+
+def identity_of(element: etree._Element) -> str | None:
+    """Return the identity of an object, without braces."""
+    found = element.get("Id")
+    return str(found).strip("{}") if found is not None else None
+
+
+def attributes_of(element: etree._Element) -> dict[str, str]:
+    """Return the attributes of an element but for its name and its identity."""
+    return {str(name): str(value) for name, value in element.attrib.items() if name not in ("Name", "Id")}
+
+
+def _carry(thing: Element) -> Carried:
+    thing.carried = thing.carried or Carried()
+    return thing.carried
+
+
+def _keep(thing: Element, attributes: dict[str, str], elements: Iterable[etree._Element] = ()) -> None:
+    """Keep what is nothing in the model."""
+    data = kept_data(attributes, [copy.deepcopy(each) for each in elements])
+    if data:
+        _carry(thing).data += data
+
+
+def _property(element: etree._Element) -> ForeignData:
+    """Return a property as the text that is kept of one."""
+    lines = [_declaration(element) or f"PROPERTY {element.get('Name')}"]
+    for access in element:
+        if access.tag in ("Get", "Set"):
+            body = access.findtext("Implementation/ST") or ""
+            lines += [str(access.tag).upper(), _declaration(access) or "", body, f"END_{str(access.tag).upper()}"]
+    text = "\n".join([*(line.strip() for line in lines if line.strip()), "END_PROPERTY"])
+    return ForeignData.model_validate(wrapped(PROPERTY, text))
+
+
+# -- writing ----------------------------------------------------------------------------------------------------------
+
+
+def write_declared(project: Project, source: etree._Element | None) -> etree._Element:
+    """Return the type or the list of variables that a project has alone."""
+    declared = project.data_types[0] if project.data_types else None
+    name = declared.name if declared is not None else project.global_variables[0].name or ""
+    known = declared.object_id if declared is not None else project.global_variables[0].object_id
+    text = declaration_of(_only_declared(project), _declaration(source) if source is not None else None)
+    written = etree.Element("DUT" if declared is not None else "GVL", Name=name, Id=identity(known, name))
+    _add_code(written, "Declaration", text)
+    return written
+
+
+def _only_declared(project: Project) -> Project:
+    """Return a project with nothing but its types and global variables, which say no identity."""
+    types = [each.model_copy(update={"object_id": None}) for each in project.data_types]
+    lists = [each.model_copy(update={"object_id": None, "name": None}) for each in project.global_variables]
+    return Project(data_types=types, global_variables=lists, dialect=Dialect.CODESYS)
+
+
+def path_of(project: Project) -> str:
+    """Return the path in reports of a type or a list of variables."""
+    if project.data_types:
+        return project.data_types[0].report_path
+    return f"global variables {project.global_variables[0].name}"
+
+
+def identity(known: str | None, *names: str) -> str:
+    """Return the identity of an object: a new one follows from its name, so that it is the same in every run."""
+    return f"{{{known or uuid5(NAMESPACE_URL, '/'.join(('twincat', *names)))}}}"
+
+
+def _add_code(parent: etree._Element, name: str, text: str) -> None:
+    child = etree.SubElement(parent, name)
+    # text that ends such a section cannot stand in one
+    child.text = etree.CDATA(text) if "]]>" not in text else text
+
+
+def write_pou(pou: Pou, report: ConversionReport, source: etree._Element | None) -> etree._Element:
+    """Return ``POU``; `source` is the element in the file that is patched."""
+    return _PouWriter(pou, report, source).write()
+
+
+class _PouWriter:
+    def __init__(self, pou: Pou, report: ConversionReport, source: etree._Element | None) -> None:
+        self._pou = pou
+        self._report = report
+        self._source = source
+        children = list(source) if source is not None else []
+        self._parts = {(str(child.tag), child.get("Name")): child for child in children if child.get("Name")}
+
+    def write(self) -> etree._Element:
+        pou = self._pou
+        self._report.add(Outcome.KEPT, "POU", pou.report_path)
+        known = kept_in(pou.carried)
+        written = etree.Element("POU", Name=pou.name, Id=identity(pou.object_id, pou.name))
+        for name, value in {**dict([_NOT_SPECIAL]), **known.attributes}.items():
+            written.set(name, value)
+        self._declaration(written, pou, self._source)
+        self._body(written, pou.body, pou.name, self._source)
+        written.extend(known.elements)
+        found: list[_Part] = [*pou.actions, *pou.methods, *pou.transitions]
+        parts = [self._part(part) for part in found]
+        place = {key: number for number, key in enumerate(self._parts)}
+        written.extend(sorted(parts, key=lambda part: place.get((str(part.tag), part.get("Name")), len(place))))
+        self._settings(written, pou.body)
+        if len(pou.bodies) > 1:
+            self._report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, "a POU of TwinCAT has one body")
+        self._report_properties()
+        return written
+
+    def _declaration(self, written: etree._Element, thing: Pou | Method, source: etree._Element | None) -> None:
+        text = _declaration(source) if source is not None else None
+        _add_code(written, "Declaration", declaration_of(bare(thing), text))
+
+    def _part(self, part: _Part) -> etree._Element:
+        tag = type(part).__name__.removeprefix("Named")
+        what = _PART_NAMES[type(part)]
+        source = self._parts.get((tag, part.name))
+        written = etree.Element(tag, Name=part.name, Id=identity(part.object_id, self._pou.name, part.name))
+        for name, value in kept_in(part.carried).attributes.items():
+            written.set(name, value)
+        path = f"{self._pou.report_path} / {what} {part.name}"
+        self._report.add(Outcome.KEPT, what, path)
+        if isinstance(part, Method):
+            self._declaration(written, part, source)
+        self._body(written, part.body, f"{self._pou.name}.{part.name}", source, part)
+        self._settings(written, part.body)
+        return written
+
+    def _body(
+        self,
+        owner: etree._Element,
+        body: Body | None,
+        name: str,
+        source: etree._Element | None,
+        part: _Part | None = None,
+    ) -> None:
+        held = etree.SubElement(owner, "Implementation")
+        path = self._pou.report_path_of(name)
+        match body:
+            case None:
+                if part is None:
+                    _add_code(held, "ST", "")
+            case StBody(text=text):
+                _add_code(held, "ST", text)
+            case SfcBody(chart=chart):
+                old = source.find("Implementation/SFC/XmlArchive") if source is not None else None
+
+                def note(outcome: Outcome, what: str, place: str, why: str) -> None:
+                    self._report.add(outcome, what, f"{path} / {place}" if place else path, why)
+
+                etree.SubElement(held, "SFC").append(ChartWriter(chart, old, note).write())
+            case OpaqueBody(source="twincat", content=content):
+                add_markup(held, content)
+            case _:
+                self._drawn_body(held, body, path, part)
+
+    def _drawn_body(self, held: etree._Element, body: Body, path: str, part: _Part | None) -> None:
+        """Write a body that is drawn as the structured text that does the same."""
+        text: str | None = None
+        if isinstance(body, FbdBody | LdBody) and isinstance(part, NamedTransition):
+            shown = shown_named_condition(part, Dialect.CODESYS)
+            text = shown[0] if shown is not None and not shown[1] else None
+        elif isinstance(body, FbdBody | LdBody):
+            text = shown_body(body, Dialect.CODESYS)
+        if text is None:
+            why = f"a body in {body.language} cannot be written, and is not executed"
+            self._report.add(Outcome.NOT_EXECUTED, "body", path, why)
+            text = "body_is_not_written := TRUE;"
+        else:
+            self._report.add(Outcome.TRANSLATED, "body", path, f"from {body.language} into structured text")
+        _add_code(held, "ST", text)
+
+    def _settings(self, owner: etree._Element, body: Body | None) -> None:
+        if isinstance(body, SfcBody) and body.chart.settings is not None:
+            etree.SubElement(owner, "ObjectProperties").append(write_settings(body.chart.settings))
+
+    def _report_properties(self) -> None:
+        """Properties stay in the file that is patched as they are; elsewhere they are not written."""
+        stay = self._source.iterfind("Property") if self._source is not None else ()
+        if list(_properties(self._pou)) != [unwrapped(_property(each).content) for each in stay]:
+            why = "properties are not written: those of a file stay in it as they are"
+            self._report.add(Outcome.NOT_EXECUTED, PROPERTY, self._pou.report_path, why)
+
+
+def _properties(pou: Pou) -> Iterator[tuple[str, str]]:
+    for data in pou.carried.data if pou.carried is not None else ():
+        kept = unwrapped(data.content)
+        if kept is not None and kept[0] == PROPERTY:
+            yield kept
