@@ -246,6 +246,8 @@ def construct(
     if rules.states is None:
         rules = replace(rules, states=usual_states(style, rules.target, dialect))
     code = _code(source, dialect, rules, language, project)
+    # the listings of textbooks have // in every file
+    code.for_others = rules.target is not None and style is Style.EXACT
     if rules.flags != LOCAL:
         code.flags = FlagPlaces(rules, pou.name, project, code.tool)
     maker: Sequencer | ScanSchedule
@@ -316,7 +318,6 @@ def _code(
     """Return empty code that knows its target and the names that are taken."""
     code = LoweredCode(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
     code.tool = tool_of(rules.target, dialect)
-    code.for_others = rules.target is not None
     code.known_types = {kind.name.casefold() for kind in project.data_types}
     code.texts = rules.texts
     code.instances = source.instances

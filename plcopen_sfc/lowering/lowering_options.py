@@ -114,13 +114,16 @@ def tool_of(target: str | None, dialect: Dialect) -> Tool | None:
 def usual_states(style: Style, target: str | None, dialect: Dialect) -> States:
     """Return the form of states where none is asked for: constants, or an enumeration where those are no labels.
 
-    Numbers for textbook code, and for no target in plain IEC 61131-3: then the code is a body without a project.
+    Numbers for textbook code; for no target in plain IEC 61131-3, where the code is a body without a project; and for
+    code in SCL that another tool gets, as SCL has no enumerations and the other tool no constants as labels.
     """
     # IEC 61131-3 ed. 2, 3.3.2.3, has literals and values of enumerations as labels of a CASE, and matiec, which also
     # compiles for Beremiz and OpenPLC, refuses constants there. Textbooks have numbers
     if style is Style.EXACT and tool_of(target, dialect) is not None:
         return States.CONSTANTS
-    return States.NUMBERS if style is Style.CLASSIC or target is None else States.ENUMERATION
+    if style is Style.CLASSIC or target is None or dialect is Dialect.SCL:
+        return States.NUMBERS
+    return States.ENUMERATION
 
 
 def has_one_sheet(target: str | None) -> bool:

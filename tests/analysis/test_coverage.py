@@ -34,7 +34,7 @@ def test_a_proof_names_what_it_covered() -> None:
     assert verdict.proven
     first, second = verdict.coverage
     assert first.counts == {"step": (4, 4), "transition": (4, 4), "action": (3, 3)}
-    assert second.counts["assignment"] == (16, 16)
+    assert second.counts["assignment"] == (15, 15)
     assert first.unreached == second.unreached == verdict.frozen == ()
     data = json.loads(json.dumps(verdict.as_dict()))
     assert data["coverage"][0]["counts"]["step"] == {"reached": 4, "all": 4}

@@ -18,8 +18,8 @@ CHAIN = ("training-chain/codesys.xml", "Ablauf")
 GRAPH = ("simaticml-training-chain/Ablauf.xml", "Ablauf")
 
 LOWERED = [
-    (*PUSHER, "case ST", "goes nowhere", "next_step_number := 4;"),
-    (*PUSHER, "case ST", "goes elsewhere", "next_step_number := 3;"),
+    (*PUSHER, "case ST", "goes nowhere", "step_number := 3;"),
+    (*PUSHER, "case ST", "goes elsewhere", "step_number := 3;"),
     (*PUSHER, "case ST", "counts by two", "uiJams + 1"),
     (*PUSHER, "case ST", "condition negated", "iHome"),
     (*PUSHER, "bits ST", "conjunct dropped", "NOT xInterlock"),

@@ -64,7 +64,7 @@ class LoweredCode:
     """Code that a lowering has made so far. `variables` and `constants` are local, `inputs` come from outside.
 
     `data_types` are new ones of the project. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
-    `tool`: the tool that it is for, where that matters. `for_others`: it is for a format, not for the project.
+    `tool`: the tool that it is for, where that matters. `for_others`: exact code for a format, not for the project.
     `culture` (``de-DE``): the language of comments, where the target has another usual one.
     `operands`: variables in which boxes of S7 keep their state, with these boxes.
     `texts`: names of variables. `at_rest`: the values of inputs with which the code does what the chart does, in scans
