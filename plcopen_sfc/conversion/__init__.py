@@ -6,6 +6,7 @@
 `declared_values`         start values of elementary members, and declarations that the model keeps as text
 `meaning`                 program text, conditions and values in a form that can be compared
 `comparison`              differences between two such trees
+`adaptation`              a project in terms that the target executes
 `reporting`               differences as items of a `ConversionReport`; source and result run against each other
 """
 

@@ -295,36 +295,37 @@ _SHOWN = 60
 
 def _patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the file that was read with the edits in it. Charts without edits are neither drawn nor written."""
+    from plcopen_sfc.conversion.adaptation import is_rewritten, rewrite_project  # noqa: PLC0415
     from plcopen_sfc.drawing import DrawingStyle, prepare, prepare_body  # noqa: PLC0415
     from plcopen_sfc.formats.xml.source_patch import patch_xml  # noqa: PLC0415
     from plcopen_sfc.formats.xml.xml_codec import canonical  # noqa: PLC0415
 
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
     codec = cast("XmlCodec", kind.codec())
-    is_rewritten = codec.is_rewritten(project, source.content)
+    is_other = is_rewritten(project, source.content, kind)
     touched, untouched = set(), set()
     for name, _, body in project.bodies():
         if isinstance(body, SfcBody) and is_from(body, name, source.content):
             untouched.add(name)
         else:
             touched.add(name)
-            if not is_rewritten:  # what is written has another drawing
+            if not is_other:  # what is written has another drawing
                 prepare_body(body, style, positions=False)
     before: Project = codec.read(source.content).project
     options = WriteOptions(source.version, same=True, source=source.content, untouched=frozenset(untouched - touched))
-    if is_rewritten:
+    if is_other:
         options = replace(options, untouched=frozenset())
 
     def tree(edited: Project, baseline: Project | None, notes: ConversionReport) -> etree._Element:
         """Return the tree of a project, in the terms of the tool where the file has or needs them."""
         written = replace(options, baseline=baseline)
-        if options.untouched or not is_rewritten:
+        if options.untouched or not is_other:
             return codec.to_tree(edited, written, notes)
-        copy, marks = codec.rewrite(edited, written, notes)
+        copy, marks = rewrite_project(edited, kind, written, notes)
         for _, _, body in copy.bodies():
             if isinstance(body, SfcBody):
                 prepare_body(body, style, positions=False)
-        return codec.to_tree(copy, replace(written, marks=marks), notes)
+        return codec.to_tree(copy, replace(written, marks=marks, rewritten=edited), notes)
 
     after, known = tree(project, before, report), ConversionReport()
     data = patch_xml(source.content, tree(before, None, known), after)
@@ -343,8 +344,8 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
             "the edits did not fit into its text; written from the model",
         )
         options = WriteOptions(source.version, same=True, baseline=before)
-        if codec.is_rewritten(project, source.content):
-            project, marks = codec.rewrite(project, options, ConversionReport())
+        if is_rewritten(project, source.content, kind):
+            project, marks = rewrite_project(project, kind, options, ConversionReport())
             options = replace(options, marks=marks)
         prepare(project, style, positions=kind.positions)
         data = codec.write(project, options, report)

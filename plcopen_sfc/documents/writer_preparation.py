@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from plcopen_sfc.conversion import Part, executed
+from plcopen_sfc.conversion.adaptation import rewrite_project
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
@@ -98,14 +99,14 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     unchanged = copy.model_copy(deep=True)
     behaviour = executed(unchanged, profile, source=project, at_rest=options.at_rest) if kind.tool else None
     if kind.drawing is DrawingNeed.NONE:
-        written, marks = kind.codec().rewrite(copy, options, report)
+        written, marks = rewrite_project(copy, kind, options, report)
         if written is not copy and _has_flags(kind):
             _put_into_notation(written, kind, report)
-        return Prepared(written, copy, replace(options, marks=marks), behaviour)
+        return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
     meant = copy
-    copy, marks = kind.codec().rewrite(meant, options, report)
-    options = replace(options, marks=marks)
+    copy, marks = rewrite_project(meant, kind, options, report)
+    options = replace(options, marks=marks, rewritten=meant)
     if style.structured and (project.source is None or project.source.format != kind.name):
         _note_limits(copy, report)
     # a format without ids has branches of its own instead of the bars of others

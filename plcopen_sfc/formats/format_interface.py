@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.diagnostics import Diagnostic
     from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock
     from plcopen_sfc.model.project import Project
+    from plcopen_sfc.model.sfc import Step
     from plcopen_sfc.report import ConversionReport
 
 
@@ -105,7 +106,7 @@ class WriteOptions:
     file that is patched. `baseline` is the project as it was read, by which a writer sees what was edited.
     `whole` is the project of which the one that is written is a document of its own; `added`: its objects are those of
     `Codec.added_objects`.
-    `marks` are what to keep beside objects that were rewritten, by their `id()`.
+    `marks` are what to keep beside objects that were rewritten, by their `id()`; `rewritten` is the project before.
     `of_graph`: the project has the semantics of S7-GRAPH: a transition without condition is TRUE, each row of a step
     writes its operand for itself, in the order of the rows.
     `of_codesys`: it has the semantics of CODESYS, step actions and SFC flags too.
@@ -123,6 +124,7 @@ class WriteOptions:
     whole: Project | None = None
     added: bool = False
     marks: Marks = field(default_factory=dict)
+    rewritten: Project | None = None
     of_graph: bool = False
     of_codesys: bool = False
     of_matiec: bool = False
@@ -166,12 +168,8 @@ class Codec(ABC):
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
         """Replace in `project`, a copy, what the tool lacks by what does the same, and is read back as such."""
 
-    def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
-        """Return a copy in terms of the tool that means the same, and what the reader restores the project from."""
-        return project, {}
-
     def is_rewritten(self, project: Project, content: bytes) -> bool:
-        """True if the file `content` of `project` is such a copy, or an edit made that necessary."""
+        """True if the writer put something else into the file `content` of `project`, and an edit may change that."""
         return False
 
 
@@ -192,6 +190,35 @@ class TextCodec(Codec):
 
 
 @dataclass(frozen=True)
+class ChartHost:
+    """Abilities of the charts of a tool, whose charts are those of IEC 61131-3.
+
+    `title` is what reports call it. `is_codesys`: associations take an action of the POU by its name, steps have entry,
+    main and exit actions and minimum times, conditions are expressions or names of transition objects and never
+    negated. Other tools take bodies in place, with the qualifiers P1 and P0. `has_tasks`: its files hold tasks.
+    `il_conditions`: conditions may be instruction list.
+    """
+
+    title: str
+    is_codesys: bool
+    has_tasks: bool = True
+    il_conditions: bool = False
+
+    @property
+    def dialect(self) -> Dialect:
+        """The structured text of its files."""
+        return Dialect.CODESYS if self.is_codesys else Dialect.IEC
+
+    def active(self, step: Step) -> str:
+        """Return the variable that tells whether a step is active."""
+        return f"{step.name}.{'x' if self.is_codesys else 'X'}"
+
+    def elapsed(self, step: Step) -> str:
+        """Return the variable that tells for how long a step has been active."""
+        return f"{step.name}.{'t' if self.is_codesys else 'T'}"
+
+
+@dataclass(frozen=True)
 class Format:
     """One format in the table of formats, with the facts about it and its tools that others need.
 
@@ -202,7 +229,8 @@ class Format:
     of a file which lists the files of such a folder. `ids`: its files keep the
     ids of steps, transitions and elements of networks. `positions`: they keep positions. `networks` is the form of
     networks in its files, `one_sheet`: all networks of a body are on one. `il_conditions`, `il_bodies`: the conditions
-    of its charts, and bodies, may be in IL. `standard` is what its versions are of.
+    of its charts, and bodies, may be in IL. `charts` has the abilities of its charts, where other charts are put into
+    their terms. `standard` is what its versions are of.
     """
 
     name: str
@@ -226,6 +254,7 @@ class Format:
     one_sheet: bool = False
     il_conditions: bool = True
     il_bodies: bool = True
+    charts: ChartHost | None = None
     standard: str = ""
 
     def codec(self) -> Codec:

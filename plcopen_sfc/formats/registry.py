@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from plcopen_sfc.errors import UnknownFormatError, UnknownVersionError, check_argument, nearest
-from plcopen_sfc.formats.format_interface import DrawingNeed, FileHead, Format, NetworkForm
+from plcopen_sfc.formats.format_interface import ChartHost, DrawingNeed, FileHead, Format, NetworkForm
 from plcopen_sfc.model.dialect import Dialect
 
 
@@ -100,6 +100,7 @@ FORMATS: tuple[Format, ...] = (
         one_sheet=True,
         standard="TC6",
         il_conditions=False,
+        charts=ChartHost("CODESYS", is_codesys=True),
     ),
     Format(
         name="plcopen",
@@ -125,6 +126,7 @@ FORMATS: tuple[Format, ...] = (
         dialect=Dialect.IEC,
         one_sheet=True,
         standard="TC6",
+        charts=ChartHost("TC6", is_codesys=False),
     ),
     Format(
         name="simaticml",
@@ -173,6 +175,7 @@ FORMATS: tuple[Format, ...] = (
         one_sheet=True,
         il_conditions=False,
         il_bodies=False,
+        charts=ChartHost("TwinCAT", is_codesys=True),
     ),
     Format(
         name="json",
@@ -203,6 +206,7 @@ FORMATS: tuple[Format, ...] = (
         dialect=Dialect.CODESYS,
         ids=False,
         networks=NetworkForm.STATEMENTS,
+        charts=ChartHost("CoDeSys 2.3", is_codesys=True, has_tasks=False, il_conditions=True),
     ),
     Format(
         name="scl",

@@ -52,8 +52,7 @@ from plcopen_sfc.formats.codesys.object_data import (
     read_task_settings,
     write_data,
 )
-from plcopen_sfc.formats.format_interface import Marks, ReadResult, WriteOptions
-from plcopen_sfc.formats.plcopen.chart_hosts import CODESYS_CHARTS
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.plcopen.tc6_codec import Tc6Codec, load_tc6, write_project
 from plcopen_sfc.formats.plcopen.tc6_reading import DataReader
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0, V2_01, tc6_version
@@ -63,7 +62,6 @@ from plcopen_sfc.formats.xml.xml_codec import XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.declarations.kept_texts import KEPT_DATA
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.languages.syntax_problems import embedded_code
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -332,8 +330,6 @@ CODESYS_DIALECT = Tc6Dialect(
 class CodesysCodec(Tc6Codec):
     """CODESYS and TwinCAT PLCopenXML."""
 
-    host = CODESYS_CHARTS
-
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read an export. Raises `FormatError`."""
         reading = load_tc6(
@@ -346,12 +342,6 @@ class CodesysCodec(Tc6Codec):
         )
         reading.project.dialect = Dialect.CODESYS
         return reading
-
-    def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
-        """Return a copy of `project` in terms of the tool, and what the reader restores the source from."""
-        for place in embedded_code(project):
-            report.add(Outcome.NOT_EXECUTED, "code in C", place, "CODESYS and TwinCAT do not compile {{ .. }}")
-        return super().rewrite(project, options, report)
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         """Return the tree of the export. The tools write TC6 2.0; a file that was put into 2.01 by hand stays so."""

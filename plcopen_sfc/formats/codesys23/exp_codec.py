@@ -23,7 +23,7 @@ from plcopen_sfc.errors import EncodingError
 from plcopen_sfc.formats.codesys23.chart_text import ChartNames, body_text, chart_blocks
 from plcopen_sfc.formats.codesys23.exp_outline import OWN_LINE
 from plcopen_sfc.formats.codesys23.exp_reader import CODE_PAGE, DIVIDER, HEADER, KINDS, footer_of, read_export
-from plcopen_sfc.formats.format_interface import Marks, ReadResult, TextCodec, WriteOptions
+from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
@@ -472,7 +472,6 @@ def _later_types(kind: DataType | None) -> Iterator[str]:
             pass
 
 
-SOURCE = "source"
 """Name of the project beside its copy in the terms of the tool."""
 
 
@@ -494,19 +493,9 @@ class ExpCodec(TextCodec):
         own = [found.span() for found in OWN_LINE.finditer(source.text)]
         return source.encode(without(source.text, own))[0] if own else data
 
-    def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
-        """Return a copy of `project` with charts as CODESYS executes them, and the source beside it."""
-        from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost  # noqa: PLC0415  # not needed to read
-        from plcopen_sfc.formats.plcopen.project_rewriting import rewrite_project  # noqa: PLC0415
-
-        copy, _ = rewrite_project(
-            project, ChartHost("CoDeSys 2.3", is_codesys=True, has_tasks=False, il_conditions=True), options, report
-        )
-        return copy, {id(copy): {SOURCE: project}}
-
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write a whole file with CRLF, in the code page that has its characters."""
-        text, page = write_export(project, options.marks.get(id(project), {}).get(SOURCE, project), report)
+        text, page = write_export(project, options.rewritten or project, report)
         return f"\n{text}\n".replace("\n", "\r\n").encode(page, errors="replace")
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:

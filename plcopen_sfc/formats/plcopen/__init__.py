@@ -6,7 +6,5 @@ Public: `tc6_codec.CODEC`, `tc6_versions.validate_tc6`.
   and writers, extension data among them.
 * `tc6_codec`: the entry in the table of formats, and whole projects. Elements, read and written: `tc6_configurations`,
   `tc6_declarations`, `tc6_bodies` (POUs too), `tc6_networks`, `tc6_pins`. Charts: `tc6_charts`; `tc6_chart_meaning`.
-* What a tool has no element for is written in other terms: `project_rewriting`, with `step_rewriting` for actions,
-  `step_checks` for interlocks, supervisions and events, `sequencer_rewriting` and `global_variables`.
-  `chart_hosts` has the abilities of the tools, `source_marks` restore the source.
+* What was written in other terms than the source (`conversion.adaptation`) keeps that beside it: `source_marks`.
 """

@@ -10,9 +10,8 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from plcopen_sfc.formats.plcopen.tc6_reading import Fields
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import IlBody, StBody
@@ -20,6 +19,9 @@ from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, N
 from plcopen_sfc.model.project import Configuration
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.variables import VariableSection
+
+if TYPE_CHECKING:
+    from plcopen_sfc.formats.plcopen.tc6_reading import Fields
 
 REWRITTEN_FIELD = "rewritten"
 """At a step or transition: the fields of the source, and the digest of what was written for them."""

@@ -11,17 +11,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from datetime import datetime
-from typing import ClassVar
 
 from lxml import etree
 from pydantic import ValidationError
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.formats.format_interface import Marks, ReadResult, WriteOptions
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_project import fit_project
-from plcopen_sfc.formats.plcopen.chart_hosts import TC6_CHARTS, ChartHost
-from plcopen_sfc.formats.plcopen.project_rewriting import is_rewritten, rewrite_project
 from plcopen_sfc.formats.plcopen.source_marks import is_added_configuration
 from plcopen_sfc.formats.plcopen.tc6_bodies import read_pou, unfit_data, write_pou
 from plcopen_sfc.formats.plcopen.tc6_configurations import read_configuration, write_configuration
@@ -396,9 +393,7 @@ def _written_scale(scale: Scaling) -> dict[str, str]:
 
 
 class Tc6Codec(XmlCodec):
-    """PLCopen TC6 XML, and what its dialects share; `host` has the abilities of the charts of the tool."""
-
-    host: ClassVar[ChartHost] = TC6_CHARTS
+    """PLCopen TC6 XML, and what its dialects share."""
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a file of any TC6 version. Raises `FormatError`."""
@@ -411,14 +406,6 @@ class Tc6Codec(XmlCodec):
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
         """Replace flip-flop boxes with an operand, which only TIA Portal has, by logic."""
         put_logic(project, report)
-
-    def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
-        """Return a copy of `project` in terms of the tool, and what the reader restores the source from."""
-        return rewrite_project(project, self.host, options, report)
-
-    def is_rewritten(self, project: Project, content: bytes) -> bool:
-        """True if the file `content` of `project` holds what was rewritten, or an edit made that necessary."""
-        return is_rewritten(project, content, self.host)
 
     def fit(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Change `project`, a copy, into what Beremiz and OpenPLC execute."""

@@ -241,7 +241,7 @@ def finish_element(
 _WITHOUT_DATA = frozenset({"parameter"})
 """Elements without ``addData`` in every version of TC6: their extension data are in an XML comment."""
 _REWRITTEN = frozenset({"step", "transition", "action"})
-"""Elements whose exclusion from the build `plcopen_sfc.formats.plcopen.project_rewriting` has seen to."""
+"""Elements whose exclusion from the build `plcopen_sfc.conversion.adaptation` has seen to."""
 _WHY = {"priority": "CODESYS tries transitions from left to right, and they are written in that order"}
 """Fields for which TC6 has a place that not all of its tools read."""
 _CHANGES = {

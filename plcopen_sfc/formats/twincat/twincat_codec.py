@@ -4,23 +4,19 @@ from __future__ import annotations
 
 from lxml import etree
 
-from plcopen_sfc.formats.format_interface import Marks, ReadResult, WriteOptions
-from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost
-from plcopen_sfc.formats.plcopen.project_rewriting import rewrite_project
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.twincat.object_files import adapted_task, read_object, task_document, write_object
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 from plcopen_sfc.languages.s7_boxes import put_logic
-from plcopen_sfc.languages.syntax_problems import embedded_code
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.model.variables import VariableSection
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import ConversionReport
 
 _INDENT = "  "
-_CHARTS = ChartHost("TwinCAT", is_codesys=True)
 
 
 class TwincatCodec(FolderCodec):
@@ -33,12 +29,6 @@ class TwincatCodec(FolderCodec):
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
         """Replace flip-flop boxes with an operand, which only TIA Portal has, by logic."""
         put_logic(project, report)
-
-    def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
-        """Return a copy of `project` in terms of the tool; its files have no place for what it was made of."""
-        for place in embedded_code(project):
-            report.add(Outcome.NOT_EXECUTED, "code in C", place, "TwinCAT does not compile {{ .. }}")
-        return rewrite_project(project, _CHARTS, options, report)
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         """Return the tree of the file for `project`."""

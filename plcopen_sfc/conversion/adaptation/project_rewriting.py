@@ -10,9 +10,7 @@ from collections.abc import Iterator
 from functools import partial
 from itertools import chain
 
-from plcopen_sfc.formats.format_interface import WriteOptions
-from plcopen_sfc.formats.plcopen.chart_hosts import (
-    ChartHost,
+from plcopen_sfc.conversion.adaptation.chart_rewriting import (
     ChartRewriting,
     as_term,
     conjunction,
@@ -21,14 +19,23 @@ from plcopen_sfc.formats.plcopen.chart_hosts import (
     is_supervised,
     taken_names,
 )
-from plcopen_sfc.formats.plcopen.global_variables import (
+from plcopen_sfc.conversion.adaptation.global_variables import (
     add_globals,
     declare_lists,
     has_globals,
     has_lists,
     report_types,
 )
-from plcopen_sfc.formats.plcopen.sequencer_rewriting import OperatingInputs, PermanentRewriter, ShownState
+from plcopen_sfc.conversion.adaptation.sequencer_rewriting import OperatingInputs, PermanentRewriter, ShownState
+from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChecks
+from plcopen_sfc.conversion.adaptation.step_rewriting import (
+    StepRewriter,
+    has_special_rows,
+    mixed_operands,
+    overwritten_rows,
+    timed_operands,
+)
+from plcopen_sfc.formats.format_interface import ChartHost, Format, Marks, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import (
     NO_RESULT_FIELD,
     REWRITTEN_FIELD,
@@ -36,18 +43,11 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     SourceMarks,
     rewritten_transition,
 )
-from plcopen_sfc.formats.plcopen.step_checks import ACKNOWLEDGING, StepChecks
-from plcopen_sfc.formats.plcopen.step_rewriting import (
-    StepRewriter,
-    has_special_rows,
-    mixed_operands,
-    overwritten_rows,
-    timed_operands,
-)
 from plcopen_sfc.formats.provenance import is_untouched
 from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
 from plcopen_sfc.languages.s7_programs import is_void
+from plcopen_sfc.languages.syntax_problems import embedded_code
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
@@ -61,12 +61,18 @@ from plcopen_sfc.report import ConversionReport, Outcome
 
 
 def rewrite_project(
-    project: Project, host: ChartHost, options: WriteOptions, report: ConversionReport
-) -> tuple[Project, SourceMarks]:
-    """Return a copy of `project` in terms that the `host` executes, and what to keep of the source where.
+    project: Project, kind: Format, options: WriteOptions, report: ConversionReport
+) -> tuple[Project, Marks]:
+    """Return a copy of `project` in terms that the tool of `kind` executes, and what to keep of the source where.
 
     `project` itself, which is changed, where nothing of the source changes.
     """
+    host = kind.charts
+    if host is None:
+        return project, {}
+    if host.is_codesys:
+        for where in embedded_code(project):
+            report.add(Outcome.NOT_EXECUTED, "code in C", where, f"{host.title} does not compile {{{{ .. }}}}")
     if not options.same:
         _adapt_coils(project, report)
         if host.is_codesys:
@@ -153,8 +159,11 @@ def _without_result(project: Project) -> Iterator[Interface]:
             yield pou.interface
 
 
-def is_rewritten(project: Project, content: bytes, host: ChartHost) -> bool:
+def is_rewritten(project: Project, content: bytes, kind: Format) -> bool:
     """True if the file `content` holds what was rewritten, or an edit of `project` made that necessary."""
+    host = kind.charts
+    if host is None:
+        return kind.codec().is_rewritten(project, content)
     if f'"{REWRITTEN_FIELD}"'.encode() in content or has_globals(project):
         return True
     if (

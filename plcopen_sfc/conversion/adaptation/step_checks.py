@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, as_term, is_supervised
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, is_supervised
 from plcopen_sfc.model.actions import ActionEvent
 from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.model.variables import SectionKind

@@ -19,10 +19,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 
-from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, as_term, conjunction, does_something
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, conjunction, does_something
+from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
+from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
 from plcopen_sfc.formats.plcopen.source_marks import REWRITTEN_FIELD, added_element, rewritten_transition
-from plcopen_sfc.formats.plcopen.step_checks import StepChecks
-from plcopen_sfc.formats.plcopen.step_rewriting import StepRewriter
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_programs import unused_inputs

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.formats.plcopen.chart_hosts import ChartHost
+from plcopen_sfc.formats.format_interface import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import (
     TEXTS_FIELD,
     SourceMarks,
@@ -321,11 +321,6 @@ def _lists(project: Project) -> Iterator[VariableSection]:
     for section in (s for c in project.configurations for r in c.resources for s in r.global_variables):
         if section.name and section.object_id is not None:  # in IEC 61131-3 the name of a list means nothing
             yield section
-
-
-def list_names(project: Project) -> frozenset[str]:
-    """Return the names of all lists of global variables, in lower case."""
-    return frozenset(section.name.casefold() for section in project.global_sections() if section.name)
 
 
 def declare_lists(project: Project, report: ConversionReport, marks: SourceMarks) -> None:

@@ -1,55 +1,21 @@
-"""Abilities of the charts of a tool, and conditions of other tools in its terms."""
+"""A chart that is being rewritten for another tool, and its conditions in the terms of that tool."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from plcopen_sfc.formats.format_interface import WriteOptions
+from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_section
 from plcopen_sfc.languages.networks import condition_reader, is_empty_network
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
-from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
-
-
-@dataclass(frozen=True)
-class ChartHost:
-    """Abilities of the charts of a tool.
-
-    `title` is what reports call it. `is_codesys`: associations take an action of the POU by its name, steps have entry,
-    main and exit actions and minimum times, conditions are expressions or names of transition objects and never
-    negated. Other tools take bodies in place, with the qualifiers P1 and P0. `has_tasks`: its files hold tasks.
-    `il_conditions`: conditions may be instruction list.
-    """
-
-    title: str
-    is_codesys: bool
-    has_tasks: bool = True
-    il_conditions: bool = False
-
-    @property
-    def dialect(self) -> Dialect:
-        """The structured text of its files."""
-        return Dialect.CODESYS if self.is_codesys else Dialect.IEC
-
-    def active(self, step: Step) -> str:
-        """Return the variable that tells whether a step is active."""
-        return f"{step.name}.{'x' if self.is_codesys else 'X'}"
-
-    def elapsed(self, step: Step) -> str:
-        """Return the variable that tells for how long a step has been active."""
-        return f"{step.name}.{'t' if self.is_codesys else 'T'}"
-
-
-CODESYS_CHARTS = ChartHost("CODESYS", is_codesys=True)
-TC6_CHARTS = ChartHost("TC6", is_codesys=False)
 
 
 @dataclass(eq=False)

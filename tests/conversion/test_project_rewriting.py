@@ -33,7 +33,7 @@ from plcopen_sfc.model.sfc import FlagUse, GraphSettings, SfcFlag, SfcSettings, 
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ConversionReport, Outcome
 
-FIXTURES = Path(__file__).parents[3] / "fixtures"
+FIXTURES = Path(__file__).parents[2] / "fixtures"
 SCANS = 150
 PROFILES = {"codesys": "codesys", "plcopen-2.01": "iec", "plcopen-1.01": "iec"}
 TARGETS = list(PROFILES)

@@ -15,9 +15,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, as_term, guarded
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
+from plcopen_sfc.conversion.adaptation.step_checks import COMPUTED, StepChecks
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, rewritten_step
-from plcopen_sfc.formats.plcopen.step_checks import COMPUTED, StepChecks
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
 from plcopen_sfc.model.pou import Action
