@@ -11,7 +11,7 @@ sfc.save(project, "line24.xml")
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from importlib import import_module, resources
 from typing import Any
 
@@ -44,52 +44,27 @@ def __dir__() -> list[str]:
     return sorted(_exports())
 
 
-def _rename() -> Operation:
-    from plcopen_sfc.refactor.rename import rename  # noqa: PLC0415  # brings the parser with it
-
-    return rename
-
-
-def _rename_many() -> Operation:
-    from plcopen_sfc.refactor.rename import rename_many  # noqa: PLC0415
-
-    return rename_many
-
-
-def _rename_step() -> Operation:
-    from plcopen_sfc.refactor.rename import rename_step  # noqa: PLC0415
-
-    return rename_step
-
-
-def _locations_of() -> Operation:
-    from plcopen_sfc.documents.sources import locations_of  # noqa: PLC0415  # brings the formats with it
-
-    return locations_of
+_PROVIDERS = {
+    "rename": "refactor.rename",
+    "rename_many": "refactor.rename",
+    "rename_step": "refactor.rename",
+    "find_steps": "refactor.queries",
+    "find_declared": "refactor.queries",
+    "find_uses": "languages.binding",
+    "cross_references": "refactor.queries",
+    "chart_records": "refactor.queries",
+    "locations_of": "documents.sources",
+    "chart_svg": "drawing.pictures",
+    "body_svg": "drawing.pictures",
+    "trace_svg": "pages.timing_diagram",
+}
+"""The modules of the operations that the model offers: they bring the parser or the formats with them."""
 
 
-def _to_svg() -> Operation:
-    from plcopen_sfc.drawing.pictures import chart_svg  # noqa: PLC0415  # brings the parser with it
-
-    return chart_svg
-
-
-def _body_svg() -> Operation:
-    from plcopen_sfc.drawing.pictures import body_svg  # noqa: PLC0415
-
-    return body_svg
+def _operation(name: str) -> Operation:
+    operation: Operation = getattr(import_module(f"{__name__}.{_PROVIDERS[name]}"), name)
+    return operation
 
 
-def _trace_svg() -> Operation:
-    from plcopen_sfc.pages.timing_diagram import trace_svg  # noqa: PLC0415
-
-    return trace_svg
-
-
-provide("rename", _rename)
-provide("rename_many", _rename_many)
-provide("rename_step", _rename_step)
-provide("locations_of", _locations_of)
-provide("to_svg", _to_svg)
-provide("body_svg", _body_svg)
-provide("trace_svg", _trace_svg)
+for _name in _PROVIDERS:
+    provide(_name, partial(_operation, _name))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import Field
 
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model import times
 from plcopen_sfc.model.base import Element, ElementId, Model
 from plcopen_sfc.model.conditions import Condition
 
@@ -149,6 +151,46 @@ class ActionAssociation(Element):
     symbol: SymbolAccess = SymbolAccess.UNSPECIFIED
 
     TIMES: ClassVar[tuple[str, ...]] = ("duration",)
+
+    @classmethod
+    def parse(cls, text: str, id: int) -> Self:
+        """Return the association that a text describes, as people write it into an action block.
+
+        ``N Valve``, ``D T#2s Lamp``, ``S Count := Count + 1``; with an event of S7-GRAPH ``S1 R Valve`` (``C``: it
+        needs the interlock); ``Valve`` alone is N. Raises `ModelError` for a text that is no such line.
+        """
+        words = text.split(maxsplit=1)
+        fields: dict[str, Any] = {}
+        if len(words) == 2 and words[0].upper() in ActionEvent.__members__:
+            event = ActionEvent(words[0].upper())
+            fields |= {"interlock": True} if event is ActionEvent.C else {"event": event}
+            words = words[1].split(maxsplit=1)
+        if len(words) == 2 and words[0].upper() in Qualifier.__members__:
+            qualifier = fields["qualifier"] = Qualifier(words[0].upper())
+            words = words[1:]
+            if qualifier.needs_duration:
+                duration, _, target = words[0].partition(" ")
+                fields["duration"], words = duration, [target]
+        target, assigns, value = " ".join(words).partition(":=")
+        if (
+            not target.strip()
+            or (assigns and not value.strip())
+            or ("duration" in fields and times.objection(duration))
+        ):
+            raise ModelError(
+                f"{text!r} is no action of a step",
+                hint='Write qualifier, time and target: "N Valve", "D T#2s Lamp", "S Count := Count + 1".',
+            )
+        return cls(id=id, target=target.strip(), value=value.strip() or None, **fields)
+
+    @property
+    def text(self) -> str:
+        """The association as `parse` takes it; of a body in place its language, of a GRAFCET its kind."""
+        event = "C" if self.interlock and self.event is None else self.event
+        when = self.kind if self.kind is not None else self.qualifier
+        target = self.target or (f"({self.body.language})" if self.body is not None else "")
+        parts = (event, when if when is not Qualifier.NONE else None, self.duration, target)
+        return " ".join(str(part) for part in parts if part) + (f" := {self.value}" if self.value else "")
 
 
 class Monitoring(StrEnum):

@@ -18,6 +18,7 @@ from plcopen_sfc.model.base import Model
 
 if TYPE_CHECKING:
     from plcopen_sfc.model.project import Project
+    from plcopen_sfc.report import Use
 
 
 class Owned(Model):
@@ -101,6 +102,15 @@ class Owned(Model):
     def __setstate__(self, state: dict[Any, Any]) -> None:
         super().__setstate__(state)
         self.adopt()
+
+
+class OwnedName(Owned):
+    """An object with a name that program text can use."""
+
+    def uses(self) -> list[Use]:
+        """Every place of the project that names it, but for its declaration; see `Project.uses`."""
+        project = self.project
+        return project.uses(self) if project is not None else []
 
 
 def _adopt(owner: Owned, thing: object, *, take: bool = False) -> None:

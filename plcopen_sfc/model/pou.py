@@ -11,7 +11,7 @@ from pydantic import Field
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
-from plcopen_sfc.model.owners import Owned
+from plcopen_sfc.model.owners import OwnedName
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
@@ -28,7 +28,7 @@ class PouKind(StrEnum):
     ORGANIZATION_BLOCK = "organizationBlock"
 
 
-class Action(Owned, Element):
+class Action(OwnedName, Element):
     """An action of a POU: code that steps execute by its name."""
 
     name: str
@@ -38,7 +38,7 @@ class Action(Owned, Element):
     OWNS: ClassVar[tuple[str, ...]] = ("body",)
 
 
-class NamedTransition(Owned, Element):
+class NamedTransition(OwnedName, Element):
     """A transition object of a POU: a condition with a name that charts refer to."""
 
     name: str
@@ -48,7 +48,7 @@ class NamedTransition(Owned, Element):
     OWNS: ClassVar[tuple[str, ...]] = ("body",)
 
 
-class Method(Owned, Element):
+class Method(OwnedName, Element):
     """A method of a function block."""
 
     name: str

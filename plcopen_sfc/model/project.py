@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 from pydantic import Field, PrivateAttr
@@ -23,7 +23,9 @@ from plcopen_sfc.operations import provided
 
 if TYPE_CHECKING:
     from plcopen_sfc.diagnostics import Diagnostic
-    from plcopen_sfc.report import RenameResult
+    from plcopen_sfc.languages.binding import Declaration
+    from plcopen_sfc.model.sfc import Step
+    from plcopen_sfc.report import RenameResult, Use
 
 
 class FileHeader(Model):
@@ -302,6 +304,36 @@ class Project(Owned, Element):
         """
         results: list[RenameResult] = provided("rename_many")(self, table)
         return results
+
+    def find(self, pattern: str, kind: str | None = None) -> list[Declaration]:
+        """What the project declares by this pattern (``*`` and ``?``): ``project.find("Motor*", "variable")``.
+
+        It is compared with the whole path (``Main.Motor1``) and with its end (``Motor1``); case does not matter. `kind`
+        is one of `plcopen_sfc.languages.binding.Kind`. Each has its `kind`, `path`, and the object (`holder`).
+        """
+        found: list[Declaration] = provided("find_declared")(self, pattern, kind)
+        return found
+
+    def steps(self, where: Callable[[Step], bool] | None = None, **conditions: Any) -> list[Step]:
+        """The steps of all charts, those in macro-steps too, that satisfy the conditions; see `SfcNetwork.find`."""
+        found: list[Step] = provided("find_steps")(self, where, **conditions)
+        return found
+
+    def uses(self, what: Declaration | Model | str) -> list[Use]:
+        """Every place that names a thing: a path (``Main.S3``), an object of the model, or what `find` gave.
+
+        The place of its declaration is not among them. Raises `ModelError` where the project declares no such thing.
+        """
+        found: list[Use] = provided("find_uses")(self, what)
+        return found
+
+    def cross_references(self, kind: str | None = "variable") -> list[dict[str, Any]]:
+        """The cross references as a table: a dictionary for each use of each variable, or of what `kind` says.
+
+        None: of everything. Keys: `name`, `kind`, `place`, `language`, `line`, `column`, `text`.
+        """
+        records: list[dict[str, Any]] = provided("cross_references")(self, kind)
+        return records
 
     def locations_of(self, paths: Iterable[str]) -> list[Location]:
         """Places of objects in the files of the project, by their paths: ``POU Main / step S3``.

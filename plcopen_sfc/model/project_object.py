@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 from plcopen_sfc.model.late import LateElement
+from plcopen_sfc.model.owners import OwnedName
 
 
-class ProjectObject(LateElement):
+class ProjectObject(OwnedName, LateElement):
     """Common to the objects of a project.
 
     `folder` is where the object is among the files of its project, relative to the project's own folder, with ``/``

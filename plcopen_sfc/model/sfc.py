@@ -7,7 +7,7 @@ transition to any step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
@@ -20,7 +20,7 @@ from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.drawing import Drawing
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Node
-from plcopen_sfc.model.owners import Owned
+from plcopen_sfc.model.owners import Owned, OwnedName
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.operations import provided
 
@@ -45,7 +45,7 @@ class Enclosure(Model):
     activated_steps: list[str] = Field(default_factory=list)
 
 
-class Step(Owned, Element):
+class Step(OwnedName, Element):
     """A step.
 
     `name` is its identifier in programs, `number` its number where the tool has one. Times are literals or
@@ -90,6 +90,18 @@ class Step(Owned, Element):
     def chart(self) -> SfcNetwork | None:
         """The chart that the step is in."""
         return self.owner if isinstance(self.owner, SfcNetwork) else None
+
+    @property
+    def predecessors(self) -> list[Step]:
+        """The steps from which a transition leads to this one, in the order of the chart."""
+        chart = self.chart
+        return chart._those({i for t in chart.incoming(self) for i in t.sources}) if chart is not None else []
+
+    @property
+    def successors(self) -> list[Step]:
+        """The steps to which a transition leads from this one, in the order of the chart."""
+        chart = self.chart
+        return chart._those({i for t in chart.outgoing(self) for i in t.targets}) if chart is not None else []
 
 
 class Supervised(Model):
@@ -331,6 +343,50 @@ class SfcNetwork(LateElement):
         """The transitions that lead to `step`."""
         return [t for t in self.transitions if step.id in t.targets]
 
+    def find(
+        self,
+        where: Callable[[Step], bool] | None = None,
+        *,
+        drives: str | None = None,
+        reads: str | None = None,
+        calls: str | None = None,
+        qualifier: str | Iterable[str] | None = None,
+        reachable_from: StepKey | None = None,
+        leading_to: StepKey | None = None,
+        **fields: Any,
+    ) -> list[Step]:
+        """The steps of the chart that satisfy all conditions: ``chart.find(drives="*Valve*", max_time=None)``.
+
+        `drives`, `reads`, `calls`: patterns (``*`` and ``?``) for what the actions of the step write, read and call,
+        also through actions of the POU: a whole path (``GVL.Valve1``) or the end of one (``Valve1``); case does not
+        matter. `qualifier`: one of its actions has it. `reachable_from`, `leading_to`: transitions lead there. `where`
+        is a function for all else. `fields` are those of a step: patterns for texts (``name="S*"``), or the value
+        itself (``initial=True``, ``max_time=None``). Raises `ModelError` for a field that steps do not have.
+        """
+        found: list[Step] = provided("find_steps")(
+            self,
+            where,
+            drives=drives,
+            reads=reads,
+            calls=calls,
+            qualifier=qualifier,
+            reachable_from=reachable_from,
+            leading_to=leading_to,
+            **fields,
+        )
+        return found
+
+    def to_records(self) -> list[dict[str, Any]]:
+        """The chart as a table: a dictionary for each step, with the same keys in all; ``pandas.DataFrame`` takes it.
+
+        `actions` are as `add_step` takes them, `next` are conditions and where they lead.
+        """
+        records: list[dict[str, Any]] = provided("chart_records")(self)
+        return records
+
+    def _those(self, ids: Set[int]) -> list[Step]:
+        return [step for step in self.steps if step.id in ids]
+
     def associations(self) -> Iterator[tuple[Step, ActionAssociation]]:
         """Every action association with its step."""
         for step in self.steps:
@@ -437,7 +493,7 @@ class SfcNetwork(LateElement):
         is that of the standard or tool that the chart is of. `theme` is ``light``, ``dark`` or ``print`` (black on
         white). The same chart gives the same text in every run. Raises `ModelError` for any other style or theme.
         """
-        picture: str = provided("to_svg")(self, style, theme)
+        picture: str = provided("chart_svg")(self, style, theme)
         return picture
 
     def _repr_svg_(self) -> str:

@@ -272,6 +272,18 @@ class Trace:
             ],
         }
 
+    def to_records(self) -> list[dict[str, Any]]:
+        """The trace as a table: a dictionary for each scan, with the same keys in all; ``pandas.DataFrame`` takes it.
+
+        Keys: `scan`, `time` (nanoseconds), `steps` (the active ones), and the variables.
+        """
+        columns = [[*column] for column in self._list]
+        return [
+            {"scan": scan, "time": self.time(scan), "steps": self.active(scan)}
+            | {column.name: values[scan] for column, values in zip(self._list, columns, strict=True)}
+            for scan in range(len(self))
+        ]
+
     def csv(self, *, delimiter: str = ";") -> str:
         """The trace as CSV: a row for each scan with its number, its time, the active steps and all values.
 

@@ -16,6 +16,7 @@ from plcopen_sfc.languages.binding.bound_bodies import (
     called_actions,
     is_named_elsewhere,
     names_in,
+    step_effects,
     texts_in,
 )
 from plcopen_sfc.languages.binding.name_uses import Names, find_uses
@@ -39,5 +40,6 @@ __all__ = [
     "find_uses",
     "is_named_elsewhere",
     "names_in",
+    "step_effects",
     "texts_in",
 ]

@@ -26,7 +26,7 @@ from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcNetwork, Step
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +165,26 @@ def called_actions(body: Body | None, pou: Pou, dialect: Dialect) -> set[str]:
     called = {path[-1] for path in bound.effects.calls if len(path) == 1 or path[-2] in own}
     called |= {each.name.casefold() for each in bound.uses if each.unread}
     return called & {action.name.casefold() for action in pou.actions}
+
+
+def step_effects(step: Step, pou: Pou | None, dialect: Dialect) -> Effects:
+    """Effects of all that a step does, and of the actions of its POU that it names or that these call.
+
+    What an association names is written, but for actions of the POU, which are called.
+    """
+    alone = SfcNetwork.model_construct(steps=[step])
+    found = [bind(SfcBody.model_construct(chart=alone), dialect).effects]
+    actions = {action.name.casefold(): action for action in pou.actions} if pou is not None else {}
+    followed: set[str] = set()
+    for effects_so_far in found:  # it grows
+        for path in sorted(effects_so_far.calls):
+            action = actions.get(path[0]) if len(path) == 1 and path[0] not in followed else None
+            if action is not None and action.body is not None:
+                followed.add(path[0])
+                found.append(bind(action.body, dialect).effects)
+    every = Effects.all(found)
+    named = {(name,) for name in actions}
+    return Effects(every.reads - named, every.writes - named, every.calls)
 
 
 _RESULT = n.Literal("0")

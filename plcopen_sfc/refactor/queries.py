@@ -1,0 +1,203 @@
+"""Queries: steps by what they do, declarations by their names, and charts and uses of names as tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Set
+from fnmatch import fnmatchcase
+from typing import Any
+
+from plcopen_sfc.errors import ModelError, check_argument, nearest
+from plcopen_sfc.languages.binding import Declaration, Effects, Kind, Names, step_effects
+from plcopen_sfc.languages.binding.name_scopes import charts_inside
+from plcopen_sfc.languages.binding.name_uses import dialect_of
+from plcopen_sfc.languages.networks.drawn_conditions import shown_condition
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.owners import Owned
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork, Step, StepKey, Transition
+from plcopen_sfc.model.text import plain
+
+
+def matches(pattern: str, path: str) -> bool:
+    """True if a pattern (``*`` and ``?``) is that of a whole path, or of its end: ``S*`` of ``Main.S1``."""
+    pattern, names = pattern.casefold(), path.casefold().split(".")
+    return any(fnmatchcase(".".join(names[start:]), pattern) for start in range(len(names)))
+
+
+def find_steps(
+    where: Project | SfcNetwork,
+    predicate: Callable[[Step], bool] | None = None,
+    *,
+    drives: str | None = None,
+    reads: str | None = None,
+    calls: str | None = None,
+    qualifier: str | Iterable[str] | None = None,
+    reachable_from: StepKey | None = None,
+    leading_to: StepKey | None = None,
+    **fields: Any,
+) -> list[Step]:
+    """The steps of a chart, or of all charts of a project; `SfcNetwork.find` has the conditions."""
+    _check_fields(fields)
+    qualifiers = _qualifiers(qualifier)
+    found: list[Step] = []
+    for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
+        ids = _reached(chart, reachable_from, leading_to)
+        pou, dialect = pou_of(chart), _dialect(chart)
+        for step in chart.steps:
+            if step.id not in ids or not all(_fits(getattr(step, name), value) for name, value in fields.items()):
+                continue
+            if qualifiers is not None and not any(each.qualifier in qualifiers for each in step.actions):
+                continue
+            wanted = (drives, reads, calls)
+            if any(wanted) and not _acts(step_effects(step, pou, dialect), wanted):
+                continue
+            if predicate is None or predicate(step):
+                found.append(step)
+    return found
+
+
+def charts_of(project: Project) -> Iterator[SfcNetwork]:
+    """Every chart of a project, those of macro-steps and partial charts too."""
+    for _, _, body in project.bodies():
+        yield from charts_inside(body)
+
+
+def pou_of(thing: Owned) -> Pou | None:
+    """The POU that an object is in."""
+    owner = thing.owner
+    while owner is not None and not isinstance(owner, Pou):
+        owner = owner.owner
+    return owner
+
+
+def _dialect(chart: SfcNetwork) -> Dialect:
+    return dialect_of(chart.project) if chart.project is not None else Dialect.CODESYS
+
+
+def _check_fields(fields: dict[str, Any]) -> None:
+    for name in fields:
+        if name not in Step.model_fields:
+            raise ModelError(f"steps have no field {name!r}{nearest(name, Step.model_fields)}")
+
+
+def _qualifiers(wanted: str | Iterable[str] | None) -> Set[Qualifier] | None:
+    if wanted is None:
+        return None
+    try:
+        return {Qualifier(each) for each in ([wanted] if isinstance(wanted, str) else wanted)}
+    except ValueError:
+        known = ", ".join(Qualifier)
+        raise ModelError(f"{wanted!r} is no qualifier", hint=f"The qualifiers are: {known}") from None
+
+
+def _fits(value: Any, wanted: Any) -> bool:
+    if isinstance(value, str) and isinstance(wanted, str):
+        return fnmatchcase(value.casefold(), wanted.casefold())
+    return bool(value == wanted)
+
+
+def _acts(effects: Effects, wanted: tuple[str | None, str | None, str | None]) -> bool:
+    found = (effects.writes, effects.reads, effects.calls)
+    return all(
+        pattern is None or any(matches(pattern, ".".join(path)) for path in paths if path)
+        for pattern, paths in zip(wanted, found, strict=True)
+    )
+
+
+def _reached(chart: SfcNetwork, start: StepKey | None, end: StepKey | None) -> set[int]:
+    """The ids of the steps to which transitions lead from `start`, and from which they lead to `end`."""
+    ids = {step.id for step in chart.steps}
+    if start is not None:
+        ids &= _closure(chart, start, lambda t: (t.sources, t.targets))
+    if end is not None:
+        ids &= _closure(chart, end, lambda t: (t.targets, t.sources))
+    return ids
+
+
+def _closure(chart: SfcNetwork, start: StepKey, sides: Callable[[Transition], tuple[list[int], list[int]]]) -> set[int]:
+    first = start if isinstance(start, Step) else chart.step(start)
+    if not any(step is first for step in chart.steps):
+        return set()
+    found: set[int] = set()
+    waiting = [first.id]
+    leading: dict[int, list[int]] = {}
+    for transition in chart.transitions:
+        before, after = sides(transition)
+        for each in before:
+            leading.setdefault(each, []).extend(after)
+    while waiting:
+        for each in leading.get(waiting.pop(), ()):
+            if each not in found:
+                found.add(each)
+                waiting.append(each)
+    return found
+
+
+def find_declared(project: Project, pattern: str, kind: str | None = None) -> list[Declaration]:
+    """What a project declares by a pattern for its path or the end of its path."""
+    check_argument(pattern, str, 'find needs a pattern: "Motor*"')
+    if kind is not None and kind not in [*Kind]:
+        raise ModelError(f"{kind!r} is no kind of declaration{nearest(kind, [*Kind])}")
+    names = Names(project)
+    found = (each for each in names.declarations() if kind is None or each.kind == kind)
+    return list(dict.fromkeys(names.resolver.original(each) for each in found if matches(pattern, each.path)))
+
+
+# -- tables
+
+
+def chart_records(chart: SfcNetwork) -> list[dict[str, Any]]:
+    """The rows of `SfcNetwork.to_records`."""
+    pou, dialect = pou_of(chart), _dialect(chart)
+    names = {step.id: step.name for step in chart.steps}
+
+    def condition(transition: Transition) -> str:
+        shown = shown_condition(chart, transition, dialect, pou.transitions if pou is not None else ())
+        return shown[0] if shown is not None else "?"
+
+    return [
+        {
+            "step": step.name,
+            "number": step.number,
+            "initial": step.initial,
+            "comment": plain(step.comment),
+            "actions": [association.text for association in step.actions],
+            **{name: _code(getattr(step, name)) for name in ("entry_action", "main_action", "exit_action")},
+            **{name: getattr(step, name) for name in Step.TIMES},
+            "next": [
+                f"{condition(transition)} -> {'+'.join(names.get(i, '?') for i in transition.targets)}"
+                for transition in chart.outgoing(step)
+            ],
+        }
+        for step in chart.steps
+    ]
+
+
+def _code(action: Any) -> str | None:
+    """The name of a step action, the text of one in place, or its language."""
+    return action if action is None or isinstance(action, str) else getattr(action, "text", f"({action.language})")
+
+
+def cross_references(project: Project, kind: str | None = Kind.VARIABLE) -> list[dict[str, Any]]:
+    """The rows of `Project.cross_references`, in the order of the texts."""
+    if kind is not None and kind not in [*Kind]:
+        raise ModelError(f"{kind!r} is no kind of declaration{nearest(kind, [*Kind])}")
+    rows: list[dict[str, Any]] = []
+    for occurrence in Names(project).everything():
+        declaration = occurrence.meaning.declaration
+        if declaration is not None and kind in (None, declaration.kind) and not occurrence.reference.declares:
+            use = occurrence.use
+            rows.append(
+                {
+                    "name": declaration.path,
+                    "kind": str(declaration.kind),
+                    "place": use.path,
+                    "language": use.language,
+                    "line": use.line,
+                    "column": use.column,
+                    "text": use.text,
+                }
+            )
+    return rows

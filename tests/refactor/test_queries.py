@@ -1,0 +1,149 @@
+"""Queries: steps by what they do, declarations by name, uses, and tables."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import ModelError
+from tests.samples import FIXTURES
+
+SORTING = FIXTURES / "codesys" / "sorting_conveyor.xml"
+STATION = FIXTURES / "plcopen" / "filling_station_2.01.xml"
+
+
+def names(steps: list[sfc.Step]) -> list[str]:
+    return [step.name for step in steps]
+
+
+@pytest.fixture
+def chart() -> sfc.SfcNetwork:
+    chart = sfc.SfcNetwork()
+    for name in ("Wait", "Fill", "Mix", "Drain"):
+        chart.add_step(name, initial=name == "Wait")
+    texts = {"Fill": ["N Valve1", "N Pour"], "Mix": ["D T#2s GVL.Motor"], "Drain": ["S Valve2", "N Lamp"]}
+    for name, lines in texts.items():
+        for line in lines:
+            chart.step(name).actions.append(sfc.ActionAssociation.parse(line, chart.new_id()))
+    chart.step("Mix").max_time = "T#5s"
+    chart.add_transition("Wait", ["Fill", "Mix"], "Start AND Level > 5")
+    chart.add_transition(["Fill", "Mix"], "Drain", "Full")
+    chart.add_transition("Drain", "Drain", "Again")
+    pour = sfc.Action(name="Pour", body=sfc.StBody(text="Pump := Level < 9; Dose();"))
+    dose = sfc.Action(name="Dose", body=sfc.StBody(text="Doser := TRUE;"))
+    pou = sfc.Pou(name="Main", kind=sfc.PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=chart)], actions=[pour, dose])
+    sfc.Project(name="Plant", pous=[pou])
+    return chart
+
+
+def test_steps_know_what_is_before_and_after_them(chart: sfc.SfcNetwork) -> None:
+    assert names(chart.step("Wait").successors) == ["Fill", "Mix"]
+    assert names(chart.step("Drain").predecessors) == ["Fill", "Mix", "Drain"]
+    assert chart.step("Wait").predecessors == []
+
+
+@pytest.mark.parametrize(
+    ("wanted", "found"),
+    [
+        ({"drives": "valve*"}, ["Fill", "Drain"]),
+        ({"drives": "Motor"}, ["Mix"]),
+        ({"drives": "gvl.*"}, ["Mix"]),
+        ({"drives": "Pump"}, ["Fill"]),
+        ({"drives": "Doser"}, ["Fill"]),
+        ({"drives": "Pour"}, []),
+        ({"calls": "Pour"}, ["Fill"]),
+        ({"calls": "Dose"}, ["Fill"]),
+        ({"reads": "Level"}, ["Fill"]),
+        ({"qualifier": "D"}, ["Mix"]),
+        ({"qualifier": ["S", sfc.Qualifier.D]}, ["Mix", "Drain"]),
+        ({"max_time": None}, ["Wait", "Fill", "Drain"]),
+        ({"max_time": "t#*"}, ["Mix"]),
+        ({"initial": True}, ["Wait"]),
+        ({"name": "?i*"}, ["Fill", "Mix"]),
+        ({"reachable_from": "Fill"}, ["Drain"]),
+        ({"leading_to": "Drain"}, ["Wait", "Fill", "Mix", "Drain"]),
+        ({"leading_to": "Fill"}, ["Wait"]),
+        ({"drives": "*Valve*", "name": "D*"}, ["Drain"]),
+        ({"where": lambda step: len(step.actions) == 2}, ["Fill", "Drain"]),
+    ],
+)
+def test_steps_are_found_by_what_they_do(chart: sfc.SfcNetwork, wanted: dict[str, object], found: list[str]) -> None:
+    assert names(chart.find(**wanted)) == found  # type: ignore[arg-type]
+    project = chart.project
+    assert project is not None
+    if not wanted.keys() & {"reachable_from", "leading_to"}:
+        assert names(project.steps(**wanted)) == found
+
+
+@pytest.mark.parametrize(
+    ("wanted", "message"),
+    [
+        ({"maxtime": None}, "no field 'maxtime'.*did you mean 'max_time'"),
+        ({"qualifier": "X"}, "'X' is no qualifier"),
+        ({"reachable_from": "Fil"}, "did you mean 'Fill'"),
+    ],
+)
+def test_a_condition_that_is_none_is_refused(chart: sfc.SfcNetwork, wanted: dict[str, object], message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        chart.find(**wanted)  # type: ignore[arg-type]
+
+
+def test_declarations_are_found_by_name_and_know_their_uses() -> None:
+    project = sfc.load(SORTING)
+    found = project.find("*Mot*", "variable")
+    assert found
+    assert {str(each.kind) for each in found} == {"variable"}
+    assert all("mot" in each.path.casefold() for each in found)
+    assert [each.path for each in project.find("PLC_PRG.Measure")] == ["PLC_PRG.Measure"]
+    chart = project.pou("PLC_PRG").chart
+    assert [use.text for use in chart.step("Measure").uses()] == [
+        "Measure.t > T#2s500ms AND eMaterial = E_Material.Unknown"
+    ]
+    action = project.pou("PLC_PRG").action("ACT_Classify")
+    assert [use.path for use in action.uses()] == [use.path for use in project.uses("PLC_PRG.ACT_Classify")] != []
+    variable = project.pou("PLC_PRG").variables()[0]
+    assert project.uses(variable) == project.uses(f"PLC_PRG.{variable.name}")
+    with pytest.raises(ModelError, match="no kind of declaration"):
+        project.find("*", "steps")
+
+
+def test_a_chart_is_a_table(chart: sfc.SfcNetwork) -> None:
+    records = chart.to_records()
+    assert len({tuple(record) for record in records}) == 1
+    assert records[1]["actions"] == ["N Valve1", "N Pour"]
+    assert records[0]["next"] == ["Start AND Level > 5 -> Fill+Mix"]
+    assert (records[2]["step"], records[2]["max_time"], records[2]["initial"]) == ("Mix", "T#5s", False)
+
+
+def test_cross_references_of_all_bodies() -> None:
+    project = sfc.load(SORTING)
+    rows = project.cross_references()
+    own = [row for row in rows if row["name"] == "PLC_PRG.bMeasure"]
+    assert [(row["place"], row["line"]) for row in own] == [
+        (use.path, use.line) for use in project.uses("PLC_PRG.bMeasure")
+    ]
+    assert {row["kind"] for row in project.cross_references("action")} == {"action"}
+    assert len(project.cross_references(None)) > len(rows)
+
+
+def test_a_trace_is_a_table() -> None:
+    trace = sfc.simulate(sfc.load(SORTING), pou="FB_Pusher", inputs=sfc.RandomInputs(4), scans=5)
+    records = trace.to_records()
+    assert [record["scan"] for record in records] == [0, 1, 2, 3, 4]
+    assert all(record["steps"] == trace.active(record["scan"]) for record in records)
+    name = trace.columns[0].name
+    assert [record[name] for record in records] == list(trace.columns[0])
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["N Valve", "D T#2s Lamp", "S Count := Count + 1", "S1 R Valve", "C N Valve", "SD tMax Motor.ACT_Stop", "P1 A"],
+)
+def test_the_text_of_an_action_is_read_and_written(text: str) -> None:
+    assert sfc.ActionAssociation.parse(text, 1).text == text
+
+
+@pytest.mark.parametrize("text", ["", "D Lamp", "D T#2s", "S x :=", "D 5s Lamp"])
+def test_a_text_that_is_no_action_is_refused(text: str) -> None:
+    with pytest.raises(ModelError, match="is no action of a step"):
+        sfc.ActionAssociation.parse(text, 1)
