@@ -167,7 +167,7 @@ def convert(
 
 
 def check_syntax(project: Project) -> list[Diagnostic]:
-    """What does not parse in the bodies, conditions and declarations of a project.
+    """Return what does not parse in the bodies, conditions and declarations of a project.
 
     Each finding has the place in its text and, if the project was loaded from a file that it is still in, in the file.
     """

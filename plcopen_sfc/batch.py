@@ -41,7 +41,7 @@ class FileChange:
 
 @dataclass(frozen=True)
 class AppliedFile:
-    """What a script did to the project at `path`, a file or a folder. `error`: why it failed, and nothing changes."""
+    """Result of a script for the project at `path`, a file or a folder. `error`: why it failed, and nothing changes."""
 
     path: str
     changes: tuple[FileChange, ...] = ()

@@ -23,7 +23,7 @@ def check(
     select: Iterable[str] = (),
     ignore: Iterable[str] = (),
 ) -> list[Diagnostic]:
-    """What is wrong with the charts of a project, of a POU, or with one chart; docs/checks.md has the rules.
+    """Return the findings in the charts of a project, of a POU, or in one chart; docs/checks.md has the rules.
 
     `profile` is how the charts are executed (see `plcopen_sfc.semantics.profile`); without it that of the tool which
     the project is for. It decides which rules apply and how severe a breach is. `select` are the rules to apply, by

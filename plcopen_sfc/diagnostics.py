@@ -10,7 +10,7 @@ from plcopen_sfc.errors import Location, SfcError
 
 
 class Severity(StrEnum):
-    """How bad a finding is."""
+    """Severity of a finding."""
 
     ERROR = "error"
     WARNING = "warning"

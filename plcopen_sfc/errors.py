@@ -131,7 +131,7 @@ class LossError(SfcError):
 
 
 class VersionNeed(NamedTuple):
-    """What the version of a format that was asked for cannot say: the object, what it has, and the first that can."""
+    """Need for a newer version of a format: the object, what it has, and the first version that can express it."""
 
     path: str
     feature: str

@@ -59,7 +59,7 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
 
 
 def access_failure(path: str | os.PathLike[str], error: OSError) -> FileAccessError:
-    """What to say where `path` cannot be read because of `error`."""
+    """Return the message for a `path` that cannot be read because of `error`."""
     return _failure(path, error, _READ_REASONS, "cannot be read")
 
 

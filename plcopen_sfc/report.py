@@ -13,7 +13,7 @@ from plcopen_sfc.object_path import ObjectPath
 
 
 class Outcome(StrEnum):
-    """What became of an item of the source."""
+    """Outcome of an item of the source."""
 
     KEPT = "kept"
     """Written exactly, in the target's own terms."""
@@ -49,7 +49,7 @@ class Item:
 
     @property
     def place(self) -> str:
-        """What it is and where, for people: ``action POU Main / step S3``, and not ``task task Fast``."""
+        """Object and place, for people: ``action POU Main / step S3``, and not ``task task Fast``."""
         return self.path if self.path.startswith(f"{self.what} ") else f"{self.what} {self.path}".strip()
 
 
@@ -89,7 +89,7 @@ class ConversionReport:
 
     @property
     def losses(self) -> list[Item]:
-        """What the target does not execute, or executes otherwise, the worst first."""
+        """Items that the target does not execute, or executes otherwise, the worst first."""
         return [item for outcome in LOSSES for item in self.with_outcome(outcome)]
 
     def counts(self) -> dict[tuple[str, Outcome], int]:
@@ -176,7 +176,7 @@ class Undecided:
 
 @dataclass(frozen=True, slots=True)
 class RenameResult:
-    """What a rename did.
+    """Result of a rename.
 
     `path` is that of the declaration before it (``Main.S3``). `changed` are the places that named it, with their text
     as it was, the declaration itself not among them. `undecided` are places that have the old name and were left as

@@ -1,4 +1,4 @@
-"""How much of two charts or programs a comparison has executed, what it has not, and why."""
+"""Coverage of a comparison: how much of two charts or programs it executed, what it did not, and why."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Unreached:
 
     @property
     def key(self) -> tuple[str, ...]:
-        """What tells it from all else that was not reached."""
+        """Key that tells it from all else that was not reached."""
         return (self.kind, self.name, self.value)
 
     def __str__(self) -> str:
@@ -71,7 +71,7 @@ class Unreached:
 
 @dataclass(frozen=True)
 class Coverage:
-    """How much of one side of a comparison was executed.
+    """Coverage of one side of a comparison.
 
     `counts`: by kind (``step``, ``transition`` and ``action`` of a chart, ``assignment`` of a program or of the actions
     of a chart) how many were reached, and how many there are; without a proof also ``part of condition``, those that
@@ -91,11 +91,11 @@ class Coverage:
 
     @property
     def untested(self) -> tuple[Unreached, ...]:
-        """What was not reached though it may be reachable."""
+        """Parts that were not reached though they may be reachable."""
         return tuple(each for each in self.unreached if not each.impossible)
 
     def joined(self, other: Coverage) -> Coverage:
-        """What was reached here or there, in two searches of the same side."""
+        """Return what was reached here or there, in two searches of the same side."""
         known = {each.key: each for each in other.unreached}
         for kind in sorted(
             {PART, OUTCOME, DECISION} - other.counts.keys()
@@ -114,12 +114,12 @@ class Coverage:
         return counts or "nothing to be reached"
 
     def missing(self) -> str:
-        """How much of what may be reachable was not reached, but for what is behind a step that was not entered."""
+        """Return how much that may be reachable was not reached, but for what is behind a step that was not entered."""
         counts = Counter(each.kind for each in self.untested if not each.follows)
         return ", ".join(f"{count} {kind if count == 1 else _plural(kind)}" for kind, count in counts.items())
 
     def lines(self) -> list[str]:
-        """What was not reached, a line for each reason; behind the first ones only how many there are.
+        """Return what was not reached, a line for each reason; behind the first ones only how many there are.
 
         What may be reachable comes first. What is behind a step that was not entered is only counted.
         """
@@ -166,7 +166,7 @@ class Coverage:
 
 
 class Tally:
-    """What of a system, and of systems that are parts of it, was reached.
+    """Record of what a search reached of a system, and of systems that are parts of it.
 
     What the compared POU itself has is counted, and what blocks and functions have that it calls, unless they are the
     same on both sides.
@@ -188,19 +188,19 @@ class Tally:
         return self.parts
 
     def reached(self, kind: str) -> set[Key]:
-        """What was reached."""
+        """Parts that were reached."""
         if kind == PART:
             return {_key(part) for part in self.parts or () if part.is_seen}
         return {key for part in self._parts for key, is_reached in _of_kind(part, kind) if is_reached}
 
     def numbers(self) -> tuple[int, int]:
-        """How many steps, or assignments, were reached, and how many there are."""
+        """Return how many steps, or assignments, were reached, and how many there are."""
         kind = STEP if _charts(self.system) else ASSIGNMENT
         everything = {key for key, _ in _of_kind(self.system, kind)}
         return len(self.reached(kind) & everything), len(everything)
 
     def coverage(self, *, complete: bool) -> Coverage:
-        """What it comes to. `complete`: all that the system can do was searched."""
+        """Return the coverage. `complete`: all that the system can do was searched."""
         kinds: tuple[str, ...] = (STEP, TRANSITION, ACTION, PART, ASSIGNMENT) if _charts(self.system) else (ASSIGNMENT,)
         kinds += (OUTCOME, DECISION) if self.parts is not None else ()
         counts: dict[str, tuple[int, int]] = {}
@@ -224,7 +224,7 @@ class Tally:
 
 
 def any_untested(coverage: Sequence[Coverage]) -> bool:
-    """Whether something that may be reachable was not reached: of a chart, where there is one."""
+    """Return True if something that may be reachable was not reached: of a chart, where there is one."""
     charts = [each for each in coverage if each.has_chart]
     return any(each.untested for each in charts or coverage)
 
@@ -313,7 +313,7 @@ def _outcome_key(branch: MarkedBranch, text: str, value: bool) -> Key:
 
 
 class _Reasons:
-    """Why something was not reached."""
+    """Reasons why something was not reached."""
 
     def __init__(
         self,
@@ -387,7 +387,7 @@ class _Reasons:
         return Unreached(kind, shown, was_never, value=value)
 
     def _not_executed(self, name: str, label: str, net: Net) -> tuple[str, bool]:
-        """Why an action was never executed, and whether nothing can execute it."""
+        """Return why an action was never executed, and whether nothing can execute it."""
         chart = next(chart for own, chart in _charts(self._system) if own == name)
         told: dict[str, bool] = {}
         entered = sum(1 << index for index in self._reached_steps(name, net))
@@ -399,7 +399,7 @@ class _Reasons:
         return " or ".join(known) or "was never executed", all(told.values()) and bool(told)
 
     def _idle(self, name: str, origin: Origin, entered: int, dead: int) -> tuple[str, bool]:
-        """Why a step did not execute an action, and whether it cannot."""
+        """Return why a step did not execute an action, and whether it cannot."""
         steps, association = origin
         net = self._nets[name]
         step = ", ".join(net.names(steps))
@@ -429,7 +429,7 @@ class _Reasons:
         return f"step {step} never executed it" + (f", needs {' and '.join(needs)}" if needs else ""), False
 
     def _never_true(self, kind: str, key: Key) -> str:
-        """What is never TRUE though an assignment or outcome needs it, in words; empty: that is not proven."""
+        """Return what is never TRUE though an assignment or outcome needs it, in words; empty: that is not proven."""
         told = ""
         for branch in self._leading_to[kind, key]:
             alone = branch.guards[-1:]
@@ -480,7 +480,7 @@ class _Reasons:
 
     @cached_property
     def _unreachable(self) -> Unreachable:
-        """What nothing can reach; of sequencers of S7-GRAPH and charts with forcing orders that is not known."""
+        """Return what nothing can reach; of sequencers of S7-GRAPH and charts with forcing orders that is not known."""
         fired = {name: chart.reached.transitions for name, chart in _charts(self._system)}
         known = not any(self._graphs.values()) and not any(net.hierarchy for net in self._nets.values())
         return Unreachable(self._system, self._nets if known else {}, fired)

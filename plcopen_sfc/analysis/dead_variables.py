@@ -105,7 +105,7 @@ _NOT_READ = {"TON": ("et",), "TOF": ("et",), "TP": ("et",)}
 
 
 def dead_cells(instance: Instance, observed: Collection[str]) -> list[tuple[list[Any], int, Value | None]]:
-    """Where local variables and outputs of a POU are that no scan reads before it writes them, and any value for each.
+    """Return the cells of variables of a POU that no scan reads before it writes them, and any value for each.
 
     `observed` (paths) are those that are looked at when a scan has ended. Members of structures and of instances of
     standard function blocks are variables too. None where other bodies may see them (`sole_statements`).
@@ -150,12 +150,12 @@ class _Reading:
                 self._read_path(path.casefold().replace('"', "").replace("#", "").split("."), written)
 
     def is_exposed(self, path: str) -> bool:
-        """Whether a variable, a part of it, or all that it is a part of is read before it is written."""
+        """Return True if a variable, a part of it, or all that it is a part of is read before it is written."""
         return path in self._around or any(each in self.exposed for each in _upwards(path))
 
     @cached_property
     def _around(self) -> set[str]:
-        """What has a part that is read before it is written."""
+        """Return what has a part that is read before it is written."""
         return {around for path in self.exposed for around in _upwards(path)}
 
     # -- statements

@@ -1,4 +1,4 @@
-"""Which parts of conditions have decided them: what hides behind an alternative is not tested by its transition firing.
+"""Parts of conditions that decided them: a part behind an alternative is not tested when its transition fires.
 
 A part of OR decides while it is TRUE and all others are FALSE, a part of AND while it is FALSE and all others are TRUE,
 and nothing outside of that operation decides already (masking MC/DC). That is asked of parts that compare numbers or
@@ -44,7 +44,7 @@ class ConditionPart:
 
     @property
     def label(self) -> str:
-        """What tells it from the other parts of the condition."""
+        """Label that tells it from the other parts of the condition."""
         return self.text if self.value is None else f"{self.text} = {self.value}".upper()
 
     @property

@@ -75,7 +75,7 @@ class NotDivisibleError(Exception):
 
 @dataclass(frozen=True)
 class ProgramPart:
-    """What a part reads and writes. `always`: it must be kept whatever is looked at."""
+    """Reads and writes of a part. `always`: it must be kept whatever is looked at."""
 
     reads: Names
     writes: Names
@@ -123,7 +123,7 @@ def cone(parts: Sequence[ProgramPart], names: Iterable[str]) -> frozenset[int]:
 
 
 class NamedEffects:
-    """What statements and expressions of a POU read and write. Raises `NotDivisibleError` where that is not known."""
+    """Reads and writes of statements and expressions of a POU. Raises `NotDivisibleError` where that is not known."""
 
     def __init__(self, instance: Instance) -> None:
         library = instance.controller.library
@@ -141,7 +141,7 @@ class NamedEffects:
         return ProgramPart(self.names(reads(node)), written, always=not harmless)
 
     def names(self, paths: Iterable[Path]) -> Names:
-        """What stands for variables in parts."""
+        """Names of variables in parts."""
         found: set[str] = set()
         for path in paths:
             if path == ANYTHING:
@@ -254,7 +254,7 @@ def statements_of(body: Body, instance: Instance) -> Sequence[n.Statement]:
 
 
 def _heads(statement: n.Statement) -> Sequence[n.Expression]:
-    """What decides which statements inside are executed; none: it is executed as a whole."""
+    """Return what decides which statements inside are executed; none: it is executed as a whole."""
     match statement:
         case n.If(branches=branches):
             return [branch.condition for branch in branches]
@@ -461,7 +461,7 @@ Build = Callable[[Pou, Pou, Sequence[Pair]], tuple[ProgramSystem, ProgramSystem,
 
 @dataclass(frozen=True)
 class _Share:
-    """What some of the compared values depend on, on both sides."""
+    """Variables that some of the compared values depend on, on both sides."""
 
     left: frozenset[int]
     right: frozenset[int]

@@ -84,7 +84,7 @@ class _State:
 
 @dataclass(frozen=True)
 class Directed:
-    """What a search came to: the steps of a run that ends with a difference, or None; and how much was run.
+    """Result of a search: the steps of a run that ends with a difference, or None; and how much was run.
 
     `stopped`: why it ended before its effort was spent.
     """
@@ -281,7 +281,7 @@ class DirectedSearch:
         self._at, self._way = number, []
 
     def _count(self) -> int:
-        """How much was reached: it only grows."""
+        """Return how much was reached: it only grows."""
         charts = sum(
             chart.reached.steps.bit_count() + chart.reached.transitions.bit_count() + chart.reached.actions.bit_count()
             for chart, _ in self._goals.charts
@@ -452,7 +452,7 @@ class DirectedSearch:
                     self._scan(state.row)
 
     def _repeat(self, number: int) -> None:
-        """Where a variable came nearer to what is wanted since the same situation was there before, do that again."""
+        """Repeat what brought a variable nearer to what is wanted since the same situation was there before."""
         state = self._states[number]
         if state.key is None or not state.distance:
             return
@@ -514,7 +514,7 @@ class DirectedSearch:
 
 
 def _bucket(distance: float) -> int:
-    """Which distances count as one: small ones each for itself, great ones by their order of magnitude."""
+    """Return the class of a distance: small ones each for itself, great ones by their order of magnitude."""
     if distance <= 4 and distance == int(distance):
         return int(distance)
     return 4 + frexp(distance)[1] if distance > 0 else 0

@@ -42,7 +42,7 @@ class Domain:
 
     @property
     def is_number(self) -> bool:
-        """Whether its values are probes of numbers."""
+        """True if its values are probes of numbers."""
         return isinstance(self.options[0], Probe) and not isinstance(self.options[0], Text)
 
     def cut(self, constant: object) -> None:
@@ -101,14 +101,14 @@ class Domain:
 
 
 def number_of(domain: Domain, constant: object) -> int | float:
-    """What an input is compared with, if that is a finite number."""
+    """Return what an input is compared with, if that is a finite number."""
     if isinstance(constant, bool) or not isinstance(constant, int | float) or constant - constant != 0:
         raise NotProvableError(f"{domain.name} is compared with {constant!r}")
     return constant
 
 
 class Symbolic:
-    """What stands for a value in a search. `key`: what stands for it in a state that can be hashed."""
+    """Symbol for a value in a search. `key`: its counterpart in a state that can be hashed."""
 
     __slots__ = ()
 
@@ -157,7 +157,7 @@ class Probe(Symbolic):
         raise self._misuse()  # a text of it must not be taken for that of a number
 
     def key(self) -> Any:
-        """What stands for it in a state that can be hashed."""
+        """Counterpart in a state that can be hashed."""
         return self.domain.name, self.value
 
     def _misuse(self) -> NotProvableError:
@@ -268,7 +268,7 @@ class Split(Probe):
         self._choose = choose
 
     def _is_below(self, constant: object, *, inclusive: bool) -> bool:
-        """Whether the number is less than the constant, or equal to it where `inclusive`."""
+        """Return True if the number is less than the constant, or equal to it where `inclusive`."""
         bound = self._number(constant)
         least, greatest, least_open, greatest_open = self._interval
         if self.domain.signal.kind is not SignalKind.REAL:

@@ -1,4 +1,4 @@
-"""Whether a chart and a program, two charts, or two programs do the same: proven, tried, or shown to be different.
+"""Equivalence of charts and programs: proven, tried, or refuted by inputs that show the difference.
 
 First all that both can do together is searched (`plcopen_sfc.analysis.product`), with every value of every input that
 is read: that is a proof, or gives the shortest input trace that shows a difference. Where there are too many states, or
@@ -62,11 +62,11 @@ class ChartCode(Protocol):
 
     @property
     def name(self) -> str:
-        """Where the code is in the project: ``Main``, ``Main.Fill``."""
+        """Name of the code in the project: ``Main``, ``Main.Fill``."""
 
     @property
     def profile(self) -> Profile:
-        """How the chart is executed."""
+        """Profile by which the chart is executed."""
 
     @property
     def step_flags(self) -> Mapping[str, str]:
@@ -93,7 +93,7 @@ _QUICK_RUNS, _QUICK_SCANS = 12, 60
 
 
 class Searching(TypedDict, total=False):
-    """What a user may want of the search of a comparison; see `equivalent`."""
+    """Options of the search of a comparison; see `equivalent`."""
 
     free_inputs: Iterable[str] | str
     limit: float | str | None
@@ -226,7 +226,7 @@ def _profiles(
 
 
 class _Tries(NamedTuple):
-    """How much is tried: see `equivalent`."""
+    """Limits of what is tried: see `equivalent`."""
 
     cap: int
     runs: int
@@ -240,7 +240,7 @@ class _Tries(NamedTuple):
 
 @dataclass(frozen=True)
 class _Compared:
-    """What is compared, but for the delay; see `equivalent`."""
+    """Subject of a comparison, but for the delay; see `equivalent`."""
 
     subjects: tuple[Subject, Subject]
     profiles: tuple[Profile, Profile]
@@ -266,7 +266,7 @@ class _Compared:
 
     @cached_property
     def can_be_retimed(self) -> bool:
-        """Whether the scans of sides that execute actions first can be cut elsewhere."""
+        """True if the scans of sides that execute actions first can be cut elsewhere."""
         left, right = self._systems(NO_DELAY)
         return all(
             system.is_retimable
@@ -344,7 +344,7 @@ class _Compared:
         return connect(left, right, self.inputs, {**self.resting, **self.fixed})
 
     def quick_difference(self, delay: Delay, tries: _Tries) -> int | None:
-        """How many scans it takes to a difference in a few directed runs; None where there is none."""
+        """Return how many scans it takes to a difference in a few directed runs; None where there is none."""
         comparison, signals = self.prepared(delay)
         watch = SearchWatch(tries.limit, None, lambda: (0, 0), tries.whole)
         domains = {name: Domain(name, signal) for name, signal in signals.items()}
@@ -367,7 +367,7 @@ class _Compared:
 
 @dataclass(frozen=True)
 class _Runs:
-    """What directed runs came to. `stopped`: why they ended early."""
+    """Result of directed runs. `stopped`: why they ended early."""
 
     counterexample: Counterexample | None = None
     runs: int = 0

@@ -1,4 +1,4 @@
-"""Whether conditions exclude each other, are always or never true, or are covered by others.
+"""Conditions that exclude each other, are always or never true, or are covered by others.
 
 Boolean operations are decided exactly, and so are comparisons of variables with constants and with each other; of
 anything else (arithmetic, calls) only as much is known as that equal expressions have equal values. Numbers are
@@ -32,7 +32,7 @@ AnyCondition: TypeAlias = str | NetworkExpression | n.Node
 
 @dataclass(frozen=True)
 class Exclusivity:
-    """Whether two conditions exclude each other; true where Python asks only if they do.
+    """Answer to whether two conditions exclude each other; true where Python asks only if they do.
 
     NO: `witness` is a situation in which both are true. UNKNOWN: `reason` says why.
     """
@@ -46,7 +46,7 @@ class Exclusivity:
 
 
 class Truth(StrEnum):
-    """When a condition is true. VARIES: it can be true and it can be false."""
+    """Truth of a condition. VARIES: it can be true and it can be false."""
 
     ALWAYS = "always"
     NEVER = "never"
@@ -76,7 +76,7 @@ def association_condition(association: ActionAssociation, dialect: Dialect = Dia
 def exclusive(
     a: AnyCondition, b: AnyCondition, *, dialect: Dialect = Dialect.IEC, knowledge: Knowledge | None = None
 ) -> Exclusivity:
-    """Whether two conditions can never be true at the same time. `knowledge`: what is known of the variables in them.
+    """Return whether two conditions exclude each other. `knowledge`: what is known of the variables in them.
 
     Without knowledge a name is what its use shows: Boolean, a number, a duration. See `project_knowledge`.
     """
@@ -90,7 +90,7 @@ def exclusive(
 
 
 def truth(condition: AnyCondition, *, dialect: Dialect = Dialect.IEC, knowledge: Knowledge | None = None) -> Truth:
-    """Whether a condition is always true, never, or sometimes."""
+    """Return whether a condition is true always, never, or sometimes."""
     read = _read(condition, dialect)
     if isinstance(read, str):
         return Truth.UNKNOWN
@@ -112,7 +112,7 @@ def covered(
     dialect: Dialect = Dialect.IEC,
     knowledge: Knowledge | None = None,
 ) -> Answer:
-    """Whether one of `others` is true whenever `condition` is: behind them by priority, its transition never fires."""
+    """Return True if one of `others` is true whenever `condition` is: behind them, its transition never fires."""
     read = [_read(each, dialect) for each in (condition, *others)]
     if any(isinstance(r, str) for r in read):
         return Answer.UNKNOWN

@@ -238,7 +238,7 @@ class Formula:
         return terms
 
     def check(self, terms: list[Any]) -> tuple[bool | None, dict[str, str], str]:
-        """Whether all terms can be true together, in which situation, and why that is unknown (None)."""
+        """Return whether all terms can be true together, in which situation, and why that is unknown (None)."""
         z3, context = z3_context()
         solver = z3.Solver(ctx=context)
         solver.set("rlimit", _EFFORT)

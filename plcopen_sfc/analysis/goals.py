@@ -1,4 +1,4 @@
-"""What a directed search wants to become TRUE: conditions of transitions and branches that were not taken yet.
+"""Goals of a directed search: conditions of transitions and branches that were not taken yet.
 
 Of each condition is told how far its variables are from making it TRUE, and z3 solves it for the inputs in it, given
 the present values of everything else.
@@ -204,7 +204,7 @@ class Goals:
         return goal
 
     def _of_bounds(self) -> Iterator[Goal]:
-        """What makes both sides of a comparison equal where it matters, and one more or less."""
+        """Return what makes both sides of a comparison equal where it matters, and one more or less."""
         seen: set[tuple[int, int, str]] = set()
         for goal in chain(chain.from_iterable(self.transitions), self.branches, self.outcomes):
             for comparison, around in bounds(goal.tree) if goal.tree is not None else ():
@@ -365,7 +365,7 @@ class Goals:
         return isinstance(tree, n.Member) and tree.name.identifier.upper() in _ELAPSED
 
     def _value(self, tree: Expression) -> Callable[[], Any] | None:
-        """What reads a value after a scan; None where it depends on inputs, or on what must not be called."""
+        """Return what reads a value after a scan; None where it depends on inputs, or on what must not be called."""
         for node in walk(tree):
             if isinstance(node, n.Call):
                 return None

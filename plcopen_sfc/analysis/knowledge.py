@@ -1,4 +1,4 @@
-"""What a project says about the names in conditions: types, constants, values of enumerations."""
+"""Facts of a project about the names in conditions: types, constants, values of enumerations."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from plcopen_sfc.semantics.programs.types import elementary
 
 
 class ValueKind(StrEnum):
-    """What values a variable has, as far as comparisons care. Times and dates are integers; see `LiteralKind`."""
+    """Kind of the values of a variable in comparisons. Times and dates are integers; see `LiteralKind`."""
 
     BOOL = "BOOL"
     INTEGER = "integer"
@@ -111,7 +111,7 @@ _KINDS = {
 
 
 class ProjectKnowledge:
-    """What a project says about names, wherever they stand in it. Edits of the project make it wrong."""
+    """Facts of a project about names, wherever they are in it. Edits of the project make it wrong."""
 
     def __init__(self, project: Project) -> None:
         self.resolver = Resolver(project, dialect_of(project))
@@ -127,7 +127,7 @@ class ProjectKnowledge:
         }
 
     def at(self, pou: Pou | None = None, chart: SfcNetwork | None = None) -> Knowledge:
-        """What is known of the names that stand in conditions of `chart` in `pou`.
+        """Return what is known of the names in conditions of `chart` in `pou`.
 
         Constants count with their value where it is a literal. A variable of an enumeration has one of its values; of
         one in which two names may have the same number nothing is known.
@@ -135,7 +135,7 @@ class ProjectKnowledge:
         return _Known(self, pou, chart).of
 
     def _numbers_differ(self, type_: t.EnumType) -> bool:
-        """Whether all names of an enumeration have numbers of their own; one without takes the next one."""
+        """Return True if all names of an enumeration have numbers of their own; one without takes the next one."""
         numbers: list[int] = []
         for value in type_.values:
             number: object = numbers[-1] + 1 if numbers else 0

@@ -21,7 +21,7 @@ _FIRINGS_PER_MARKING = 32
 
 @dataclass
 class ExploredMarkings:
-    """What the search saw: the markings by their distance from the initial one.
+    """Markings that a search found, by their distance from the initial one.
 
     `unsafe`: a marking and the transition that would enter an active step there. `enabled`: the transitions that are
     enabled in some marking. `came_from`, only where transitions
@@ -188,7 +188,7 @@ class Firing:
 
 @dataclass(frozen=True)
 class Unsafe:
-    """How a step would get a second token: `trace` leads to `marking`, where `transition` enters the active `step`."""
+    """Run that gives a step a second token: `trace` leads to `marking`, where `transition` enters the active `step`."""
 
     step: NetStep
     transition: NetTransition
@@ -228,7 +228,7 @@ class MarkingGraph:
 
     @property
     def complete(self) -> bool:
-        """Whether every reachable marking was visited."""
+        """True if every reachable marking was visited."""
         return self._explored.complete
 
     def __len__(self) -> int:
@@ -245,7 +245,7 @@ class MarkingGraph:
 
     @property
     def safe(self) -> Answer:
-        """Whether no step can ever be entered while it stays active (1-safeness; IEC 61131-3 "unsafe" sequence)."""
+        """True if no step can ever be entered while it stays active (1-safeness; IEC 61131-3 "unsafe" sequence)."""
         if self._first_search.unsafe is not None:
             return Answer.NO
         return Answer.YES if self._first_search.complete else Answer.UNKNOWN
@@ -281,14 +281,14 @@ class MarkingGraph:
 
     @property
     def deadlock_free(self) -> Answer:
-        """Whether some transition is enabled in every marking."""
+        """True if some transition is enabled in every marking."""
         if self.deadlocks:
             return Answer.NO
         return Answer.YES if self.complete else Answer.UNKNOWN
 
     @cached_property
     def way_home(self) -> Answer:
-        """Whether the initial marking can be reached again from every marking."""
+        """True if the initial marking can be reached again from every marking."""
         if not self.complete:
             return Answer.NO if self.deadlocks and self.deadlocks != (self.net.initial,) else Answer.UNKNOWN
         return Answer.YES if self.stranded is None else Answer.NO
@@ -303,7 +303,7 @@ class MarkingGraph:
 
     @cached_property
     def live(self) -> Answer:
-        """Whether every transition can become enabled again, whatever happened, and no step is unreachable."""
+        """True if every transition can become enabled again, whatever happened, and no step is unreachable."""
         if (self.deadlocks and self.net.transitions) or self.dead_transitions or self.unreachable_steps:
             return Answer.NO
         if not self.complete:
@@ -329,7 +329,7 @@ class MarkingGraph:
         return tuple(beside & ~(1 << index) for index, beside in enumerate(together))
 
     def concurrent(self, a: NetStep, b: NetStep) -> Answer:
-        """Whether two steps can be active at the same time."""
+        """Return True if two steps can be active at the same time."""
         if self.concurrency is not None:
             return Answer.YES if self.concurrency[a.index] & b.bit else Answer.NO
         both = a.bit | b.bit

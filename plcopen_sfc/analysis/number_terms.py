@@ -27,7 +27,7 @@ Key = tuple[Hashable, ...]
 
 
 class Answers:
-    """How the comparisons of terms come out in the scan that is run."""
+    """Outcomes of the comparisons of terms in the scan that is run."""
 
     def __init__(self) -> None:
         self.branching: Branching | None = None
@@ -52,7 +52,7 @@ class Term(Symbolic):
         self._size = size
 
     def key(self) -> Key:
-        """How it was calculated: equal keys are equal numbers."""
+        """Key of its calculation: equal keys are equal numbers."""
         return self._key
 
     def _asked(self, question: str, *operands: object) -> bool:
@@ -201,7 +201,7 @@ class _Abstract:
         self._system.scan(read, first=first)
 
     def observed(self) -> tuple[Any, ...]:
-        """What is compared: of terms how they were calculated."""
+        """Return what is compared: of terms how they were calculated."""
         return tuple([each.key() if isinstance(each, Term) else each for each in self._system.observed_now()])
 
     def snapshot(self) -> Any:

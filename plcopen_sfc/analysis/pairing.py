@@ -1,4 +1,4 @@
-"""What two systems have in common: inputs that are the same, what of both is compared, and in which scan.
+"""Common parts of two systems: inputs that are the same, what of both is compared, and in which scan.
 
 Variables at direct addresses are what the machine is wired to: those at the same address belong together, whatever
 their names are. All others do by their names.
@@ -63,7 +63,7 @@ class Delay:
         return f"{'second' if self.scans > 0 else 'first'} {count} scan{'' if count == 1 else 's'} later"
 
     def notes(self, orders: Sequence[ScanOrder], operated: Sequence[str] = ()) -> tuple[str, ...]:
-        """What this means for the start, inputs and times; `orders`: the scan orders of the first and the second.
+        """Return what this means for start, inputs and times; `orders`: the scan orders of the first and the second.
 
         `operated`: inputs that operate a chart. They rest while the earlier side runs alone, or transitions are not
         tested yet: an edge of that time would be lost.
@@ -179,7 +179,7 @@ def connect(
 
 
 def _input_keys(left: ProgramSystem, right: ProgramSystem) -> tuple[dict[str, str], dict[str, str]]:
-    """What tells for each input of both which ones are the same: an address that both have, else its name."""
+    """Return a key for each input of both, equal for the same ones: an address that both have, else its name."""
     both = {left.addresses.get(name) for name in left.inputs} & {right.addresses.get(name) for name in right.inputs}
 
     def key(system: ProgramSystem, name: str) -> str:
@@ -244,7 +244,7 @@ def unpaired(system: ProgramSystem, compared: Iterable[str]) -> list[str]:
 def step_observations(
     left: ProgramSystem, right: ProgramSystem, flags: Mapping[str, str] | None
 ) -> list[tuple[str, Observation, Observation]]:
-    """What tells of each step of `left` that it is active, on both sides. Raises `ModelError` for names not there.
+    """Return what shows each step of `left` as active, on both sides. Raises `ModelError` for names not there.
 
     `flags`: by the path of a step a variable of the other side (``X2``), what a variable must equal (``s = 2``), or the
     path of a step there. A path with ``._x`` means a step that will be active in the next scan (CODESYS).
@@ -286,7 +286,7 @@ def step_observations(
 
 
 def heed_instability(chart: ProgramSystem, code: ProgramSystem) -> None:
-    """Where code tells by a variable ``unstable`` that the chart would not become stable, end its scan as the chart's.
+    """End a scan as the chart's where code tells by a variable ``unstable`` that the chart would not become stable.
 
     `lower` writes such a variable (German: ``instabil``), with a number where the name is taken.
     """

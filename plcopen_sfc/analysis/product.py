@@ -126,7 +126,7 @@ class Branching:
 
 @dataclass(frozen=True)
 class Explored:
-    """What a search has found.
+    """Result of a search.
 
     `inputs`: those of the scans that lead to the first difference, None where there is none; `shortest`: no fewer scans
     lead to one. `complete`: all states were seen. `depth`: every input sequence of that many scans was tried. `reason`:
@@ -148,7 +148,7 @@ class Explored:
 
 
 class Progress(NamedTuple):
-    """How far a search is: scans that were run, the depth that is being searched, and states that were found."""
+    """Progress of a search: scans that were run, the depth that is being searched, and states that were found."""
 
     scans: int
     depth: int
@@ -198,7 +198,7 @@ def search(
     cap: int,
     follow: Callable[[Branching], None] | None = None,
 ) -> Search:
-    """What `explore` does, state by state. Meanwhile nothing else may use the systems.
+    """Do what `explore` does, state by state. Meanwhile nothing else may use the systems.
 
     `follow` is told what tries the inputs of all scans, where something else must be tried too.
     """
@@ -312,7 +312,7 @@ def _scan(left: System, right: System, read: InputReader, *, first: bool) -> tup
 
 
 def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
-    """Where two systems cannot be compared any further: why, and the error.
+    """Return why two systems cannot be compared any further, and the error.
 
     Both fail, or neither of them becomes stable; or orders of a chart contradict each other, which is a mistake of its
     author: nobody can say what follows; or the user does not want to know what follows. That only one of them never
@@ -352,7 +352,7 @@ def failure_of(system: System, read: InputReader, *, first: bool) -> SfcError | 
 
 
 def hidden_reason(error: SfcError) -> NotProvableError | None:
-    """What ends a proof, if that is what an error of a program comes from."""
+    """Return what ends a proof, if that is what an error of a program comes from."""
     reason: BaseException | None = error
     while reason is not None and not isinstance(reason, NotProvableError):
         reason = reason.__cause__ or reason.__context__

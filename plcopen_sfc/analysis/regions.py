@@ -58,12 +58,12 @@ class Regions:
 
     @property
     def single_token(self) -> bool:
-        """Whether exactly one step is active at any time."""
+        """True if exactly one step is active at any time."""
         return len(self.regions) == 1
 
     @property
     def single_fork_and_join(self) -> bool:
-        """Whether each block has one fork and one join."""
+        """True if each block has one fork and one join."""
         return all(len(block.forks) == len(block.joins) == 1 for block in self.blocks)
 
     def first_step(self, region: Region) -> int:
@@ -80,7 +80,7 @@ class Regions:
 
 
 class Obstacle(StrEnum):
-    """Why a chart is not built of regions."""
+    """Obstacle that keeps a chart from being built of regions."""
 
     NO_INITIAL_STEP = "no initial step"
     SEVERAL_INITIAL_STEPS = "several initial steps in one region"
@@ -97,7 +97,7 @@ class Obstacle(StrEnum):
 
 @dataclass(frozen=True)
 class Unstructured:
-    """Why a chart is not built of regions: the first obstacle, in words, and the transitions that it is about."""
+    """Reason why a chart is not built of regions: the first obstacle, in words, and the transitions concerned."""
 
     net: Net
     obstacle: Obstacle

@@ -1,4 +1,4 @@
-"""How long a search may take, who wants to know how far it is, and what an analysis can say."""
+"""Limits of a search, its progress, and what an analysis can say."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _PAUSE = 0.1
 
 @dataclass(frozen=True)
 class SearchProgress:
-    """How far a comparison is: `states` that were searched for a proof, or scans that were run without one.
+    """Progress of a comparison: `states` that were searched for a proof, or scans that were run without one.
 
     `reached` of `all` steps were entered, or of assignments of a program without chart. `seconds`: since the start;
     `limit`: of all there are, if there is a limit.
@@ -78,7 +78,7 @@ class SearchWatch:
         self.states = 0
 
     def look(self, states: int) -> str:
-        """Why the search must end now; empty: it may go on."""
+        """Return why the search must end now; empty: it may go on."""
         self.states = states
         if self._limit is None and self._report is None:
             return ""

@@ -33,7 +33,7 @@ class _Move:
 
 
 class ReducedNet:
-    """What is left of a net. Places stand for one or more steps each; moves are what is left of transitions."""
+    """Rest of a net. Places represent one or more steps each; moves are what is left of transitions."""
 
     def __init__(self, net: Net, closing: Iterable[tuple[int, int]] = ()) -> None:
         """Reduce `net`. `closing`: transitions that are added to it first, as bits of their sources and targets."""
@@ -54,7 +54,7 @@ class ReducedNet:
 
     @property
     def trivial(self) -> bool:
-        """Whether nothing is left that could go wrong: no move, and no place without a token."""
+        """True if nothing is left that could go wrong: no move, and no place without a token."""
         return not self.unsafe and not self._moves and all(place.tokens == 1 for place in self._places.values())
 
     @property
@@ -204,7 +204,7 @@ class ReducedNet:
 
 
 class Proof(StrEnum):
-    """How soundness was decided.
+    """Way in which soundness was decided.
 
     REDUCTION: the net became a single step. MARKINGS: by the markings of what reduction left. NONE: it was not.
     """
@@ -216,7 +216,7 @@ class Proof(StrEnum):
 
 @dataclass(frozen=True)
 class Soundness:
-    """What is known of a chart whose conditions are free.
+    """Soundness of a chart whose conditions are free.
 
     `safe`: no step is entered while it is active. `live`: whatever happens, every transition can be enabled again; so
     there is no deadlock and nothing dead; unknown where the chart is not safe. `way_home`: the initial situation can

@@ -70,7 +70,7 @@ def patterns(
 
 
 def _varied(values: Mapping[str, Sequence[Value]]) -> dict[str, Sequence[Value]]:
-    """What numbers may be: those that the search has found; others are left to chance."""
+    """Return values for numbers: those that the search has found; others are left to chance."""
     return {name: found for name, found in values.items() if len(found) > 1}
 
 

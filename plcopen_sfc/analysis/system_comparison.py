@@ -83,7 +83,7 @@ class Comparison:
         self.uncompared += [f"{path}.X" for path in left.steps if path.casefold() not in told]
 
     def _not_compared(self, lonely: Sequence[str]) -> str:
-        """What is written and is not compared though it can be seen from outside, in words.
+        """Return what is written and not compared though it can be seen from outside, in words.
 
         `lonely`: outputs that only the first has.
         """
@@ -119,7 +119,7 @@ class Comparison:
         self.left.unknown_calls.seed = self.right.unknown_calls.seed = seed
 
     def without_impossible(self, found: Explored, rows: Sequence[Mapping[str, Any]]) -> Explored:
-        """What a search has found, without a difference that results of unknown functions and blocks do not show.
+        """Return what a search has found, without a difference that unknown functions and blocks do not show.
 
         In a search a function may have another result in each scan.
         """
@@ -152,7 +152,7 @@ class Comparison:
     def first_difference(
         self, rows: Sequence[Mapping[str, Any]], skipped: Sequence[int] | None = None, look: Look = never
     ) -> int | None:
-        """How many rows it takes to a difference; None where there is none, or `look` says that time is over."""
+        """Return how many rows it takes to a difference; None where there is none, or `look` says that time is over."""
         for scan, failures in enumerate(self._runs(rows, skipped)):
             if end_of(failures) is not None or look(scan):
                 return None
@@ -199,7 +199,7 @@ class Comparison:
         *,
         shortest: bool,
     ) -> Counterexample:
-        """What both do with these inputs; those that are not given stay as they are."""
+        """Return what both do with these inputs; those that are not given stay as they are."""
         rows = filled(inputs, signals)
         read = {name for row in inputs for name in row}
         compared = {name.casefold() for name in self.names}  # ``Fill.x`` may be an input of one and a step of the other

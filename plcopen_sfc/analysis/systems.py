@@ -65,7 +65,7 @@ class FreeCalls(UnknownCalls):
 
     @property
     def is_exact(self) -> bool:
-        """Whether instances keep what tells different histories apart."""
+        """True if instances keep what tells different histories apart."""
         return self._branching is None
 
     def value(self, name: str, arguments: Any, type_: ElementaryType | OpaqueType) -> Any:
@@ -195,7 +195,7 @@ class ProgramSystem:
 
     @property
     def inputs(self) -> dict[str, Signal]:
-        """What has its value from outside, with its type."""
+        """Variables that get their values from outside, with their types."""
         return {name: each.signal for name, each in self.variables.items() if each.is_input}
 
     def local_name(self, path: str) -> str:
@@ -206,13 +206,13 @@ class ProgramSystem:
 
     @property
     def marks(self) -> Marks:
-        """Which branches of its texts were executed."""
+        """Branches of its texts that were executed."""
         marks = self._controller.library.marks
         assert marks is not None  # noqa: S101  # it is made with them
         return marks
 
     def reached(self) -> tuple[list[tuple[int, int, int]], list[bool]]:
-        """What its charts and texts have executed so far."""
+        """Parts of its charts and texts that were executed so far."""
         charts = [(each.steps, each.transitions, each.actions) for each in self._chart_marks()]
         return charts, [*self.marks.reached]
 
@@ -258,7 +258,7 @@ class ProgramSystem:
         return self._controller.library.use.not_given()
 
     def writes(self, path: str) -> bool:
-        """Whether it may write a variable. What unknown blocks put out is known from their calls."""
+        """Return True if it may write a variable. What unknown blocks put out is known from their calls."""
         unknown = self._controller.library.unknown
         if unknown is not None and unknown.owns(path):
             return False
@@ -266,12 +266,12 @@ class ProgramSystem:
 
     @property
     def writes_anything(self) -> bool:
-        """Whether it has a chart, or any statement that writes."""
+        """True if it has a chart, or any statement that writes."""
         return bool(self.instance.charts() or self._controller.library.use.written)
 
     @property
     def size(self) -> int:
-        """How many variables it has, with those of its charts that nobody sees."""
+        """Number of its variables, with the internal ones of its charts."""
         return len(self.instance.frame.layout.fields)
 
     def marking(self) -> int:
@@ -379,7 +379,7 @@ class ProgramSystem:
 
     @property
     def is_retimable(self) -> bool:
-        """Whether its scans can be cut behind the actions: it is a chart, and the only one."""
+        """True if its scans can be cut behind the actions: it is a chart, and the only one."""
         charts = self.instance.charts()
         return len(charts) == len(self.subject.pou.bodies) == 1 and not charts[0][0]
 
@@ -483,11 +483,11 @@ class ProgramSystem:
         self.instance.scans += scans
 
     def observed(self) -> tuple[Any, ...] | None:
-        """What is compared; None: this scan has no counterpart."""
+        """Return what is compared; None: this scan has no counterpart."""
         return self._seen if self.is_delayed else self.observed_now()
 
     def observed_now(self) -> tuple[Any, ...]:
-        """What is compared now or later."""
+        """Return what is compared now or later."""
         return (*self._observe(), self._calls()) if self._observes_calls else self._observe()
 
     @property
@@ -498,7 +498,7 @@ class ProgramSystem:
 
     @property
     def calls_blocks(self) -> bool:
-        """Whether a call of something unknown is a statement."""
+        """True if a call of something unknown is a statement."""
         return bool(self._controller.library.unknown)
 
     def observe_calls(self) -> None:
@@ -534,7 +534,7 @@ class ProgramSystem:
         return tuple(self.instance.reader(list(names))())
 
     def _forgetting(self) -> list[tuple[Frame, Callable[[Frame, int], None]]]:
-        """What sets back the times of steps."""
+        """Return what sets back the times of steps."""
         found: list[tuple[Frame, Callable[[Frame, int], None]]] = []
         for _, chart, frame in self.instance.charts():
             if isinstance(chart, ChartProgram | GraphProgram):

@@ -1,4 +1,4 @@
-"""What programs do with times, and timers whose elapsed time makes no difference beyond a limit.
+"""Use of times in programs, and timers whose elapsed time makes no difference beyond a limit.
 
 Lowered charts measure the time of a step with an on-delay that never ends (``Fill_time.ET >= T#5s``). Its elapsed time
 would go on growing for days while the step waits for something else, and every millisecond would be a state: beyond the
@@ -51,7 +51,7 @@ _DEFAULT_SCAN = 10_000_000
 
 @dataclass(frozen=True)
 class Clocking:
-    """How time goes on in a search.
+    """Advance of time in a search.
 
     `scan_time` in nanoseconds; `constants` are the durations in the programs; `reason` says why no finite number of
     states can stand for all times.
@@ -64,7 +64,7 @@ class Clocking:
 
 @dataclass(frozen=True)
 class StepTimes:
-    """What a program does with the times of the steps of its charts.
+    """Use that a program makes of the times of the steps of its charts.
 
     Elapsed times beyond `limit` make no difference any more (None: they may). `read` are the steps of which a text
     reads the time, `anywhere` those of which one does elsewhere than in the conditions behind them. Names are in lower
@@ -298,7 +298,7 @@ def _is_on_delay(type_: object, instance: Instance) -> bool:
 
 
 class _Uses:
-    """What is done with some timers.
+    """Uses of some timers.
 
     `constants`: what their elapsed time is compared with; `presets`: their times; `read`: those of which more is read;
     `otherwise`: names that are used in any other way.

@@ -1,4 +1,4 @@
-"""What of the charts of a POU nothing can reach, whatever the inputs are: proven without running anything.
+"""Parts of the charts of a POU that nothing can reach, whatever the inputs are: proven without running anything.
 
 A transition never fires whose condition can never be TRUE. In it variables count with their first value that only
 texts write which are never executed: those of actions that no step calls which can be entered. So steps, actions and
@@ -180,7 +180,7 @@ class Unreachable:
         return found
 
     def _kept(self, node: n.Node) -> n.Span | None:
-        """Where a variable is given its first value; None: a node does something else."""
+        """Return where a variable is given its first value; None: a node does something else."""
         if not isinstance(node, n.Assignment) or node.kind is not n.AssignmentKind.ASSIGN:
             return None
         if not isinstance(node.target, n.Name) or not isinstance(node.value, n.Literal):
@@ -230,14 +230,14 @@ class Unreachable:
         return any(isinstance(node, n.Assignment) and node.kind is n.AssignmentKind.REFERENCE for node in nodes)
 
     def _is_never(self, name: str, transition: NetTransition, fixed: set[str]) -> bool:
-        """Whether the condition of a transition that did not fire is FALSE while some variables are not written."""
+        """Return True if the condition of an unfired transition is FALSE while some variables are not written."""
         if self._fired[name] & transition.bit:
             return False
         condition = self._condition(transition)
         return condition is not None and self._is_impossible([condition], transition.chart, fixed)
 
     def _is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, fixed: set[str]) -> bool:
-        """Whether one of some conditions is FALSE while some variables are not written."""
+        """Return True if one of some conditions is FALSE while some variables are not written."""
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._pou, chart))
         terms = formula.terms([JudgedCondition(tree) for tree in trees])
         known = {}

@@ -1,4 +1,4 @@
-"""What a comparison came to: the verdict, and the inputs that show a difference."""
+"""Verdict of a comparison, and the inputs that show a difference."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MOST_ROWS = 1_000
 
 
 class VerdictKind(StrEnum):
-    """What a comparison came to."""
+    """Kind of a verdict."""
 
     PROVEN = "equal (proof)"
     TESTED = "equal in directed runs"
@@ -148,12 +148,12 @@ class Verdict:
 
     @property
     def equal(self) -> bool:
-        """Whether no difference was found, and all that can be reached was compared."""
+        """True if no difference was found, and all that can be reached was compared."""
         return self.kind in (VerdictKind.PROVEN, VerdictKind.TESTED)
 
     @property
     def different(self) -> bool:
-        """Whether a difference was found."""
+        """True if a difference was found."""
         return self.kind is VerdictKind.DIFFERENT
 
     def joined(self, other: Verdict) -> Verdict:
@@ -166,7 +166,7 @@ class Verdict:
 
     @property
     def proven(self) -> bool:
-        """Whether there is none, whatever the inputs are."""
+        """True if there is none, whatever the inputs are."""
         return self.kind is VerdictKind.PROVEN
 
     def __repr__(self) -> str:
@@ -210,7 +210,7 @@ class Verdict:
         return f" ({found})" if found else ""
 
     def _covered(self) -> Iterator[str]:
-        """What was not executed, then how much was, in lines."""
+        """Return what was not executed, then how much was, in lines."""
         yield from dict.fromkeys(line for each in self._leading for line in each.lines())
         if self.coverage:
             yield "covered: " + "; ".join(map(str, self.coverage))

@@ -1,4 +1,4 @@
-"""Whether changed charts still do the same: both are run against each other."""
+"""Behaviour of changed charts: old and new are run against each other."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class Change:
 
     @property
     def news(self) -> str:
-        """What has changed, without the place."""
+        """Return what has changed, without the place."""
         match self.kind:
             case ChangeKind.ADDED | ChangeKind.REMOVED:
                 told = self.after if self.kind is ChangeKind.ADDED else self.before
@@ -99,7 +99,7 @@ _TELL_THEMSELVES = frozenset({"initial", "excluded", "negation", "retain", "cons
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """Whether a changed chart still does the same: the `verdict`, or why there is none."""
+    """Answer to whether a changed chart still does the same: the `verdict`, or why there is none."""
 
     path: str
     verdict: Verdict | None = None

@@ -1,4 +1,4 @@
-"""What changed between two projects: `diff`."""
+"""Changes between two projects: `diff`."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def _grouped(changes: Iterable[Change], owners: Iterable[str]) -> list[Change]:
 
 
 def _places(chart: SfcNetwork) -> dict[str, str]:
-    """Where the file draws the steps, by their names."""
+    """Return where the file draws the steps, by their names."""
     if chart.drawing is None or chart.drawing.places is not Places.GIVEN:
         return {}
     places = {symbol.id: symbol.position for symbol in chart.drawing.symbols}

@@ -130,7 +130,7 @@ def _best(kind: str, left: Part, right: Part, likeness: Callable[[Part, Part], f
 
 
 def _likeness(left: Part, right: Part) -> float:
-    """How much of two parts is the same: of their aspects, and of the names in them."""
+    """Return how much of two parts is the same: of their aspects, and of the names in them."""
     if not _same(left.aspects.get("kind"), right.aspects.get("kind")):
         return 0
     aspects = {name for part in (left, right) for name in part.aspects if _counts(name)}
@@ -141,7 +141,7 @@ def _likeness(left: Part, right: Part) -> float:
 
 
 def _overlap(left: Part, right: Part) -> float:
-    """How many of the variables of two lists are the same."""
+    """Return how many of the variables of two lists are the same."""
     one, other = (part.aspects["variables"].raw for part in (left, right))
     if not isinstance(one, frozenset) or not isinstance(other, frozenset) or not one | other:
         return 0
@@ -209,7 +209,7 @@ class _Walk:
             yield from (pair for pair in known if pair[0] in self.steps[0] and pair[1] in self.steps[1])
 
     def _rate(self, one: str, other: str) -> float:
-        """How much of the place and of the content of two steps is the same; 0: one of both is another."""
+        """Return how much of the place and of the content of two steps is the same; 0: one of both is another."""
         place, ways = 0.0, 0.0
         for direction in (0, 1):
             mine, theirs = (edges[direction].get(n, []) for edges, n in zip(self.edges, (one, other), strict=True))

@@ -238,7 +238,7 @@ class _Flow:
             found += new
 
     def place(self, step: str) -> str:
-        """Where a step is, in words."""
+        """Return where a step is, in words."""
         before = [name for key, name in self.names.items() if key in self.into[step]]
         return f"after {', '.join(before)}"
 

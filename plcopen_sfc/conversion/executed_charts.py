@@ -270,7 +270,7 @@ class ChartReader:
         return "in place", self.owner.code(action or body)
 
     def _trigger(self, association: ActionAssociation, *, is_code: bool) -> Meaning:
-        """When an action is executed, the same for all tools: qualifier, event and kind."""
+        """Return when an action is executed, the same for all tools: qualifier, event and kind."""
         qualifier, event = association.qualifier, association.event
         if event in (ActionEvent.C, None):
             event = None
@@ -296,7 +296,7 @@ class ChartReader:
         return Meaning.of(("R" if qualifier is Qualifier.R0 else qualifier.value, control), shown)
 
     def _control(self, association: ActionAssociation, *, is_code: bool) -> str:
-        """Who controls an action that several associations have: one control for all, or each step for itself.
+        """Return what controls an action of several associations: one control for all, or each step for itself.
 
         It makes a difference for programs, and for what has a time or a pulse.
         """
@@ -414,7 +414,7 @@ class ChartReader:
                     chart.tell(name.replace("_", " "), Meaning.of(True, "on"))
 
     def _logic(self) -> Meaning | None:
-        """What the logic drawn in the chart does besides feeding conditions."""
+        """Return what the logic drawn in the chart does besides feeding conditions."""
         drawn = chart_statements(self.chart, self.owner.dialect).tree
         text = print_node(drawn)
         meaning = Meaning(

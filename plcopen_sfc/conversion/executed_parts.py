@@ -37,7 +37,7 @@ PROGRAM_CALL = "call of a program"
 
 
 class Detail(IntEnum):
-    """How much a tree tells of a project."""
+    """Detail in which a tree tells of a project."""
 
     EXECUTED = 0
     """What a controller executes, by what it does: conversions are compared by that."""

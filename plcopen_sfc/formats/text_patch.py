@@ -371,7 +371,7 @@ _LONG = 200
 def _pairs(
     before: Sequence[WrittenBlock], after: Sequence[WrittenBlock]
 ) -> Iterator[tuple[WrittenBlock | None, WrittenBlock | None]]:
-    """Which old block became which new one; None where it is removed or added.
+    """Return which old block became which new one; None where it is removed or added.
 
     First those of the same text, then those of the same key, then those of the same kind at the same place: renamed.
     """

@@ -36,7 +36,7 @@ class ConditionError(ValueError):
 
 
 class Terms(Protocol):
-    """What takes the place of edges and times, which structured text does not have. Operands are structured text."""
+    """Replacements of edges and times, which structured text does not have. Operands are structured text."""
 
     def edge(self, operand: str, *, rising: bool) -> str:
         """Return what stands for ``↑operand`` or ``↓operand``."""

@@ -380,7 +380,7 @@ _KEYS = ("name", "kind")
 
 
 def _segments(said: list[Any], meant: list[Any]) -> list[Segment]:
-    """How to point at each item: by its name, if it keeps that and is the only one of that name."""
+    """Return how to point at each item: by its name, if it keeps that and is the only one of that name."""
     names = [_name(item) for item in said]
     folded = [name.casefold() for name in names]
     return [

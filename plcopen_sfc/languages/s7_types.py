@@ -177,7 +177,7 @@ def constants_of(declaration: DataTypeDeclaration) -> list[Constant]:
 
 
 def _elements(type_: ArrayType) -> int | None:
-    """How many elements an array has; None where its bounds are no numbers."""
+    """Return how many elements an array has; None where its bounds are no numbers."""
     count = 1
     for dimension in type_.dimensions:
         lower, upper = number_of(dimension.lower), number_of(dimension.upper)

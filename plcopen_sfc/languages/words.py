@@ -53,7 +53,7 @@ def needs_quotes(name: str) -> bool:
 
 
 def objection(name: str, dialect: Dialect) -> str:
-    """Why `name` cannot be a name in `dialect` (IEC 61131-3 ed. 3, 6.1.2); empty if it can.
+    """Return why `name` cannot be a name in `dialect` (IEC 61131-3 ed. 3, 6.1.2); empty if it can.
 
     Letters of any alphabet are taken, as tools do. In SCL a name can be anything, in quotes; it is given without.
     """

@@ -115,7 +115,7 @@ class ForcingOrder(Model):
 
 
 class SymbolAccess(StrEnum):
-    """How an element appears in the symbol configuration (CODESYS V3)."""
+    """Access to an element in the symbol configuration (CODESYS V3)."""
 
     UNSPECIFIED = "unspecified"
     NONE = "none"
@@ -194,7 +194,7 @@ class ActionAssociation(Element):
 
 
 class Monitoring(StrEnum):
-    """How the online view watches a transition (CODESYS V3.5 SP14 on)."""
+    """Monitoring of a transition in the online view (CODESYS V3.5 SP14 on)."""
 
     NONE = "none"
     VARIABLE = "variable"

@@ -1,4 +1,4 @@
-"""How a chart is drawn: symbols, bars, jumps and wires. `plcopen_sfc.model.sfc` has what the chart does."""
+"""Drawing of a chart: symbols, bars, jumps and wires. `plcopen_sfc.model.sfc` has what the chart does."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class Symbol(Element):
 
 
 class Places(StrEnum):
-    """Where the places of symbols come from: nowhere, a file, or `plcopen_sfc.drawing.symbol_layout`.
+    """Origin of the places of symbols: none, a file, or `plcopen_sfc.drawing.symbol_layout`.
 
     Computed places are no work of a person; a format without places may forget them.
     """

@@ -32,7 +32,7 @@ class Connection(Model):
 
 
 class InputPin(Model):
-    """Where wires end. `position` is relative to the element; `expression` may replace wires."""
+    """End of wires. `position` is relative to the element; `expression` may replace wires."""
 
     connections: list[Connection] = Field(default_factory=list)
     expression: str | None = None
@@ -42,7 +42,7 @@ class InputPin(Model):
 
 
 class OutputPin(Model):
-    """Where wires start. `name` distinguishes several outputs of an element."""
+    """Start of wires. `name` distinguishes several outputs of an element."""
 
     name: str | None = None
     expression: str | None = None

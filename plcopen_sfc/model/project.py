@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class FileHeader(Model):
-    """Which tool wrote the file, and when (TC6 ``fileHeader``). `created` is an ISO date and time as in the file."""
+    """Tool that wrote the file, and the time (TC6 ``fileHeader``). `created` is an ISO date and time as in the file."""
 
     company: str = ""
     company_url: str | None = None
@@ -83,7 +83,7 @@ class TaskWatchdog(Model):
 
 
 class TaskSettings(Model):
-    """How CODESYS runs a task: kind (``Cyclic``, ``Freewheeling`` ..), interval as typed and its unit.
+    """Settings of a task in CODESYS: kind (``Cyclic``, ``Freewheeling`` ..), interval as typed and its unit.
 
     `attributes` are others that its file has.
     """

@@ -75,7 +75,7 @@ def _said(declaration: Declaration | None) -> str:
 
 
 def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[str]:
-    """What has the new name in the same scope, or gets it together with `declaration`."""
+    """Return what has the new name in the same scope, or gets it together with `declaration`."""
     key = wanted[declaration].casefold()
     transition = declaration.kind is Kind.TRANSITION
     alike = [other for other, new in wanted.items() if new.casefold() == key and other != declaration]

@@ -48,7 +48,7 @@ def _how(use: TargetUse) -> str:
 
 
 def _takes_back(use: TargetUse) -> bool:
-    """Whether an action resets its operand, or assigns something that may be FALSE."""
+    """Return True if an action resets its operand, or assigns something that may be FALSE."""
     value = (use.association.value or "").strip().upper()
     return use.manner is Manner.RESET or (use.manner is Manner.STORED and value not in ("TRUE", "1"))
 
@@ -155,7 +155,7 @@ class _Write:
 
 
 def _writes(chart: CheckedChart) -> Iterator[_Write]:
-    """What steps assign, by associations and in the code of their actions. Continuous actions are joined by OR."""
+    """Return what steps assign, by associations and in code of their actions. Continuous actions are joined by OR."""
     of_step: dict[int, list[NetStep]] = {}
     for net_step in chart.net.steps:
         of_step.setdefault(id(net_step.step), []).append(net_step)
@@ -205,14 +205,14 @@ def _races(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _differ(first: _Write, second: _Write) -> bool:
-    """Whether it makes a difference which of two writes comes last."""
+    """Return True if it makes a difference which of two writes comes last."""
     if first.action and first.action.casefold() == second.action.casefold():
         return False  # one action, which runs once however many steps ask for it
     return not first.value or first.value != second.value
 
 
 def _together(chart: CheckedChart, first: _Write, second: _Write) -> str:
-    """When both are written in one evolution; empty: never, or nobody knows."""
+    """Return when both are written in one evolution; empty: never, or that is not known."""
     moment = {ActionKind.ON_ACTIVATION, ActionKind.ON_DEACTIVATION}
     if first.kind in moment and second.kind in moment:
         return _at_once(chart, first, second)
@@ -224,7 +224,7 @@ def _together(chart: CheckedChart, first: _Write, second: _Write) -> str:
 
 
 def _at_once(chart: CheckedChart, first: _Write, second: _Write) -> str:
-    """Whether transitions that let both happen can be cleared in one evolution."""
+    """Return True if transitions that let both happen can be cleared in one evolution."""
     net = chart.net
     for a in _causes(chart, first):
         for b in _causes(chart, second):

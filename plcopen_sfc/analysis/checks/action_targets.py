@@ -1,4 +1,4 @@
-"""What steps write: the operands of action associations, and what the code of actions assigns."""
+"""Variables that steps write: operands of action associations, and assignments in the code of actions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from plcopen_sfc.model.variables import SectionKind
 
 
 class Manner(StrEnum):
-    """How an action acts on its operand.
+    """Manner in which an action acts on its operand.
 
     CONTINUOUS: as long as the step is active, or for a part of that time. SET, RESET: until something else is done.
     STORED: a value is assigned. OTHER: pulses, calls, counters and timers.
@@ -50,7 +50,7 @@ _OF_QUALIFIER = {
 
 @dataclass(frozen=True, eq=False)
 class TargetUse:
-    """What an action association does with its operand. `path` are the names that lead to it, in lower case."""
+    """Use of an operand by an action association. `path` are the names that lead to it, in lower case."""
 
     sheet: Sheet
     step: Step
@@ -65,7 +65,7 @@ class TargetUse:
 
 
 def manner_of(association: ActionAssociation) -> Manner:
-    """How an association acts on its operand."""
+    """Return how an association acts on its operand."""
     if association.kind is not None:
         return _OF_KIND[association.kind]
     manner = _OF_QUALIFIER.get(association.qualifier, Manner.OTHER)
@@ -79,7 +79,7 @@ def operand(text: str, chart: CheckedChart) -> Path:
 
 
 def uses(chart: CheckedChart) -> Iterator[TargetUse]:
-    """What all associations of a chart do with their operands."""
+    """Return the uses of operands by all associations of a chart."""
     for sheet in chart.sheets:
         for step, association in sheet.actions():
             if association.target:
@@ -112,7 +112,7 @@ def output_operands(chart: CheckedChart) -> set[Path]:
 
 
 def assignments(body: Body | None, chart: CheckedChart) -> list[n.Assignment]:
-    """What the code of an action assigns, as far as it can be read."""
+    """Return what the code of an action assigns, as far as it can be read."""
     trees = bind(body, chart.dialect).statements if body is not None else ()
     return [node for tree in trees for node in walk(tree) if isinstance(node, n.Assignment)]
 
@@ -132,7 +132,7 @@ def constant(tree: n.Expression) -> str:
 
 
 def written_elsewhere(chart: CheckedChart, path: Path) -> bool:
-    """Whether code, or an association in another chart, writes a variable of this name."""
+    """Return True if code, or an association in another chart, writes a variable of this name."""
     around = chart.around
     charts = {id(sheet.chart) for sheet in chart.sheets}
     return path[-1] in around.written or bool(around.associated.get(path[-1], set()) - charts)

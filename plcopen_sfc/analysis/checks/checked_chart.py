@@ -62,7 +62,7 @@ class Rule:
     severities: Mapping[str, Severity | None] = field(default_factory=dict)
 
     def severity_for(self, family: str) -> Severity | None:
-        """How bad a breach is under a profile of `FAMILIES`; None: the rule does not apply."""
+        """Return how bad a breach is under a profile of `FAMILIES`; None: the rule does not apply."""
         return self.severities.get(family, self.severity)
 
 
@@ -74,7 +74,7 @@ _MOST_FIRINGS = 2_000_000
 
 @dataclass(frozen=True, eq=False)
 class FindingPlace:
-    """Where something stands.
+    """Place of a finding.
 
     `path` names it for people; `elements` are the object itself and those that it stands in, the innermost first.
     """
@@ -84,7 +84,7 @@ class FindingPlace:
 
     @property
     def excluded(self) -> bool:
-        """Whether it is left out of the program, by itself or with what it stands in."""
+        """True if it is left out of the program, by itself or with what it stands in."""
         return any(getattr(element, "exclude", False) for element in self.elements)
 
 
@@ -125,7 +125,7 @@ class Sheet:
         return found
 
     def label(self, transition: Transition) -> str:
-        """What people call a transition: as `SfcNetwork.label`, which looks through all steps each time."""
+        """Return the label of a transition: as `SfcNetwork.label`, which looks through all steps each time."""
         if transition.name:
             return transition.name
         sides = (transition.sources, transition.targets)
@@ -176,7 +176,7 @@ class CheckedProject:
 
     @cached_property
     def knowledge(self) -> ProjectKnowledge:
-        """What is declared of the names in conditions."""
+        """Declarations of the names in conditions."""
         return ProjectKnowledge(self.project)
 
     @cached_property
@@ -276,7 +276,7 @@ class CheckedChart:
 
     @cached_property
     def knowledge(self) -> Knowledge:
-        """What the project tells of the names in conditions: types with their bounds, constants."""
+        """Types with their bounds, and constants, of the names in conditions."""
         return self.around.knowledge.at(self.pou, self.chart)
 
     @cached_property
@@ -303,7 +303,7 @@ class CheckedChart:
         return self._terms.shown(text)
 
     def truth(self, sheet: Sheet, transition: Transition) -> Truth:
-        """Whether a condition is always or never true."""
+        """Return whether a condition is always or never true."""
         found = self._truths.get(id(transition))
         if found is None:
             condition = self.condition(sheet, transition)
@@ -342,7 +342,7 @@ def _sheets(sheet: Sheet, around: frozenset[int]) -> Iterator[Sheet]:
 
 
 def is_plain(tree: n.Node) -> bool:
-    """Whether an expression joins Boolean variables by AND, OR and NOT, each of them once: then it varies."""
+    """Return True if an expression joins Boolean variables by AND, OR and NOT, each of them once: then it varies."""
     seen: set[str] = set()
     for node in walk(tree):
         if isinstance(node, n.Operation) and node.operator not in _BOOLEAN:
@@ -388,7 +388,7 @@ def _charts_in(
 
 
 def _bodies_in(sheet: Sheet) -> Iterator[tuple[FindingPlace, Body | str | None]]:
-    """What steps do that is programmed in place."""
+    """Return the bodies that steps have in place."""
     for step in sheet.steps:
         actions = (step.entry_action, step.main_action, step.exit_action)
         yield from ((sheet.at(step), action) for action in actions)

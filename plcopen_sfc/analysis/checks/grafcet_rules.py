@@ -27,7 +27,7 @@ _CONDITIONAL = frozenset({ActionKind.CONDITIONAL, ActionKind.DELAYED, ActionKind
 
 
 def has_edge(condition: Condition | None, chart: CheckedChart) -> bool:
-    """Whether a condition watches for a change: ``↑a``, a call or instance of an edge block, an edge in a network."""
+    """Return True if a condition watches for a change: ``↑a``, an edge block, an edge in a network."""
     if isinstance(condition, Expression):
         if any(arrow in condition.text for arrow in _ARROWS):
             return True
@@ -237,7 +237,7 @@ def _forced(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _is_whole(sheet: Sheet, order: ForcingOrder) -> bool:
-    """Whether an order in a partial chart forces the chart around it, which has no name in the model."""
+    """Return True if an order in a partial chart forces the chart around it, which has no name in the model."""
     return sheet.partial is not None and not order.chart
 
 

@@ -1,4 +1,4 @@
-"""What a chart can come into and get out of: its marking graph, with all conditions taken as free.
+"""Rules on what a chart can reach and leave: on its marking graph, with all conditions taken as free.
 
 Some of these charts do not come to rest.
 """
@@ -70,7 +70,7 @@ _SAID = frozenset({Truth.ALWAYS})
 
 
 def _implies(condition: NetworkExpression, others: list[NetworkExpression], chart: CheckedChart) -> bool:
-    """Whether one of the others is true with it. What is called before conditions may change from one to the next."""
+    """Return True if one of the others is true with it. What is called before conditions may change between them."""
     if condition.before or condition.tree is None:
         return False
     read = reads(condition.tree)
@@ -124,7 +124,7 @@ def words(names: tuple[str, ...]) -> str:
 
 
 def _way(trace: tuple[Firing, ...]) -> str:
-    """How a situation is reached."""
+    """Return how a situation is reached."""
     fired = [" and ".join(t.path for t in firing.transitions) for firing in trace]
     if not fired:
         return "at the start"
@@ -183,12 +183,12 @@ def unreachable(chart: CheckedChart) -> tuple[NetStep, ...]:
 
 
 def _started(chart: CheckedChart) -> bool:
-    """Whether there is a start to reach anything from; else there is another rule that says so."""
+    """Return True if there is a start to reach anything from; else there is another rule that says so."""
     return bool(chart.net.initial)
 
 
 def _plain(chart: CheckedChart) -> bool:
-    """Whether the marking graph says it all: nothing but transitions moves tokens, all of them from steps.
+    """Return True if the marking graph says it all: nothing but transitions moves tokens, all of them from steps.
 
     A net takes a transition without a step before it for always enabled, as GRAFCET does; elsewhere it never fires.
     """

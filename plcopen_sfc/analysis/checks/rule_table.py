@@ -42,12 +42,12 @@ _CODES = re.compile(r"[ \t]*([A-Za-z]{2,4}\d{0,2})\b[ \t]*,?")
 
 
 def suppressed(place: FindingPlace, code: str) -> bool:
-    """Whether a comment at `place`, or at something that it stands in, lets findings of this code be."""
+    """Return True if a comment at `place`, or at something that it stands in, lets findings of this code be."""
     return any(code.startswith(listed) for element in place.elements for listed in codes_in(element))
 
 
 def marks_in(element: Element) -> bool:
-    """Whether a comment of an object wants to let something be."""
+    """Return True if a comment of an object wants to let something be."""
     return any(_MARK.search(text) for text in comments_of(element))
 
 
@@ -148,7 +148,7 @@ def check_charts(
     select: Iterable[str] = (),
     ignore: Iterable[str] = (),
 ) -> list[Diagnostic]:
-    """What is wrong with the charts of a project, of a POU, or with one chart: see `plcopen_sfc.api.check`."""
+    """Return the findings in the charts of a project, of a POU, or in one chart: see `plcopen_sfc.api.check`."""
     rules = selected(RULES, select, ignore)
     project = subject if isinstance(subject, Project) else _home(subject)
     execution = profile_named(profile) if profile is not None else default_profile(project)
@@ -159,7 +159,7 @@ def check_charts(
 
 
 def findings(chart: CheckedChart, rules: Iterable[Rule]) -> Iterator[Diagnostic]:
-    """What the rules find in one chart, but for what is excluded from the program or what comments let be."""
+    """Return what the rules find in one chart, without what is excluded from the program or allowed by comments."""
     for rule in rules:
         severity = rule.severity_for(chart.family)
         if severity is None:

@@ -73,7 +73,7 @@ def _drawings(chart: CheckedChart) -> Iterator[tuple[Sheet, _Wires]]:
 
 
 def _label(sheet: Sheet, symbol: Symbol) -> str:
-    """What people call a symbol."""
+    """Return the label of a symbol."""
     if symbol.kind is SymbolKind.TRANSITION:
         transition = next((t for t in sheet.chart.transitions if t.id == symbol.id), None)
         return f"transition {sheet.label(transition)}" if transition is not None else "a transition"
@@ -118,7 +118,7 @@ def _bars(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _sides(bar: Symbol, above: list[Symbol], below: list[Symbol]) -> Iterator[tuple[str, list[Symbol], bool]]:
-    """What stands above and below a bar, and whether steps belong there (else transitions)."""
+    """Return what is above and below a bar, and whether steps belong there (else transitions)."""
     if bar.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE or bar.kind is SymbolKind.SIMULTANEOUS_CONVERGENCE:
         steps_above = bar.kind is SymbolKind.SIMULTANEOUS_CONVERGENCE
         yield "above", above, steps_above
@@ -206,7 +206,7 @@ def _identifiers(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _is_identifier(name: str, chart: CheckedChart) -> bool:
-    """Whether a text is a name on its own: no keyword, no blanks, nothing around it."""
+    """Return True if a text is a name on its own: no keyword, no blanks, nothing around it."""
     parsed = parse_expression(name, chart.dialect)
     return not parsed.problems and isinstance(parsed.tree, n.Name) and parsed.tree.identifier == name
 

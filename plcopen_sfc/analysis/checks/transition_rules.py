@@ -273,7 +273,7 @@ def _body_of(chart: CheckedChart, transition: Transition) -> tuple[Body | None, 
 
 
 def _stored(chart: CheckedChart, transition: Transition) -> Iterator[str]:
-    """What a condition in instruction list stores, but for the condition itself."""
+    """Return what a condition in instruction list stores, but for the condition itself."""
     body, name = _body_of(chart, transition)
     if isinstance(body, IlBody):
         for target in bind(body, chart.dialect).targets():
@@ -296,7 +296,7 @@ def _calls(found: NetworkExpression) -> Iterator[n.Call]:
 
 
 def _has_state(call: n.Call, chart: CheckedChart) -> bool:
-    """Whether a call is one of a function block, or of an instance of one."""
+    """Return True if a call is one of a function block, or of an instance of one."""
     if not isinstance(call.callee, n.Name):
         return False
     name = call.callee.identifier

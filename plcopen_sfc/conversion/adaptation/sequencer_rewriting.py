@@ -1,4 +1,4 @@
-"""What a block of S7-GRAPH does beside its steps, in terms of the charts of other tools.
+"""Behaviour of a block of S7-GRAPH beside its steps, in terms of the charts of other tools.
 
 Permanent instructions become actions that are executed in every scan. Charts of other tools have no statements around
 them. An action that the initial step stores (qualifier S) is executed in every scan, also when no step is active any

@@ -28,7 +28,7 @@ ACKNOWLEDGING = frozenset(name for names in _COMMANDS.values() for name in names
 
 
 class StepChecks:
-    """What the steps of a chart look at in every scan in which they are active."""
+    """Conditions that the steps of a chart look at in every scan in which they are active."""
 
     def __init__(self, rewriting: ChartRewriting) -> None:
         self._rewriting, self._host = rewriting, rewriting.host

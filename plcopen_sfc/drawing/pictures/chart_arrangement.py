@@ -361,7 +361,7 @@ class Arrangement:
 
 @dataclass(frozen=True, slots=True)
 class _Above:
-    """What is above a branch: its segment, the place of the divergence in it, and whether that is simultaneous."""
+    """Surroundings above a branch: its segment, the place of the divergence in it, and whether that is simultaneous."""
 
     segment: ChartSegment
     position: int
@@ -369,7 +369,7 @@ class _Above:
 
 
 class _Links:
-    """Which links of a chart are wires and which are references.
+    """Links of a chart: those that are wires and those that are references.
 
     `jumps`: transitions that jump to a step; `waits`: steps that a transition waits for without a wire; `exits`: such
     transitions by their steps. `order`: all segments, outer ones first. `above`: what branches hang on, by their ids.

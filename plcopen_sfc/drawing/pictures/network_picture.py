@@ -42,7 +42,7 @@ class Wire(NamedTuple):
 
 @dataclass(slots=True)
 class Box:
-    """What is placed: its size and the levels of its pins. `first` and `last` put it into the outermost columns."""
+    """Box to be placed: its size and the levels of its pins. `first` and `last` put it into the outermost columns."""
 
     width: int
     height: int

@@ -176,7 +176,7 @@ _MOST_REFERENCES = 4
 
 
 class PictureStyle(StrEnum):
-    """How symbols look: as in IEC 61131-3, as in IEC 60848 (GRAFCET), or as in TIA Portal (S7-GRAPH)."""
+    """Style of symbols: as in IEC 61131-3, as in IEC 60848 (GRAFCET), or as in TIA Portal (S7-GRAPH)."""
 
     IEC = "iec"
     GRAFCET = "grafcet"
@@ -193,7 +193,7 @@ class Reference:
 
 @dataclass(slots=True)
 class Sheet:
-    """What the symbols of one chart share. `prefix` begins the ids of its elements, `activated` are starred steps."""
+    """Common facts of symbols of one chart. `prefix` begins the ids of its elements, `activated` are starred steps."""
 
     chart: SfcNetwork
     style: PictureStyle

@@ -1,4 +1,4 @@
-"""What objects of TwinCAT have that is nothing in the model: kept as one piece of extension data of the object."""
+"""Data of objects of TwinCAT that the model does not have: kept as one piece of extension data of the object."""
 
 from __future__ import annotations
 

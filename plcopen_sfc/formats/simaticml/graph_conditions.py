@@ -126,7 +126,7 @@ class _Typing:
             return None
 
     def _holders(self, inputs: list[BlockVariable]) -> list[InputPin | InputVariable]:
-        """What has the texts of operands of a box."""
+        """Return what has the texts of operands of a box."""
         found: list[InputPin | InputVariable] = []
         for pin in (pin.input for pin in inputs if pin.input is not None):
             found += [pin] if pin.expression is not None else []

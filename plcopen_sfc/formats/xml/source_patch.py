@@ -420,7 +420,7 @@ class SourceMerge:
         old: list[etree._Element],
         new: list[etree._Element],
     ) -> tuple[dict[int, MatchedElement], set[SourceNode]]:
-        """Which new nodes stay where they are in the source, and which source nodes go (removed or moved)."""
+        """Return which new nodes stay where they are in the source, and which source nodes go (removed or moved)."""
         going: set[SourceNode] = set()
         kept = set(origins)
         for index, place in enumerate(places):

@@ -1,4 +1,4 @@
-"""Where the things that a project declares are used: in bodies of every language, in charts and in declarations."""
+"""Uses of the things that a project declares: in bodies of every language, in charts and in declarations."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ from plcopen_sfc.model.variables import AccessVariable, ConfigVariable, Interfac
 
 
 class SiteKind(StrEnum):
-    """How a text is read."""
+    """Kind of a text: how it is read."""
 
     STATEMENTS = "statements"
     EXPRESSION = "expression"
@@ -67,7 +67,7 @@ class Role(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Site:
-    """Where a text stands, as far as it decides what is visible there: the innermost chart is the first."""
+    """Site of a text, as far as it decides what is visible there: the innermost chart is the first."""
 
     pou: Pou | None = None
     method: Method | None = None
@@ -242,7 +242,7 @@ class _Where:
         return replace(self, path=_below_path(self.path, label), report_path=_below_path(self.report_path, label))
 
     def inside(self, name: str, kind: str) -> _Where:
-        """Where a part of a POU is: an action, a transition, a method."""
+        """Return the site of a part of a POU: an action, a transition, a method."""
         return replace(self, path=f"{self.path}.{name}", report_path=_below_path(self.report_path, f"{kind} {name}"))
 
 

@@ -28,7 +28,7 @@ class Comments:
         return taken
 
     def behind(self, end: int) -> int:
-        """Where the comments end that stand behind `end` on its line."""
+        """Return where the comments end that follow `end` on its line."""
         index = bisect_left(self._left, end, key=_start)
         while index < len(self._left):
             start, stop = self._left[index].span

@@ -125,7 +125,7 @@ def _begins_a_line(text: str, tokens: list[Token], index: int) -> bool:
 
 
 def _next_unit(tokens: list[Token], position: int) -> int:
-    """Where the next unit starts, for one whose end is missing."""
+    """Return where the next unit starts, for one whose end is missing."""
     depth = 0
     for index in range(position, len(tokens)):
         kind = tokens[index].type
@@ -136,7 +136,7 @@ def _next_unit(tokens: list[Token], position: int) -> int:
 
 
 def _end_of_head(text: str, tokens: list[Token], first: int, behind: int, dialect: Dialect) -> Span:
-    """Where the head ends and the body starts: at BEGIN, else behind the last section, else behind the first line."""
+    """Return where the head ends and the body starts: at BEGIN, else behind the last section, else the first line."""
     end = -1
     index = first + 1
     while index < behind:

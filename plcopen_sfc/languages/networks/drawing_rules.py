@@ -19,7 +19,7 @@ from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Str
 
 @dataclass(frozen=True)
 class DrawingRules:
-    """How networks are drawn.
+    """Rules by which networks are drawn.
 
     `dialect`: of the texts in their elements. `tool`: pins have its names instead of those of IEC 61131-3.
     `instances`: the types of function block instances by name, without which their calls cannot be drawn as blocks.

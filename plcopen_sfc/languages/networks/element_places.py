@@ -1,4 +1,4 @@
-"""Where the elements of a network stand, how their wires run, and networks below each other on one sheet.
+"""Places of the elements of a network and of their wires, and networks below each other on one sheet.
 
 TC6 has sheets: it does not divide a body into networks. Everything flows from left to right. What feeds an element
 stands left of it, one feeding element below the other; so the row of each is free up to the element that it feeds, and
@@ -40,13 +40,13 @@ _LETTER = 8
 
 
 def text_width(text: str, least: int = 40) -> int:
-    """How wide an element is that shows a text."""
+    """Return how wide an element is that shows a text."""
     longest = max((len(line) for line in text.splitlines()), default=0)
     return -(-max(longest * _LETTER + GRID, least) // ROW) * ROW
 
 
 class WireStart(NamedTuple):
-    """Where a wire starts: an output and its place.
+    """Start of a wire: an output and its place.
 
     `route`: the wire runs from `at` back to its output over these points, the last of which is the place of that.
     """

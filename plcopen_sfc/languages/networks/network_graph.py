@@ -94,11 +94,11 @@ class Graph:
         return []
 
     def sources(self, node: Node) -> list[list[Source]]:
-        """Where the wires at each of `pins` start; those that start nowhere are left out (and a problem)."""
+        """Return where the wires at each of `pins` start; those that start nowhere are left out (and a problem)."""
         return self._sources[node.id]
 
     def resolve(self, holder: Node | None, pin: InputPin) -> list[Source]:
-        """Where the wires at a pin that belongs to no element of the network start: that of a transition."""
+        """Return where the wires start at a pin that belongs to no element of the network: that of a transition."""
         return self._resolve(holder, pin)
 
     def _resolve(self, holder: Node | None, pin: InputPin) -> list[Source]:

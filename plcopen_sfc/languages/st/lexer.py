@@ -254,7 +254,7 @@ _COMMENT_MARK = re.compile(r"\(\*|\*\)")
 
 
 class _Blocks:
-    """Where block comments and pragmas of a text end.
+    """Ends of block comments and pragmas of a text.
 
     ``(* *)`` nest, in IEC 61131-3 ed. 3 always, in tools by an option. If they do not close when nested they are taken
     as not nested.

@@ -23,7 +23,7 @@ class Node:
 
 
 class Quoting(StrEnum):
-    """How a name is written: ``name``, ``#name``, ``"name"``, ``#"name"``. All but the first are SCL."""
+    """Spelling of a name: ``name``, ``#name``, ``"name"``, ``#"name"``. All but the first are SCL."""
 
     NONE = ""
     LOCAL = "#"
@@ -191,7 +191,7 @@ class AssignmentExpression(Node):
 
 
 class AssignmentKind(StrEnum):
-    """How an assignment writes: ``:=``; ``S=``, ``R=``, ``REF=`` of CODESYS; ``+=`` and the like of SCL; ``?=``."""
+    """Operator of an assignment: ``:=``; ``S=``, ``R=``, ``REF=`` of CODESYS; ``+=`` and the like of SCL; ``?=``."""
 
     ASSIGN = ":="
     SET = "S="

@@ -18,7 +18,7 @@ from plcopen_sfc.model.project import Project
 
 
 class NameScope(StrEnum):
-    """Where a name is declared.
+    """Scope in which a name is declared.
 
     LOCAL: in the interface of the POU (``#name`` in SCL). GLOBAL: outside (``"name"``). MEMBER: in a structure, or in
     the interface of another POU: what is behind a dot or before ``:=`` in a call.
@@ -63,7 +63,7 @@ class Renames:
         return iter(self._new.values())
 
     def __len__(self) -> int:
-        """How many new names were ever given, those that had to be given up again too."""
+        """Return how many new names were ever given, those that had to be given up again too."""
         return len(self._old)
 
     def new_name(self, scope: NameScope, old: str) -> str | None:

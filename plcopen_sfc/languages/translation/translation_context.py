@@ -15,7 +15,7 @@ from plcopen_sfc.model.dialect import Dialect
 
 
 class StepNotation(StrEnum):
-    """How a text says that a step is active, and for how long.
+    """Notation for a step being active, and for how long.
 
     IEC: ``Step3.X``, ``Step3.T`` (IEC 61131-3, 6.7.2). CODESYS: ``Step3.x``, ``Step3.t``. FLAG: ``Step3``, the BOOL of
     simple steps in CoDeSys V2.3. S7_GRAPH: ``#Step3.X`` in its own block, ``"GraphDB".Step3.X`` elsewhere, times ``.T``

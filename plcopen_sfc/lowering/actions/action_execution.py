@@ -418,7 +418,7 @@ class StepPart(NamedTuple):
 
 
 class StepSelection(Protocol):
-    """How the code of steps is selected by the situation, in the order in which it is given."""
+    """Selection of the code of steps by the situation, in the order in which it is given."""
 
     def while_active(self, parts: Sequence[StepPart], suffix: Suffix) -> list[Statement]:
         """Return the statements of the steps that are active. `suffix`: for the names of variables."""

@@ -1,4 +1,4 @@
-"""What a step does, in the branch of its step: statements that ask for a state move into the CASE behind them.
+"""Actions in the branches of their steps: statements that ask for a state move into the CASE behind them.
 
 An actions-first profile executes what active steps do, then tries their transitions, as a textbook branch does. A
 statement moves where it may be executed later: nothing that stays between reads or writes what it touches.
