@@ -93,7 +93,7 @@ class ConversionReport:
         return [item for outcome in LOSSES for item in self.with_outcome(outcome)]
 
     def counts(self) -> dict[tuple[str, Outcome], int]:
-        """How many items of each kind had each outcome."""
+        """Return how many items of each kind had each outcome."""
         return dict(Counter((item.what, item.outcome) for item in self.items))
 
     def extend(self, items: Iterable[Item]) -> None:

@@ -84,13 +84,13 @@ _Choice = TypeVar("_Choice")
 
 @runtime_checkable
 class InputSource(Protocol):
-    """Where inputs come from."""
+    """Source of inputs."""
 
     def bind(self, variables: Variables, scan_time: int) -> BoundInputs:
         """The inputs for a program with these variables and this scan time in nanoseconds."""
 
     def scans(self, scan_time: int) -> int | None:
-        """How many scans the source has values for; None: for any number."""
+        """Number of scans that the source has values for; None: any number."""
 
 
 # -- files

@@ -91,7 +91,7 @@ class NetMacro:
 
 
 class NetProblemKind(StrEnum):
-    """Why something of the chart is not in its net as it was meant."""
+    """Reason why something of the chart is not in its net as it was meant."""
 
     MISSING_SOURCE = "missing source"
     MISSING_TARGET = "missing target"

@@ -30,7 +30,7 @@ from plcopen_sfc.semantics.net import Competing
 
 
 class Evolution(StrEnum):
-    """How far the situation evolves in one scan.
+    """Evolution of the situation in one scan.
 
     SINGLE: every transition that is enabled and true at its beginning is cleared once. UNTIL_STABLE: this is repeated
     with the same inputs until nothing can be cleared any more (60848, "search for stability").
@@ -94,7 +94,7 @@ class BooleanTargets(StrEnum):
 
 
 class DrawnBlocks(StrEnum):
-    """When boxes are executed that are drawn before the condition of a transition: blocks, functions and edges.
+    """Scans that execute the boxes drawn before the condition of a transition: blocks, functions and edges.
 
     WHEN_ENABLED: in a scan in which the transition is enabled, right before its condition is evaluated. A timer is not
     reset while its transition is not enabled. EVERY_SCAN: in every scan, whatever steps are active.
@@ -169,7 +169,7 @@ CODESYS_FLAGS = frozenset(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Profile:
-    """How charts are executed. See the fields; docs/semantics.md has them as a table."""
+    """Rules by which charts are executed. See the fields; docs/semantics.md has them as a table."""
 
     name: str
     """Name of the profile."""

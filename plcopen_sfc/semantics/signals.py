@@ -120,7 +120,7 @@ class Signal:
 
     @property
     def bits(self) -> int:
-        """How many bits an integer of the type has."""
+        """Number of bits that an integer of the type has."""
         return max(self.greatest.bit_length(), (-self.least - 1).bit_length() + 1 if self.least < 0 else 1)
 
     def text(self, value: Value) -> str:

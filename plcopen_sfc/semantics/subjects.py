@@ -177,7 +177,7 @@ def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]
 
 
 def following_situation(instance: Instance) -> Callable[[], int]:
-    """What gives, as bits, the steps of the chart that an instance is whose transitions the next scan looks at."""
+    """Return what gives, as bits, the steps of an instance's chart whose transitions the next scan looks at."""
     for path, chart, frame in instance.charts():
         if not path and isinstance(chart, ChartProgram):
             return partial(chart.situation, frame)

@@ -161,7 +161,7 @@ class Trace:
     # -- questions
 
     def __len__(self) -> int:
-        """How many scans there are."""
+        """Return how many scans there are."""
         return len(self._marking)
 
     def __getitem__(self, name: str) -> Column:
@@ -193,7 +193,7 @@ class Trace:
         return [bool(marking & bit) for marking in self._marking]
 
     def time(self, scan: int) -> int:
-        """When a scan ran, in nanoseconds since the first; -1 is the last. Raises `IndexError`."""
+        """Return when a scan ran, in nanoseconds since the first; -1 is the last. Raises `IndexError`."""
         place = scan + len(self) if scan < 0 else scan
         if not 0 <= place < len(self):
             raise IndexError(f"the trace has no scan {scan}: it has {len(self)}")

@@ -32,7 +32,7 @@ PROPERTY = "property"
 
 
 class Unit(NamedTuple):
-    """What a declaration is put between to make a whole unit of it."""
+    """Texts around a declaration that make a whole unit of it."""
 
     head: str = _DIALECT
     tail: str = "\n"

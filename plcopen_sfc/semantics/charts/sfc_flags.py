@@ -125,7 +125,7 @@ class Flags:
         return FlagEffect.RUN, new
 
     def tip(self, frame: Frame) -> Tip:
-        """How transitions are cleared. One rising edge of SFCTip is one step; there is none while SFCReset is TRUE."""
+        """Way of firing transitions. One rising edge of SFCTip is one step; there is none while SFCReset is TRUE."""
         pushed = False
         if SfcFlag.TIP in self.used:
             v = frame.v

@@ -180,7 +180,7 @@ class Steps:
         return (*self.since, *(name.since for name in self.names))
 
     def timed(self, situation: int) -> tuple[tuple[int, int], ...]:
-        """Where the times of active steps are, and where their starts."""
+        """Return where the times of active steps are, and where their starts."""
         found = {
             name.slot: name.since for index in indexes(situation) for name in self._by_step[index] if not name.flag
         }

@@ -77,7 +77,7 @@ MOST_PLANS = 4096
 
 
 def execution(target: str, scope: Scope, where: str) -> tuple[Run | None, Write | None]:
-    """How to execute it, or how to write it: one of both. An undeclared name is a Boolean variable."""
+    """Return how to execute it, or how to write it: one of both. An undeclared name is a Boolean variable."""
     action = scope.action(target)
     if action is not None:
         return action, None
@@ -134,7 +134,7 @@ Choice = Callable[[Frame, Sequence[Move]], Cleared]
 
 
 def choice(profile: Profile) -> Choice:
-    """How a profile treats competing transitions."""
+    """Return how a profile treats competing transitions."""
     if profile.competing is Competing.PRIORITY:
         return _first
     if profile.competing is Competing.ERROR:

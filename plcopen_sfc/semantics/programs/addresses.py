@@ -60,7 +60,7 @@ class Image:
         self._bits: dict[tuple[str, int], MemoryAddress] = {}
 
     def addresses(self) -> Mapping[str, MemoryAddress]:
-        """Where variables are, by their paths."""
+        """Addresses of variables, by their paths."""
         return {place.path: address for address, place in self._places.items()}
 
     def place(self, address: str, type_: t.ElementaryType | None, path: str, initial: m.Value | None) -> Place:

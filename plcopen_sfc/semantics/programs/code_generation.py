@@ -51,7 +51,7 @@ class Writer:
         return f"_{self._temporaries}"
 
     def mark(self) -> tuple[int, int]:
-        """Where the text ends now; see `rollback`."""
+        """Return the present end of the text; see `rollback`."""
         return len(self.lines), self._depth
 
     def rollback(self, mark: tuple[int, int]) -> None:

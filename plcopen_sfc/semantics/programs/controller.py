@@ -37,7 +37,7 @@ _Load = Callable[[list[Any], Any, int], None]
 
 @dataclass(slots=True)
 class _Plan:
-    """How a layout is stored and put back; `counts` are the variables of all layouts in it at that time."""
+    """Plan to store a layout and put it back; `counts` are the variables of all layouts in it at that time."""
 
     store: _Store
     store_limited: _Store
@@ -525,7 +525,7 @@ class Instance:
                 yield from self._charts(inner, f"{path}{field.name}.")
 
     def _cell(self, path: str) -> _Cell:
-        """Where the value of a variable is now. Raises `ModelError`."""
+        """Return where the value of a variable is now. Raises `ModelError`."""
         moving = self._moving(path)
         if moving is None:
             return self._cells[path.casefold()]

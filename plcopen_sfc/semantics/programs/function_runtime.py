@@ -131,7 +131,7 @@ def limit(low: Any, value: Any, high: Any) -> Any:
 
 
 def chosen(index: int, count: int) -> int:
-    """Which value SEL or MUX takes."""
+    """Return which value SEL or MUX takes."""
     if 0 <= index < count:
         return int(index)
     raise SimulationError(f"MUX has no input {index}")

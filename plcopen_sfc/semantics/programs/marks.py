@@ -1,4 +1,4 @@
-"""Which branches of program text were executed, the assignments in them, and the outcomes of comparisons.
+"""Marks of executed branches of program text, the assignments in them, and the outcomes of comparisons.
 
 Parts of Boolean expressions are marked when they decide. A part of OR decides while it is TRUE and all others are
 FALSE, a part of AND while it is FALSE and all others are TRUE, and nothing outside of that operation decides already

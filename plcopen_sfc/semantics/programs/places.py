@@ -16,7 +16,7 @@ ANYWHERE = "*"
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a variable is: `cells` and `index` are Python source of a list and an index in it.
+    """Place of a variable: `cells` and `index` are Python source of a list and an index in it.
 
     `path` is its name for a person. `key` names the place the same everywhere (slots with dots between), "" where that
     is not known before the program runs; `root` is the longest part of it that is, `whole` the variable of that key.

@@ -182,7 +182,7 @@ def _constant(scope: Scope, text: str) -> int:
 
 
 def _cells(type_: t.Type) -> int:
-    """How many values a variable of a type holds."""
+    """Return how many values a variable of a type holds."""
     if isinstance(type_, t.ArrayType):
         return type_.size * max(_cells(type_.base), 1)
     if isinstance(type_, t.StructureType):

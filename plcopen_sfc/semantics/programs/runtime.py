@@ -26,7 +26,7 @@ class Processor:
 
 
 class Pointer:
-    """Where a variable is: a list and an index in it. Equal pointers lead to the same variable."""
+    """Pointer to a variable: a list and an index in it. Equal pointers lead to the same variable."""
 
     __slots__ = ("cells", "index")
 
@@ -51,7 +51,7 @@ class View:
         self.bounds = bounds
 
     def at(self, *indices: int) -> int:
-        """Where the element of these indices is in `cells`."""
+        """Return where the element of these indices is in `cells`."""
         if len(indices) != len(self.bounds):
             raise SimulationError(f"an array of {len(self.bounds)} dimensions has {len(indices)} indices here")
         offset = 0

@@ -84,7 +84,7 @@ class ArrayType(Type):
 
     @property
     def size(self) -> int:
-        """How many elements it has."""
+        """Number of its elements."""
         size = 1
         for lower, upper in self.dimensions:
             size *= max(upper - lower + 1, 0)
@@ -112,7 +112,7 @@ class OpaqueType(Type):
 
 
 class Direction(StrEnum):
-    """How a variable is connected with the outside of its POU."""
+    """Connection of a variable with the outside of its POU."""
 
     INPUT = "input"
     OUTPUT = "output"

@@ -111,7 +111,7 @@ class UnknownBlocks:
         self._slots: dict[str, int] = {}
 
     def slot(self, path: str) -> int:
-        """Where the history of an instance is; the time of its last call is behind it."""
+        """Return where the history of an instance is; the time of its last call follows it."""
         key = path.casefold()
         if key not in self._slots:
             fields = [

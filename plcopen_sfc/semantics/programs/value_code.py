@@ -228,7 +228,7 @@ def _can_be_copied(source: Type, target: Type) -> bool:
 
 
 def count_unit(type_: ElementaryType) -> int:
-    """How many nanoseconds one is, when a duration, date or time becomes a number.
+    """Return how many nanoseconds one is, when a duration, date or time becomes a number.
 
     CODESYS has TIME and TOD in milliseconds, DATE and DT in seconds, those of 64 bits in nanoseconds.
     """

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Mode(IntEnum):
-    """How transitions switch (manual, "Operating modes")."""
+    """Operating mode of a sequencer (manual, "Operating modes")."""
 
     AUTOMATIC = 0
     MANUAL = 1
