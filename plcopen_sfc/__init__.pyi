@@ -32,7 +32,7 @@ from plcopen_sfc.documents.lowered import (
     lower_to_file as lower_to_file,
 )
 from plcopen_sfc.documents.picture_files import (
-    DrawnChart as DrawnChart,
+    PictureFile as PictureFile,
     draw as draw,
 )
 from plcopen_sfc.errors import (

@@ -185,7 +185,7 @@ class _Reading:
             case n.Case(selector=selector, branches=cases, otherwise=otherwise):
                 self.read(selector, written)
                 return self._ways([*(case.statements for case in cases), otherwise or ()], written)
-            case n.Region(statements=statements):
+            case n.RegionBlock(statements=statements):
                 return self.all(statements, written)
             case n.Return():
                 self.ends.append(written)

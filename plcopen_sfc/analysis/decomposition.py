@@ -55,7 +55,7 @@ _HARMLESS = (
     n.Case,
     n.CaseBranch,
     n.Range,
-    n.Region,
+    n.RegionBlock,
     n.Empty,
 )
 """Nodes that cannot end with an error, nor leave the body."""

@@ -203,7 +203,7 @@ class ReducedNet:
         self._waiting.pop(index, None)
 
 
-class Proof(StrEnum):
+class SoundnessProof(StrEnum):
     """Way in which soundness was decided.
 
     REDUCTION: the net became a single step. MARKINGS: by the markings of what reduction left. NONE: it was not.
@@ -227,7 +227,7 @@ class Soundness:
     safe: Answer
     live: Answer
     way_home: Answer
-    proof: Proof
+    proof: SoundnessProof
     remaining: tuple[NetStep, ...] = ()
 
     def __bool__(self) -> bool:
@@ -246,14 +246,14 @@ def soundness(chart: SfcNetwork | Net, *, restart: bool = False, cap: int = DEFA
     with collecting_rarely():  # it would look through the growing net again and again
         reduced = ReducedNet(net, [(step.bit, net.initial) for step in ends])
     if reduced.unsafe:
-        return Soundness(Answer.NO, Answer.UNKNOWN, Answer.UNKNOWN, Proof.REDUCTION)
+        return Soundness(Answer.NO, Answer.UNKNOWN, Answer.UNKNOWN, SoundnessProof.REDUCTION)
     if reduced.trivial:
-        return Soundness(Answer.YES, Answer.YES, _way_home(net, Answer.YES, Answer.YES), Proof.REDUCTION)
+        return Soundness(Answer.YES, Answer.YES, _way_home(net, Answer.YES, Answer.YES), SoundnessProof.REDUCTION)
     graph = marking_graph(reduced.net(), cap=cap)
     remaining = tuple(net.steps[i] for i in reduced.steps)
     if graph.safe is Answer.NO:
-        return Soundness(Answer.NO, Answer.UNKNOWN, Answer.UNKNOWN, Proof.MARKINGS, remaining)
-    proof = Proof.MARKINGS if graph.complete else Proof.NONE
+        return Soundness(Answer.NO, Answer.UNKNOWN, Answer.UNKNOWN, SoundnessProof.MARKINGS, remaining)
+    proof = SoundnessProof.MARKINGS if graph.complete else SoundnessProof.NONE
     return Soundness(graph.safe, graph.live, _way_home(net, graph.safe, graph.live), proof, remaining)
 
 

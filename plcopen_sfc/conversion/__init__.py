@@ -10,9 +10,9 @@
 `reporting`               differences as items of a `ConversionReport`; source and result run against each other
 """
 
-from plcopen_sfc.conversion.comparison import Difference, compare
+from plcopen_sfc.conversion.comparison import ExecutionDifference, compare
 from plcopen_sfc.conversion.executed_parts import Detail, Part
 from plcopen_sfc.conversion.executed_projects import executed
 from plcopen_sfc.conversion.reporting import report_errors, report_execution
 
-__all__ = ["Detail", "Difference", "Part", "compare", "executed", "report_errors", "report_execution"]
+__all__ = ["Detail", "ExecutionDifference", "Part", "compare", "executed", "report_errors", "report_execution"]

@@ -20,7 +20,7 @@ from plcopen_sfc.object_path import ObjectPath
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class ExecutionDifference:
     """Something that one project executes and the other does not, or not in the same way.
 
     `kind` and `name` are those of the part, `path` its place in the words of reports, that of the first project where
@@ -51,7 +51,9 @@ _MAY_BE_ADDED = frozenset({SHOWN_STATE, "order of transitions"})
 """Aspects that may be added: a chart runs as before."""
 
 
-def compare(left: Part, right: Part, *, other_tool: bool = False, has_libraries: bool = False) -> Iterator[Difference]:
+def compare(
+    left: Part, right: Part, *, other_tool: bool = False, has_libraries: bool = False
+) -> Iterator[ExecutionDifference]:
     """The differences between two trees of `plcopen_sfc.conversion.executed`, parts before what is in them.
 
     `other_tool`: the second is for another tool, which does not have the libraries of the first. `has_libraries`: the
@@ -62,10 +64,10 @@ def compare(left: Part, right: Part, *, other_tool: bool = False, has_libraries:
         other = right.parts.get(key)
         if other is not None and key.kind in (UNDECLARED, UNDECLARED_TYPE) and key.name not in _OF_EVERY_BLOCK:
             is_of_library = has_libraries and (key.kind == UNDECLARED_TYPE or other.is_called)
-            yield Difference(part.path, key.kind, _name(part, key), "", None if is_of_library else "", "")
+            yield ExecutionDifference(part.path, key.kind, _name(part, key), "", None if is_of_library else "", "")
 
 
-def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Iterator[Difference]:
+def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Iterator[ExecutionDifference]:
     for aspect in dict.fromkeys((*left.aspects, *right.aspects)):
         mine, theirs = left.aspects.get(aspect), right.aspects.get(aspect)
         if aspect == "order of transitions":
@@ -77,7 +79,7 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
             continue  # rows that are missing on one side are told as such
         if not same(mine, theirs) and not (mine is None and aspect in _MAY_BE_ADDED):
             name, stronger = _name(left, key), aspect == "condition" and is_stronger(theirs, mine)
-            yield Difference(left.path, key.kind, name, aspect, _show(mine), _show(theirs), steps, stronger)
+            yield ExecutionDifference(left.path, key.kind, name, aspect, _show(mine), _show(theirs), steps, stronger)
     if key.kind in ("chart", "partial chart"):
         _pass_added_steps(left, right)
         _settle_minimum_times(left, right)
@@ -88,7 +90,7 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
             continue  # whatever calls the action names what is not declared, or has no program
         if other is None:
             within = _steps(left, part, inner) or steps
-            yield Difference(part.path, inner.kind, _name(part, inner), "", _trigger(part), None, within)
+            yield ExecutionDifference(part.path, inner.kind, _name(part, inner), "", _trigger(part), None, within)
         else:
             yield from _compare(part, other, inner, _steps(left, part, inner) or steps)
     matched = {renamed.get(inner, inner) for inner in left.parts}
@@ -96,7 +98,7 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
         if inner not in matched and inner.kind not in _OF_NO_EFFECT:
             within = _steps(right, part, inner) or steps
             box = "a box" if inner.kind == UNDECLARED and inner.name in left.boxes else None
-            yield Difference(part.path, inner.kind, _name(part, inner), "", box, _trigger(part), within)
+            yield ExecutionDifference(part.path, inner.kind, _name(part, inner), "", box, _trigger(part), within)
 
 
 def _steps(owner: Part, part: Part, key: Key) -> tuple[str, ...]:

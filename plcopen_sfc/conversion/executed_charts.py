@@ -66,7 +66,7 @@ class Around(Protocol):
         """Note the comment and the title of something, where they are wanted."""
 
 
-class ChartReader:
+class ExecutedChartReader:
     """Reads one chart: steps, transitions, actions, permanent instructions, partial charts."""
 
     def __init__(self, owner: Around, pou: Pou, chart: SfcNetwork, path: str, called: set[str]) -> None:
@@ -117,7 +117,7 @@ class ChartReader:
         for partial in self.chart.partial_charts:
             path = f"{self.path} / chart {partial.name}"
             inner = part.add("partial chart", partial.name, path)
-            ChartReader(self.owner, self.pou, partial.chart, path, self.called).read(inner)
+            ExecutedChartReader(self.owner, self.pou, partial.chart, path, self.called).read(inner)
 
     # -- steps
 
@@ -152,7 +152,7 @@ class ChartReader:
             if step.macro.expansion is not None:
                 inner.tell("expansion", Meaning.of(step.macro.expansion.casefold(), step.macro.expansion))
             if isinstance(step.macro.body, SfcBody):
-                ChartReader(self.owner, self.pou, step.macro.body.chart, path, self.called).read(inner)
+                ExecutedChartReader(self.owner, self.pou, step.macro.body.chart, path, self.called).read(inner)
         for enclosure in step.encloses or ():
             inner = part.add("enclosed chart", enclosure.chart, path)
             inner.tell("activated steps", Meaning.of(tuple(map(str.casefold, enclosure.activated_steps))))

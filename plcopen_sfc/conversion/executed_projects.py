@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator
 from typing import cast
 
 from plcopen_sfc.conversion.declared_values import StartValues, add_kept, tell_inheritance, tell_type
-from plcopen_sfc.conversion.executed_charts import ChartReader
+from plcopen_sfc.conversion.executed_charts import ExecutedChartReader
 from plcopen_sfc.conversion.executed_parts import (
     OPERATING_INPUT,
     PROGRAM_CALL,
@@ -532,7 +532,7 @@ class _Reader:
         """Note what a body does; `number`: the programs of the POU before it."""
         if isinstance(body, SfcBody):
             if body.chart.steps or body.chart.transitions:
-                ChartReader(self, pou, body.chart, path, called).read(part.add("chart", "", path))
+                ExecutedChartReader(self, pou, body.chart, path, called).read(part.add("chart", "", path))
         else:
             result = pou.name if pou.kind is PouKind.FUNCTION else ""
             meaning = self.code(body, result)

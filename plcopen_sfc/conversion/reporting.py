@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from plcopen_sfc.conversion.comparison import Difference
+from plcopen_sfc.conversion.comparison import ExecutionDifference
 from plcopen_sfc.conversion.executed_parts import (
     OPERATING_INPUT,
     OPERATING_KINDS,
@@ -133,7 +133,7 @@ _LISTED = 5
 
 
 def report_execution(
-    report: ConversionReport, differences: Iterable[Difference], tool: str, called: Mapping[str, str]
+    report: ConversionReport, differences: Iterable[ExecutionDifference], tool: str, called: Mapping[str, str]
 ) -> None:
     """Add to `report` what the target `tool` does not execute, or executes otherwise.
 
@@ -222,7 +222,7 @@ _LACKED = re.compile(
 """How they tell the name of a function or a type that the target lacks."""
 
 
-def _rewritten_steps(differences: Iterable[Difference], settled: Counter[tuple[str, str]]) -> set[str]:
+def _rewritten_steps(differences: Iterable[ExecutionDifference], settled: Counter[tuple[str, str]]) -> set[str]:
     """The steps whose actions a writer has rewritten: it accounts for each of them that is not found again."""
     missing: dict[str, set[str]] = {}
     found = list(differences)
@@ -249,7 +249,10 @@ _ACTIONS = ("action", "action association", "entry action", "main action", "exit
 
 
 def _is_rewritten(
-    difference: Difference, rewritten: set[str], settled: Counter[tuple[str, str]], changed: set[tuple[str, str]]
+    difference: ExecutionDifference,
+    rewritten: set[str],
+    settled: Counter[tuple[str, str]],
+    changed: set[tuple[str, str]],
 ) -> bool:
     """True if a writer accounts for it: actions as statements, supervisions and times in the conditions behind them.
 
@@ -277,7 +280,7 @@ def _is_rewritten(
     return False
 
 
-def _is_at_other_times(difference: Difference, changed: set[tuple[str, str]]) -> bool:
+def _is_at_other_times(difference: ExecutionDifference, changed: set[tuple[str, str]]) -> bool:
     """True if an action is there, and executed at other times."""
     return difference.aspect in ("trigger", "final scan") and (difference.path, "code") not in changed
 
@@ -310,7 +313,7 @@ _ALSO_CALLED = {
 """Other names that writers have for an aspect or a part."""
 
 
-def _without_repetition(differences: Iterable[Difference], said: set[str]) -> Iterator[Difference]:
+def _without_repetition(differences: Iterable[ExecutionDifference], said: set[str]) -> Iterator[ExecutionDifference]:
     """The differences, but of the interlock of a step only the actions that run without it, and lists as a whole.
 
     `said`: the global variables of which a writer says already that they are lost.
@@ -334,7 +337,7 @@ def _without_repetition(differences: Iterable[Difference], said: set[str]) -> It
         yield difference
     for around, names in lists.items():
         shown = ", ".join(names[:_LISTED]) + (f" and {len(names) - _LISTED} more" if len(names) > _LISTED else "")
-        yield Difference(f"global variables {around}", "global variables", around, "", shown, None)
+        yield ExecutionDifference(f"global variables {around}", "global variables", around, "", shown, None)
 
 
 def _last(name: str) -> str:
@@ -361,7 +364,7 @@ def in_the_source(path: str, called: Mapping[str, str]) -> str:
     return path
 
 
-def _is_noticed(difference: Difference, noticed: set[str], around_noticed: set[ObjectPath]) -> bool:
+def _is_noticed(difference: ExecutionDifference, noticed: set[str], around_noticed: set[ObjectPath]) -> bool:
     """True if a writer said something of the part, of something in it, or of what it is in."""
     path = ObjectPath.of(difference.path)
     if (
@@ -385,7 +388,7 @@ _KEPT_AS_TEXT = frozenset({"unit", "property", "data of the tool", UNDECLARED_TY
 """Kinds of parts that writers keep without looking into them."""
 
 
-def _outcome(difference: Difference) -> Outcome:
+def _outcome(difference: ExecutionDifference) -> Outcome:
     """Outcome of a difference: approximated if something is executed once more or besides, else not executed."""
     if difference.kind in (UNDECLARED, UNDECLARED_TYPE) and difference.left == "":
         return Outcome.APPROXIMATED
@@ -407,19 +410,19 @@ _OPERATED = {
 }
 
 
-def _is_later(difference: Difference) -> bool:
+def _is_later(difference: ExecutionDifference) -> bool:
     """True for the chart of an action where one tool tests transitions and the other executes actions first."""
     return (
         difference.aspect == "code" and (difference.left or "").startswith("a chart, ") and difference.right is not None
     )
 
 
-def _is_final_scan(difference: Difference) -> bool:
+def _is_final_scan(difference: ExecutionDifference) -> bool:
     """True if tools differ in whether they execute an action once more after its step was left."""
     return difference.aspect == "final scan"
 
 
-def _why(difference: Difference, tool: str) -> str:
+def _why(difference: ExecutionDifference, tool: str) -> str:
     left, right = _apart(difference.left, difference.right)
     short = replace(difference, left=_cut(left), right=_cut(right))
     if difference.aspect == "":
@@ -452,7 +455,7 @@ def _why(difference: Difference, tool: str) -> str:
     return f"{aspect} is `{right}` in {tool} instead of `{left}`"
 
 
-def _whole(difference: Difference, tool: str) -> str:
+def _whole(difference: ExecutionDifference, tool: str) -> str:
     kind, name = difference.kind, difference.name
     if kind in (UNDECLARED, UNDECLARED_TYPE):
         what = "type" if kind == UNDECLARED_TYPE else "name"
@@ -493,7 +496,7 @@ def _called(action: str) -> str:
     return "the action in place" if action == "in place" else f"action `{action}`"
 
 
-def _action(difference: Difference, tool: str) -> str:
+def _action(difference: ExecutionDifference, tool: str) -> str:
     left, right, aspect = difference.left, difference.right, difference.aspect
     name = _called(difference.name)
     if _is_final_scan(difference):

@@ -27,7 +27,7 @@ _PDF_PIXELS = 19_200
 """The pages of Acrobat have at most 14 400 points, of which 72 are 96 pixels."""
 
 
-class DrawnChart(NamedTuple):
+class PictureFile(NamedTuple):
     """A picture in a file: the `name` of its chart or of its body in FBD or LD (``Main.Fill``) and the `path`."""
 
     name: str
@@ -42,7 +42,7 @@ def draw(
     style: str | None = None,
     theme: str = Theme.LIGHT,
     format: str | None = None,
-) -> list[DrawnChart]:
+) -> list[PictureFile]:
     """Draw the charts and the bodies in FBD and LD of a project into files, or what is called `pou` of them.
 
     `pou` is ``Main``, or of an action ``Main.Fill``; without it bodies are drawn where the project has no charts.
@@ -62,7 +62,7 @@ def draw(
     paths = _paths(charts, path, PICTURE_FORMATS[kind])
     pairs = list(zip(charts, paths, strict=True))
     write_all({file: _picture(named, kind, style, theme) for named, file in pairs})
-    return [DrawnChart(named.name, file) for named, file in pairs]
+    return [PictureFile(named.name, file) for named, file in pairs]
 
 
 def _format(path: str, wanted: str | None) -> str:

@@ -43,7 +43,7 @@ _UNNAMED = frozenset({"body", "chart", "interface"})
 """Fields that no path names: what is in them is of the object around."""
 
 
-class Difference(NamedTuple):
+class ModelDifference(NamedTuple):
     """`path` names the place (``POU Main / action Fill / step S3 / max time``); one side may be None."""
 
     path: str
@@ -51,10 +51,12 @@ class Difference(NamedTuple):
     right: Any
 
 
-def differences(left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), path: str = "") -> Iterator[Difference]:
+def differences(
+    left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), path: str = ""
+) -> Iterator[ModelDifference]:
     """Return the differences between two model objects. Fields named in `ignore` are not looked at."""
     if type(left) is not type(right):
-        yield Difference(path, left, right)
+        yield ModelDifference(path, left, right)
     elif isinstance(left, Model | MarkupText | MultilingualText):
         labels = left.labels() if isinstance(left, SfcNetwork) else {}
         for name in type(left).__pydantic_fields__:
@@ -76,7 +78,7 @@ def differences(left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), 
             yield from differences(_competing(left), _competing(right), path=_joined(path, "order of transitions"))
     elif isinstance(left, list):
         if len(left) != len(right):
-            yield Difference(path, _names(left), _names(right))
+            yield ModelDifference(path, _names(left), _names(right))
         else:
             for index, (a, b) in enumerate(zip(left, right, strict=True)):
                 yield from differences(a, b, ignore=ignore, path=_joined(path, _label(a, index)))
@@ -84,11 +86,11 @@ def differences(left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), 
         for key in left.keys() | right.keys():
             yield from differences(left.get(key), right.get(key), ignore=ignore, path=_joined(path, str(key)))
     elif left != right:
-        yield Difference(path, left, right)
+        yield ModelDifference(path, left, right)
 
 
 def path_of(root: Any, keys: Iterable[str | int]) -> str:
-    """Return the path, as in a `Difference`, of what the fields and indices `keys` lead to from `root`."""
+    """Return the path, as in a `ModelDifference`, of what the fields and indices `keys` lead to from `root`."""
     path, field, thing, owner = "", "", root, root
     for key in keys:
         if isinstance(key, int):

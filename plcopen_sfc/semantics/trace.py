@@ -111,7 +111,7 @@ class Column(_Runs[Value]):
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class ValueChange:
     """A variable has another value from `scan` on (0: its first value)."""
 
     scan: int
@@ -199,10 +199,10 @@ class Trace:
             raise IndexError(f"the trace has no scan {scan}: it has {len(self)}")
         return place * self.scan_time
 
-    def changes(self, *names: str) -> list[Change]:
+    def changes(self, *names: str) -> list[ValueChange]:
         """Every change of the variables with these names, or of all, in the order of the scans."""
         columns = [self[name] for name in names] if names else self._list
-        found = [(scan, i, Change(scan, c.name, value)) for i, c in enumerate(columns) for scan, value in c.runs()]
+        found = [(scan, i, ValueChange(scan, c.name, value)) for i, c in enumerate(columns) for scan, value in c.runs()]
         return [change for _, _, change in sorted(found, key=lambda each: each[:2])]
 
     def situations(self) -> list[tuple[int, tuple[str, ...]]]:

@@ -11,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.analysis.search_limits import Answer
-from plcopen_sfc.analysis.soundness import Proof, soundness
+from plcopen_sfc.analysis.soundness import SoundnessProof, soundness
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.net import Net
 from tests.corpus import corpus_files, require_corpus
@@ -45,7 +45,7 @@ def test_every_chart_is_analysed_and_the_answers_agree() -> None:
         counts["deadlock"] += bool(graph.safe and graph.deadlocks)
         counts["regions"] += isinstance(regions, Regions)
         counts["sound"] += bool(found)
-        if found.proof is not Proof.NONE and graph.safe is not Answer.UNKNOWN:
+        if found.proof is not SoundnessProof.NONE and graph.safe is not Answer.UNKNOWN:
             assert found.safe is graph.safe, name
             if graph.safe:
                 assert found.live is graph.live, name

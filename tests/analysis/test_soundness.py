@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.search_limits import Answer
-from plcopen_sfc.analysis.soundness import Proof, soundness
+from plcopen_sfc.analysis.soundness import SoundnessProof, soundness
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.net import Net
 from tests.analysis.nets import Arcs, any_nets, block_chart, chart_of, chart_of_arcs
@@ -17,7 +17,7 @@ from tests.sweeps import examples
 def agree(chart: SfcNetwork, cap: int = 20_000) -> bool:
     """Compare both ways; whether both could tell."""
     found, graph = soundness(chart, cap=cap), marking_graph(chart, cap=cap)
-    if found.proof is Proof.NONE or not graph.complete:
+    if found.proof is SoundnessProof.NONE or not graph.complete:
         return False
     assert found.safe is graph.safe
     if graph.safe:
@@ -39,7 +39,7 @@ def test_blocks_are_proven_without_markings(seed: int, size: int) -> None:
     found = soundness(chart)
     assert found
     assert found.way_home is Answer.YES
-    assert found.proof is Proof.REDUCTION
+    assert found.proof is SoundnessProof.REDUCTION
     assert not found.remaining
     agree(chart)
 
@@ -62,17 +62,17 @@ def test_a_large_chart_of_blocks_is_sound() -> None:
     found = soundness(net)
     assert found.safe
     assert found.live
-    assert found.proof is Proof.REDUCTION
+    assert found.proof is SoundnessProof.REDUCTION
 
 
 def test_twenty_branches_of_ten_steps_need_no_markings() -> None:
     branches = [f"b{b}s{i}>b{b}s{i + 1}" for b in range(20) for i in range(9)]
     starts, ends = ("+".join(f"b{b}s{i}" for b in range(20)) for i in (0, 9))
-    assert soundness(chart_of(f"1>{starts} {ends}>1 " + " ".join(branches))).proof is Proof.REDUCTION
+    assert soundness(chart_of(f"1>{starts} {ends}>1 " + " ".join(branches))).proof is SoundnessProof.REDUCTION
 
 
 def test_any_jumps_in_a_chart_with_one_token_are_sound() -> None:
-    assert soundness(chart_of("1>2 1>3 2>4 3>5 2>5 3>4 4>1 5>1 4>3 5>2")).proof is Proof.REDUCTION
+    assert soundness(chart_of("1>2 1>3 2>4 3>5 2>5 3>4 4>1 5>1 4>3 5>2")).proof is SoundnessProof.REDUCTION
 
 
 def test_a_chart_that_ends_is_sound_if_it_may_start_anew() -> None:
@@ -99,7 +99,7 @@ def test_what_is_too_large_after_reduction_is_unknown() -> None:
     starts = "+".join(f"a{b}+d{b}" for b in range(8))
     chart = chart_of(f"1>{starts} {starts}>1 " + " ".join(branches))
     found = soundness(chart, cap=50)
-    assert found.proof is Proof.NONE
+    assert found.proof is SoundnessProof.NONE
     assert found.safe is Answer.UNKNOWN
     assert not found
 

@@ -155,7 +155,7 @@ def _block(found: list[n.Statement]) -> tuple[n.Statement, ...]:
     return tuple(
         each
         for before, each in zip([None, *found], found, strict=False)
-        if not (isinstance(each, n.Empty) and isinstance(before, n.Region | n.Try))
+        if not (isinstance(each, n.Empty) and isinstance(before, n.RegionBlock | n.Try))
     )
 
 
@@ -190,7 +190,7 @@ def _compound(dialect: Dialect, inner: st.SearchStrategy[n.Statement]) -> st.Sea
         st.builds(n.Repeat, labelled, values),
     ]
     if dialect is Dialect.SCL:
-        found.append(st.builds(n.Region, _titles, labelled))
+        found.append(st.builds(n.RegionBlock, _titles, labelled))
     if dialect in CODESYS:
         handled = st.builds(n.Try, labelled, st.none() | names(dialect), labelled, st.none() | labelled)
         found.append(handled | st.builds(n.Try, labelled, st.none(), st.none(), st.none() | labelled))

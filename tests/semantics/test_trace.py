@@ -13,7 +13,7 @@ from vcd.reader import RealChange, ScalarChange, ScopeDecl, StringChange, TokenK
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.semantics.signals import Signal, Value
-from plcopen_sfc.semantics.trace import Change, Column, Trace
+from plcopen_sfc.semantics.trace import Column, Trace, ValueChange
 from tests.sweeps import examples
 
 MS = 1_000_000
@@ -56,10 +56,10 @@ def test_questions() -> None:
     assert trace.time(2) == 20 * MS
     assert trace.situations() == [(0, ("Init",)), (1, ("Fill",)), (2, ("Init", "Fill"))]
     assert trace.changes("Start", "Fill.T") == [
-        Change(0, "Start", False),
-        Change(0, "Fill.T", 0),
-        Change(1, "Start", True),
-        Change(2, "Fill.T", 10 * MS),
+        ValueChange(0, "Start", False),
+        ValueChange(0, "Fill.T", 0),
+        ValueChange(1, "Start", True),
+        ValueChange(2, "Fill.T", 10 * MS),
     ]
     assert trace.row(1)["Text"] == "full"
     assert "MODE" in trace

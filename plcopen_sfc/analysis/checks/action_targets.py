@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Sheet
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
@@ -52,7 +52,7 @@ _OF_QUALIFIER = {
 class TargetUse:
     """Use of an operand by an action association. `path` are the names that lead to it, in lower case."""
 
-    sheet: Sheet
+    sheet: CheckedSheet
     step: Step
     association: ActionAssociation
     path: Path

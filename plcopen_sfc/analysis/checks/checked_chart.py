@@ -89,7 +89,7 @@ class FindingPlace:
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
+class CheckedSheet:
     """One network of steps and transitions: the chart itself, a partial chart of it, or the expansion of a macro-step.
 
     `partial` is the partial chart, `macro` the macro-step that it belongs to.
@@ -247,13 +247,13 @@ class CheckedChart:
         self.chart = chart
         self.profile = profile
         self.family = family(profile)
-        self.root = Sheet(chart, place)
+        self.root = CheckedSheet(chart, place)
         self._conditions: dict[int, NetworkExpression] = {}
         self._truths: dict[int, Truth] = {}
         self._terms = TermTexts()
 
     @cached_property
-    def sheets(self) -> tuple[Sheet, ...]:
+    def sheets(self) -> tuple[CheckedSheet, ...]:
         """The networks that the chart consists of; the chart itself is the first."""
         return tuple(_sheets(self.root, frozenset()))
 
@@ -285,7 +285,7 @@ class CheckedChart:
         charts = self.around.charts_of(self.pou) if self.pou is not None else ()
         return frozenset(step.name.casefold() for chart in charts for step in chart.steps)
 
-    def condition(self, sheet: Sheet, transition: Transition) -> NetworkExpression:
+    def condition(self, sheet: CheckedSheet, transition: Transition) -> NetworkExpression:
         """The condition of a transition as an expression."""
         found = self._conditions.get(id(transition))
         if found is None:
@@ -302,7 +302,7 @@ class CheckedChart:
         """Return a text about conditions with edges and times as a GRAFCET has them."""
         return self._terms.shown(text)
 
-    def truth(self, sheet: Sheet, transition: Transition) -> Truth:
+    def truth(self, sheet: CheckedSheet, transition: Transition) -> Truth:
         """Return whether a condition is always or never true."""
         found = self._truths.get(id(transition))
         if found is None:
@@ -318,16 +318,16 @@ class CheckedChart:
         sheet = self._sheet_of[id(element.chart)]
         return sheet.at(element.step if isinstance(element, NetStep) else element.transition)
 
-    def sheet_of(self, element: NetStep | NetTransition) -> Sheet:
+    def sheet_of(self, element: NetStep | NetTransition) -> CheckedSheet:
         """The network that a step or transition of the net stands in."""
         return self._sheet_of[id(element.chart)]
 
     @cached_property
-    def _sheet_of(self) -> dict[int, Sheet]:
+    def _sheet_of(self) -> dict[int, CheckedSheet]:
         return {id(sheet.chart): sheet for sheet in reversed(self.sheets)}
 
 
-def _sheets(sheet: Sheet, around: frozenset[int]) -> Iterator[Sheet]:
+def _sheets(sheet: CheckedSheet, around: frozenset[int]) -> Iterator[CheckedSheet]:
     """A network and those inside it."""
     if id(sheet.chart) in around:
         return
@@ -335,10 +335,10 @@ def _sheets(sheet: Sheet, around: frozenset[int]) -> Iterator[Sheet]:
     yield sheet
     for step in sheet.steps:
         if step.macro is not None and isinstance(step.macro.body, SfcBody):
-            yield from _sheets(Sheet(step.macro.body.chart, sheet.at(step), macro=step), around)
+            yield from _sheets(CheckedSheet(step.macro.body.chart, sheet.at(step), macro=step), around)
     for partial in sheet.chart.partial_charts:
         place = sheet._below(partial.name, partial)
-        yield from _sheets(Sheet(partial.chart, place, partial=partial), around)
+        yield from _sheets(CheckedSheet(partial.chart, place, partial=partial), around)
 
 
 def is_plain(tree: n.Node) -> bool:
@@ -387,7 +387,7 @@ def _charts_in(
             yield from _charts_in(inner, at, around, pou, profile)
 
 
-def _bodies_in(sheet: Sheet) -> Iterator[tuple[FindingPlace, Body | str | None]]:
+def _bodies_in(sheet: CheckedSheet) -> Iterator[tuple[FindingPlace, Body | str | None]]:
     """Return the bodies that steps have in place."""
     for step in sheet.steps:
         actions = (step.entry_action, step.main_action, step.exit_action)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from plcopen_sfc.analysis.checks.action_targets import Manner, uses
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, FindingPlace, Rule, Sheet
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet, Finding, FindingPlace, Rule
 from plcopen_sfc.analysis.regions import Obstacle, Unstructured, find_regions
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st import nodes as n
@@ -167,7 +167,7 @@ def _partials(chart: CheckedChart) -> dict[str, PartialChart]:
     return {partial.name.casefold(): partial for partial in reversed(chart.chart.partial_charts)}
 
 
-def _orders(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, FindingPlace, ForcingOrder]]:
+def _orders(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, FindingPlace, ForcingOrder]]:
     """The forcing orders, with the steps that give them."""
     for sheet in chart.sheets:
         for step, association in sheet.actions():
@@ -236,7 +236,7 @@ def _forced(chart: CheckedChart) -> Iterator[Finding]:
             yield Finding(place, "the order names no steps to force")
 
 
-def _is_whole(sheet: Sheet, order: ForcingOrder) -> bool:
+def _is_whole(sheet: CheckedSheet, order: ForcingOrder) -> bool:
     """Return True if an order in a partial chart forces the chart around it, which has no name in the model."""
     return sheet.partial is not None and not order.chart
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, FindingPlace, Rule, Sheet
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet, Finding, FindingPlace, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
@@ -66,13 +66,13 @@ class _Wires:
         return list(found.values())
 
 
-def _drawings(chart: CheckedChart) -> Iterator[tuple[Sheet, _Wires]]:
+def _drawings(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, _Wires]]:
     for sheet in chart.sheets:
         if sheet.chart.drawing is not None:
             yield sheet, _Wires(sheet.chart.drawing)
 
 
-def _label(sheet: Sheet, symbol: Symbol) -> str:
+def _label(sheet: CheckedSheet, symbol: Symbol) -> str:
     """Return the label of a symbol."""
     if symbol.kind is SymbolKind.TRANSITION:
         transition = next((t for t in sheet.chart.transitions if t.id == symbol.id), None)
@@ -83,7 +83,7 @@ def _label(sheet: Sheet, symbol: Symbol) -> str:
     return f"step {sheet.names[symbol.id]}" if symbol.id in sheet.names else "a step"
 
 
-def _place(sheet: Sheet, symbol: Symbol) -> FindingPlace:
+def _place(sheet: CheckedSheet, symbol: Symbol) -> FindingPlace:
     """The place of the step or transition that a symbol stands for; else that of its chart."""
     elements: list[Step | Transition] = [*sheet.chart.steps, *sheet.chart.transitions]
     found = next((element for element in elements if element.id == symbol.id), None)
@@ -143,7 +143,7 @@ def _references(chart: CheckedChart) -> Iterator[Finding]:
                 yield Finding(place, f"a jump leads to {symbol.name or 'nothing'!r}, which is no step of this chart")
 
 
-def jumping_nowhere(sheet: Sheet) -> set[int]:
+def jumping_nowhere(sheet: CheckedSheet) -> set[int]:
     """The transitions (ids) above a jump to something that does not exist."""
     if sheet.chart.drawing is None:
         return set()
@@ -240,7 +240,7 @@ def _numbers(chart: CheckedChart) -> Iterator[Finding]:
             yield from _repeated(sheet, kind, elements)
 
 
-def _repeated(sheet: Sheet, kind: str, elements: list[Step] | list[Transition]) -> Iterator[Finding]:
+def _repeated(sheet: CheckedSheet, kind: str, elements: list[Step] | list[Transition]) -> Iterator[Finding]:
     seen: set[int] = set()
     for element in elements:
         if element.number in seen:
@@ -330,7 +330,7 @@ NAM05 = Rule(
 )
 
 
-def _start_by_themselves(chart: CheckedChart) -> Iterator[Sheet]:
+def _start_by_themselves(chart: CheckedChart) -> Iterator[CheckedSheet]:
     """The networks that are started with the program, not by a macro-step, an enclosing step or a forcing order."""
     forced = {
         association.forcing.chart.casefold()
@@ -345,7 +345,7 @@ def _start_by_themselves(chart: CheckedChart) -> Iterator[Sheet]:
                 yield sheet
 
 
-def _connected(sheet: Sheet) -> list[list[Step]]:
+def _connected(sheet: CheckedSheet) -> list[list[Step]]:
     """The steps of a network, by the parts of it that no transition joins."""
     above: dict[int, int] = {step.id: step.id for step in sheet.steps}
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from plcopen_sfc.analysis.checks.action_targets import continuous_operands, output_operands
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rule, Sheet
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet, Finding, Rule
 from plcopen_sfc.analysis.exclusivity import Truth, covered, exclusive
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
@@ -25,7 +25,7 @@ from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 
 
-def _selections(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, list[Transition]]]:
+def _selections(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, list[Transition]]]:
     """Each step with several transitions that leave it, in the order in which they are tried."""
     for sheet in chart.sheets:
         for step in sheet.steps:
@@ -34,7 +34,7 @@ def _selections(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, list[Transit
                 yield sheet, step, leaving
 
 
-def _competing(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, Transition, Transition, Answer, str]]:
+def _competing(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, Transition, Transition, Answer, str]]:
     """Pairs of competing transitions that only their conditions keep apart, and whether these exclude each other."""
     seen: set[tuple[int, int]] = set()
     for sheet, step, leaving in _selections(chart):
@@ -181,7 +181,7 @@ TRANSITION FROM S3 TO S1 := d; END_TRANSITION
 )
 
 
-def _transitions(chart: CheckedChart) -> Iterator[tuple[Sheet, Transition]]:
+def _transitions(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Transition]]:
     for sheet in chart.sheets:
         for transition in sheet.transitions:
             yield sheet, transition
@@ -215,7 +215,7 @@ def _problem(text: str, chart: CheckedChart) -> Problem | None:
     return found
 
 
-def _constant(chart: CheckedChart, truth: Truth) -> Iterator[tuple[Sheet, Transition]]:
+def _constant(chart: CheckedChart, truth: Truth) -> Iterator[tuple[CheckedSheet, Transition]]:
     for sheet, transition in _transitions(chart):
         if chart.truth(sheet, transition) is truth:
             yield sheet, transition
@@ -231,7 +231,7 @@ def _never(chart: CheckedChart) -> Iterator[Finding]:
         yield Finding(sheet.at(transition), f"the condition {_text(chart, sheet, transition)} is never true")
 
 
-def _text(chart: CheckedChart, sheet: Sheet, transition: Transition) -> str:
+def _text(chart: CheckedChart, sheet: CheckedSheet, transition: Transition) -> str:
     tree = chart.condition(sheet, transition).tree
     return " ".join(print_node(tree, chart.dialect).split()) if tree is not None else ""
 

@@ -20,8 +20,8 @@ from plcopen_sfc.drawing.chart_nesting import ChartGraph, ChartSegment, NestedDi
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas
 from plcopen_sfc.drawing.pictures.symbol_pictures import (
     JumpSymbol,
+    PictureSheet,
     PictureStyle,
-    Sheet,
     StepSymbol,
     Symbol,
     TransitionSymbol,
@@ -255,7 +255,7 @@ def _outline(side: int | Outline, height: int) -> Outline:
 class Arrangement:
     """A chart with the size of its picture, ready to be drawn."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: PictureSheet) -> None:
         self._sheet = sheet
         self._graph, segments = nest(sheet.chart, {})
         self._links = _Links(self._graph, segments)

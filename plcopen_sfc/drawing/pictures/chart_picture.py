@@ -10,7 +10,7 @@ from typing import TypeVar
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.drawing.pictures.chart_arrangement import Arrangement
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width
-from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle, Sheet
+from plcopen_sfc.drawing.pictures.symbol_pictures import PictureSheet, PictureStyle
 from plcopen_sfc.drawing.wording import Wording
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model.body import Body, SfcBody
@@ -60,7 +60,7 @@ def _picture(chart: SfcNetwork, look: PictureStyle, theme: Theme | None, prefix:
     with collecting_rarely():
         for number, part in enumerate(parts):
             starred = activated.get(part.name, frozenset()) if number else frozenset()
-            sheet = Sheet(part.chart, look, Wording(part.chart, dialect), prefix + part_prefix(number), starred)
+            sheet = PictureSheet(part.chart, look, Wording(part.chart, dialect), prefix + part_prefix(number), starred)
             part.arrangement = Arrangement(sheet)
         width, height = _place(canvas, parts, prefix)
     return canvas.document(width, height, theme, _name_of(chart), _description(chart))

@@ -184,7 +184,7 @@ class PictureStyle(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Reference:
+class LinkEnd:
     """The other end of a link that is not drawn as a wire: its name, and the id of its element in the picture."""
 
     name: str
@@ -192,7 +192,7 @@ class Reference:
 
 
 @dataclass(slots=True)
-class Sheet:
+class PictureSheet:
     """Common facts of symbols of one chart. `prefix` begins the ids of its elements, `activated` are starred steps."""
 
     chart: SfcNetwork
@@ -209,7 +209,7 @@ class Sheet:
         self.transitions = {transition.id: transition for transition in self.chart.transitions}
         self.labels = self.chart.labels()
 
-    def step_reference(self, number: int) -> Reference:
+    def step_reference(self, number: int) -> LinkEnd:
         """Return the reference to a step: its name, in GRAFCET and S7-GRAPH its number."""
         step = self.steps[number]
         name = step.name
@@ -217,9 +217,9 @@ class Sheet:
             name = str(step.number)
         elif step.number is not None and self.style is PictureStyle.S7GRAPH:
             name = f"S{step.number} {step.name}"
-        return Reference(name, f"{self.prefix}step-{number}")
+        return LinkEnd(name, f"{self.prefix}step-{number}")
 
-    def transition_reference(self, number: int) -> Reference:
+    def transition_reference(self, number: int) -> LinkEnd:
         """Return the reference to a transition: its name or number, else the names of its steps."""
         transition = self.transitions[number]
         name = transition.name
@@ -227,7 +227,7 @@ class Sheet:
             name = f"T{transition.number}"
         elif not name:
             name = " & ".join(self.step_reference(i).name for i in transition.sources if i in self.steps)
-        return Reference(name, f"{self.prefix}transition-{number}")
+        return LinkEnd(name, f"{self.prefix}transition-{number}")
 
 
 class StepSymbol:
@@ -236,7 +236,7 @@ class StepSymbol:
     `entries` are the transitions that jump here, `exits` those elsewhere that wait for this step.
     """
 
-    def __init__(self, sheet: Sheet, number: int, entries: Sequence[Reference], exits: Sequence[Reference]) -> None:
+    def __init__(self, sheet: PictureSheet, number: int, entries: Sequence[LinkEnd], exits: Sequence[LinkEnd]) -> None:
         self.step = sheet.steps[number]
         self.sheet = sheet
         self.entries = _shown(entries)
@@ -360,7 +360,7 @@ class StepSymbol:
         return ". ".join(parts)
 
 
-def _about_step(sheet: Sheet, step: Step) -> Iterator[tuple[str, str]]:
+def _about_step(sheet: PictureSheet, step: Step) -> Iterator[tuple[str, str]]:
     """Yield the texts below the action block of a step, each with its class."""
     if sheet.style is PictureStyle.GRAFCET and step.number is not None and step.name != str(step.number):
         yield "quiet", step.name
@@ -389,7 +389,7 @@ class TransitionSymbol:
     `competing`: it is one of several below a step. `waits` are steps elsewhere that it waits for too.
     """
 
-    def __init__(self, sheet: Sheet, number: int, waits: Sequence[Reference], *, competing: bool) -> None:
+    def __init__(self, sheet: PictureSheet, number: int, waits: Sequence[LinkEnd], *, competing: bool) -> None:
         self.transition = sheet.transitions[number]
         self.sheet = sheet
         self.waits = _shown(waits)
@@ -457,7 +457,7 @@ class TransitionSymbol:
 class JumpSymbol:
     """A jump: an arrow and the name of the step that it leads to."""
 
-    def __init__(self, sheet: Sheet, target: int) -> None:
+    def __init__(self, sheet: PictureSheet, target: int) -> None:
         self.reference = sheet.step_reference(target)
         self._name = sheet.steps[target].name
         self._lines = wrap(self.reference.name, 12, _NAME_WIDTH)
@@ -478,21 +478,21 @@ class JumpSymbol:
 Symbol = StepSymbol | TransitionSymbol | JumpSymbol
 
 
-def _shown(references: Sequence[Reference]) -> list[Reference]:
+def _shown(references: Sequence[LinkEnd]) -> list[LinkEnd]:
     """Return references for a picture: of many the first ones, and how many more there are."""
     found = list(dict.fromkeys(references))
     if len(found) <= _MOST_REFERENCES:
         return found
-    more = Reference(f"+{len(found) - _MOST_REFERENCES + 1}", "")
+    more = LinkEnd(f"+{len(found) - _MOST_REFERENCES + 1}", "")
     return [*found[: _MOST_REFERENCES - 1], more]
 
 
-def _reference_width(references: Sequence[Reference]) -> int:
+def _reference_width(references: Sequence[LinkEnd]) -> int:
     return max((text_width(reference.name, 11) + 28 for reference in references), default=0)
 
 
 def _draw_entries(
-    canvas: Canvas, references: Sequence[Reference], x: int, first: int, bottom: int, *, enters: int | None
+    canvas: Canvas, references: Sequence[LinkEnd], x: int, first: int, bottom: int, *, enters: int | None
 ) -> None:
     """Draw arrows from the left into the wire above a symbol, from `first` down, and the wire down to `bottom`.
 
@@ -508,7 +508,7 @@ def _draw_entries(
 
 
 @contextmanager
-def _reference(canvas: Canvas, way: str, reference: Reference, x: int, level: int) -> Iterator[None]:
+def _reference(canvas: Canvas, way: str, reference: LinkEnd, x: int, level: int) -> Iterator[None]:
     """Write the name of a reference to the left of the axis `x`; its arrow is drawn inside."""
     width = text_width(reference.name, 11)
     with canvas.element("reference", "", f"{way} {reference.name}", (x - 22 - width, level - 7, width + 22, 14)):

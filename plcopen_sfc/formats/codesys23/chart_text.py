@@ -110,7 +110,7 @@ def body_text(body: Body | None) -> str:
 
 
 @dataclass(slots=True)
-class ChartText:
+class ReadChart:
     """Chart that was read: its body, and the places of its parts."""
 
     body: SfcBody
@@ -138,7 +138,7 @@ class PouNames:
         return executed or qualifier.casefold() not in self.variables
 
 
-def read_chart(text: str, span: Span, names: PouNames, note: Note) -> ChartText:
+def read_chart(text: str, span: Span, names: PouNames, note: Note) -> ReadChart:
     """Read the chart in `span`."""
     return _ChartReader(text, span, names, note).run()
 
@@ -150,11 +150,11 @@ class _ChartReader:
         self.names = names
         self.note = note
         self.chart = SfcNetwork()
-        self.found = ChartText(SfcBody(chart=self.chart))
+        self.found = ReadChart(SfcBody(chart=self.chart))
         self.ends: list[tuple[Transition, tuple[list[str], list[str]], int]] = []
         self.next_id = 1
 
-    def run(self) -> ChartText:
+    def run(self) -> ReadChart:
         position, limit = self.span
         comments: list[Span] = []
         while True:

@@ -89,7 +89,7 @@ class Drafter:
     def _flat(self, statements: Iterable[Statement]) -> Iterator[Statement]:
         """The statements without those that do nothing: regions and lone semicolons."""
         for statement in statements:
-            if isinstance(statement, n.Region):
+            if isinstance(statement, n.RegionBlock):
                 text = f"the region {statement.title!r} is not drawn, only what is in it"
                 self.problems.append(NetworkProblem(text, None, Severity.INFO))
                 yield from self._flat(statement.statements)

@@ -223,7 +223,7 @@ def _by_position(block: StandardBlock, values: Sequence[Expression]) -> Expressi
 
 def _statements(statements: Iterable[Statement]) -> Iterator[Statement]:
     for statement in statements:
-        if isinstance(statement, n.Region):
+        if isinstance(statement, n.RegionBlock):
             yield from _statements(statement.statements)
         elif isinstance(statement, n.If) and statement.branches[0].condition == TRUE:
             yield from statement.branches[0].statements

@@ -315,7 +315,7 @@ class Builder(Transformer[Token, Any]):
 
     def region(self, items: Items) -> Any:
         title: str = items[0].value[len("REGION") :].strip()
-        return n.Region(title, self._statements(items[1]), span=over(items))
+        return n.RegionBlock(title, self._statements(items[1]), span=over(items))
 
     def try_(self, items: Items) -> Any:
         handler = next((i for i in items if isinstance(i, _Handler)), None)

@@ -289,7 +289,7 @@ class Repeat(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Region(Node):
+class RegionBlock(Node):
     """``REGION title .. END_REGION`` (SCL): folds in the editor, means nothing."""
 
     title: str
@@ -358,8 +358,8 @@ class Unreadable(Node):
 
 
 Statement: TypeAlias = (
-    "Assignment | CallStatement | If | Case | For | While | Repeat | Region | Try | Exit | Continue | Return | Goto"
-    " | Label | Empty | EmbeddedCode | Unreadable"
+    "Assignment | CallStatement | If | Case | For | While | Repeat | RegionBlock | Try | Exit | Continue | Return"
+    " | Goto | Label | Empty | EmbeddedCode | Unreadable"
 )
 """Any statement."""
 

@@ -155,7 +155,7 @@ class Printer:
             case n.Repeat(statements, condition):
                 until = f"UNTIL {self.text(condition)}{self._newline}{indent}END_REPEAT;"
                 return self._block("REPEAT", statements, until, indent)
-            case n.Region(title, statements):
+            case n.RegionBlock(title, statements):
                 return self._block(f"REGION {title}".rstrip(), statements, "END_REGION", indent)
             case n.Try():
                 return self._try(node, indent)

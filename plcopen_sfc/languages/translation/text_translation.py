@@ -103,7 +103,7 @@ def region_edits(parsed: Parsed[Any]) -> list[Edit]:
     ends = [end for end in ends if not any(a <= end[0] < b for a, b in (c.span for c in parsed.comments))]
     edits = []
     for node in walk(parsed.tree):
-        if isinstance(node, n.Region) and node.span is not None:
+        if isinstance(node, n.RegionBlock) and node.span is not None:
             start, end = node.span
             first = min((text.find(mark, start, end) for mark in "\r\n" if mark in text[start:end]), default=end)
             last = max(each for each in ends if start < each[0] < end)

@@ -35,7 +35,7 @@ from plcopen_sfc.lowering.encodings.case_states import (
     one_region,
     regions_of,
 )
-from plcopen_sfc.lowering.encodings.step_branches import BranchCode, Scope, StepBranches, branch_lines
+from plcopen_sfc.lowering.encodings.step_branches import BranchCode, StepBranches, UntouchedVariables, branch_lines
 from plcopen_sfc.lowering.lowering_options import ActionPlace, States
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together, refuse_classic
@@ -187,7 +187,7 @@ class RegionEncoding(ScanSchedule):
             machine.state,
             last,
             {self.names.step(i): i for i in machine.region.steps},
-            Scope(self.source, self.code.own_names),
+            UntouchedVariables(self.source, self.code.own_names),
         )
         self.code.networks[begin:] = branches.take(self.code.networks[begin:])
         self._done = branches.code

@@ -23,7 +23,7 @@ from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.variables import SectionKind
 
 
-class Scope:
+class UntouchedVariables:
     """Variables of a POU that code outside of it cannot touch, and what a call of its own actions touches.
 
     `own`: names that only the lowered code knows, in lower case.
@@ -58,7 +58,7 @@ _WORD = re.compile(r"\w+")
 class Effect:
     """Variables that code reads and writes. What it calls may touch all that is not private."""
 
-    def __init__(self, scope: Scope) -> None:
+    def __init__(self, scope: UntouchedVariables) -> None:
         self._scope = scope
         self.reading: set[Path] = set()
         self.writing: set[Path] = set()
@@ -122,7 +122,7 @@ class StepBranches:
         state: Expression,
         last: Expression | None,
         steps: Mapping[Expression, int],
-        scope: Scope,
+        scope: UntouchedVariables,
     ) -> None:
         self._state, self._last, self._steps = state, last, steps
         self._scope, self._passed = scope, Effect(scope)

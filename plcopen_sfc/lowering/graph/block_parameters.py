@@ -22,7 +22,7 @@ from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.graph.sequencer_source import GraphSource
 from plcopen_sfc.lowering.graph.sequencer_texts import GraphTexts
-from plcopen_sfc.lowering.graph.step_supervision import StepChecks
+from plcopen_sfc.lowering.graph.step_supervision import SupervisionChecks
 from plcopen_sfc.semantics.charts.graph.graph_parameters import MODES, Mode
 
 
@@ -99,7 +99,7 @@ def add_reports(
     source: GraphSource,
     code: LoweredCode,
     commands: BlockCommands,
-    steps: Sequence[tuple[Expression, StepChecks]],
+    steps: Sequence[tuple[Expression, SupervisionChecks]],
     texts: GraphTexts,
     *,
     state: n.Name | None,

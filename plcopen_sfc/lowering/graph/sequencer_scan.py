@@ -30,7 +30,7 @@ from plcopen_sfc.lowering.graph.sequencer_source import (
     step_quantity,
 )
 from plcopen_sfc.lowering.graph.sequencer_texts import graph_texts
-from plcopen_sfc.lowering.graph.step_supervision import CheckedStep, StepChecks, StepClock
+from plcopen_sfc.lowering.graph.step_supervision import CheckedStep, StepClock, SupervisionChecks
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.schedule.added_inputs import declare_restart
 from plcopen_sfc.model.actions import ActionEvent
@@ -71,7 +71,7 @@ class Sequencer(ABC):
         self._registered: dict[int, n.Name] = {}
         self.checks = [self._checks_of(step.index) for step in self.net.steps]
 
-    def _checks_of(self, step: int) -> StepChecks:
+    def _checks_of(self, step: int) -> SupervisionChecks:
         needed = self.questions.of(step)
         for row in self.source.rows[step]:
             needed |= {row.event.value} if row.event is not None else set()
@@ -80,7 +80,9 @@ class Sequencer(ABC):
         if "ERR_FLT" in self.source.parameters or "U" in needed:
             needed |= {"LS", "VA"}
         comment = partial(self.own_texts.check, self.net.steps[step].path)
-        return StepChecks(self.source, step, self.code, CheckedStep(self.signs[step], needed, self.questions, comment))
+        return SupervisionChecks(
+            self.source, step, self.code, CheckedStep(self.signs[step], needed, self.questions, comment)
+        )
 
     @abstractmethod
     def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:

@@ -48,7 +48,7 @@ class CheckedStep:
     comment: Callable[[str], str]
 
 
-class StepChecks:
+class SupervisionChecks:
     """Checks of one step. `early`: they are evaluated before the step change."""
 
     def __init__(self, source: GraphSource, step: int, code: LoweredCode, asked: CheckedStep) -> None:
@@ -302,7 +302,7 @@ class StepClock:
         kept = [when(self._signs[i].active, assignment(name, self._elapsed(i))) for i, name in self._kept.items()]
         return [*calls, *kept]
 
-    def counted(self, checks: Sequence[StepChecks]) -> list[Statement]:
+    def counted(self, checks: Sequence[SupervisionChecks]) -> list[Statement]:
         """Return the times without disturbance, behind the checks of the active steps."""
         found: list[Statement] = []
         for step, (sum_, old) in self._undisturbed.items():

@@ -270,7 +270,7 @@ class StatementTranslator:
             case n.Repeat(statements=statements, condition=condition):
                 self._guards.forget(statement)
                 self._repeat(statements, condition)
-            case n.Region(statements=statements):
+            case n.RegionBlock(statements=statements):
                 self.all(statements)
             case n.Exit() | n.Continue():
                 self._leave_loop(statement)

@@ -170,7 +170,7 @@ statements = st.one_of(
     st.just(n.Label(n.Name("again"))),
     st.builds(lambda a: n.CallStatement(call("Drive", Speed=a)), numbers),
     st.just(n.Empty()),
-    st.builds(lambda a: n.Region("title", (a,)), simple),
+    st.builds(lambda a: n.RegionBlock("title", (a,)), simple),
 )
 programs = st.lists(statements, max_size=6).map(lambda found: n.Statements(tuple(found)))
 """Statements of every kind, most of which have a graphical form."""

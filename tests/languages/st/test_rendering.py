@@ -29,7 +29,7 @@ from plcopen_sfc.languages.st.nodes import (
     Node,
     Operation,
     Operator,
-    Region,
+    RegionBlock,
     Statement,
     Statements,
     Unary,
@@ -94,7 +94,7 @@ def test_a_statement_is_put_in_behind_the_comment_of_the_one_before() -> None:
 def test_what_stands_right_behind_a_new_statement_does_not_become_a_part_of_it() -> None:
     parsed = parse_statements("a();b();", Dialect.SCL)
     first, last = parsed.tree.statements
-    assert render(parsed, Statements((first, Region("", ()), last))) == "a();\nREGION\nEND_REGION\nb();"
+    assert render(parsed, Statements((first, RegionBlock("", ()), last))) == "a();\nREGION\nEND_REGION\nb();"
 
 
 def test_a_statement_is_taken_out_with_its_line() -> None:

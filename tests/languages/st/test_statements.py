@@ -101,9 +101,9 @@ def test_statements_of_scl() -> None:
     text = 'REGION Fill (the tank) // free text\n "DB".a := 1;\nREGION\nEND_REGION END_REGION'
     assert read(text, SCL) == [
         (
-            "Region",
+            "RegionBlock",
             "Fill (the tank) // free text",
-            [("Assignment", ("Member", '"DB', "a"), "1", ":="), ("Region", "", [])],
+            [("Assignment", ("Member", '"DB', "a"), "1", ":="), ("RegionBlock", "", [])],
         )
     ]
     call = read('"TON_DB".TON(IN := #a, PT := T#1s, Q => #q); #inst(x := 1);', SCL)[0][1]

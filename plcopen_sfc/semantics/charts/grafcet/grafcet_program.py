@@ -13,7 +13,7 @@ from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionKind, Condition, Qualifier
 from plcopen_sfc.semantics.charts.chart_actions import Actions, Owner
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
-from plcopen_sfc.semantics.charts.grafcet.term_evaluation import Terms
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import ChartTerms
 from plcopen_sfc.semantics.charts.qualifier_control import SituationChange
 from plcopen_sfc.semantics.charts.step_state import Origin, Reached
 from plcopen_sfc.semantics.charts.transition_firing import Cleared, Move, Run
@@ -48,7 +48,7 @@ class _Stored:
     happens: Callable[[Frame], bool] | None = None
 
 
-def _event(model: ActionAssociation, terms: Terms | None, path: str, owner: Owner) -> Condition | None:
+def _event(model: ActionAssociation, terms: ChartTerms | None, path: str, owner: Owner) -> Condition | None:
     if model.kind is not ActionKind.ON_EVENT:
         return None
     if model.condition is None or terms is None:
@@ -67,7 +67,7 @@ class GrafcetActions:
         owned: Sequence[tuple[Owner, ActionAssociation]],
         scope: Scope,
         path: str,
-        terms: Terms | None,
+        terms: ChartTerms | None,
         profile: Profile,
         *,
         reached: Reached,
@@ -156,7 +156,7 @@ class GrafcetActions:
 
 
 class Grafcet:
-    """Terms, actions and hierarchy of a chart."""
+    """ChartTerms, actions and hierarchy of a chart."""
 
     def __init__(
         self,
@@ -168,7 +168,7 @@ class Grafcet:
         *,
         reached: Reached,
     ) -> None:
-        self.terms = Terms(scope, path)
+        self.terms = ChartTerms(scope, path)
         self._reads = profile.grafcet_terms
         self._conditions = {t.index: self.read(t.transition.condition) for t in net.transitions}
         self._hierarchy = Hierarchy(net, owned, path)

@@ -128,7 +128,7 @@ class _Timer:
     off_time: Callable[[Frame], int] | None = None
 
 
-class Terms:
+class ChartTerms:
     """The terms of a chart, each with its hidden variable."""
 
     def __init__(self, scope: Scope, path: str) -> None:
