@@ -80,6 +80,13 @@ from plcopen_sfc.pages import (
     diff_page as diff_page,
     page as page,
 )
+from plcopen_sfc.refactor.builder import (
+    jump as jump,
+    selection as selection,
+    simultaneous as simultaneous,
+    step as step,
+    transition as transition,
+)
 from plcopen_sfc.report import (
     ConversionReport as ConversionReport,
     Converted as Converted,

@@ -242,6 +242,16 @@ def test_list_charts(workplace: Path) -> None:
 
 
 @pytest.mark.slow
+def test_build_chart_writes_the_same_chart_for_several_tools(workplace: Path) -> None:
+    printed = example(workplace, "build_chart.py", ".").stdout.splitlines()
+    assert [line.split()[1:] for line in printed] == [["0", "losses"]] * 3
+    charts = [plcopen_sfc.load(workplace / line.split()[0]).pou("Main").chart for line in printed]
+    assert {tuple(sorted(chart.labels().values())) for chart in charts} == {
+        ("Drain -> Wait", "Fill -> Drain", "Fill -> Heat+Mix", "Heat+Mix -> Drain", "Wait -> Fill")
+    }
+
+
+@pytest.mark.slow
 def test_rename_steps_shows_a_diff_and_then_does_it(workplace: Path) -> None:
     path = workplace / "fixtures" / "codesys" / "sorting_conveyor.xml"
     before = path.read_bytes()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -172,11 +173,8 @@ class ActionAssociation(Element):
                 duration, _, target = words[0].partition(" ")
                 fields["duration"], words = duration, [target]
         target, assigns, value = " ".join(words).partition(":=")
-        if (
-            not target.strip()
-            or (assigns and not value.strip())
-            or ("duration" in fields and times.objection(duration))
-        ):
+        wrong = not target.strip() or (assigns and not value.strip()) or len(_ENCLOSED.sub("", target).split()) > 1
+        if wrong or ("duration" in fields and times.objection(fields["duration"])):
             raise ModelError(
                 f"{text!r} is no action of a step",
                 hint='Write qualifier, time and target: "N Valve", "D T#2s Lamp", "S Count := Count + 1".',
@@ -191,6 +189,10 @@ class ActionAssociation(Element):
         target = self.target or (f"({self.body.language})" if self.body is not None else "")
         parts = (event, when if when is not Qualifier.NONE else None, self.duration, target)
         return " ".join(str(part) for part in parts if part) + (f" := {self.value}" if self.value else "")
+
+
+_ENCLOSED = re.compile(r'"[^"]*"|\[[^\]]*\]')
+"""Parts of a target that may have blanks in them: quoted names and indices."""
 
 
 class Monitoring(StrEnum):

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from enum import StrEnum
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from pydantic import Field
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.owners import OwnedName
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
-from plcopen_sfc.model.types import Variable
-from plcopen_sfc.model.variables import Interface, SectionKind
+from plcopen_sfc.model.types import DataType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
 class PouKind(StrEnum):
@@ -108,6 +108,41 @@ class Pou(ProjectObject):
     def variables(self, kind: SectionKind | None = None) -> list[Variable]:
         """The variables of its interface, or those of one kind of section, in the order of their declaration."""
         return self.interface.variables(kind) if self.interface is not None else []
+
+    def add_variable(
+        self, name: str, type: DataType | str = "BOOL", kind: SectionKind | str = SectionKind.LOCAL
+    ) -> Variable:
+        """Declare a variable: ``pou.add_variable("Level", "INT", "input")``.
+
+        Raises `ModelError` where the name is taken.
+        """
+        self._claim(name)
+        fields: dict[str, Any] = {"type": type}
+        variable = Variable(name=name, **fields)
+        if self.interface is None:
+            self.interface = Interface()
+        plain = VariableSection(kind=SectionKind(kind))
+        for section in self.interface.sections:
+            if section.model_copy(update={"variables": [], "comment": None, "carried": None}) == plain:
+                section.variables.append(variable)
+                break
+        else:
+            plain.variables.append(variable)
+            self.interface.sections.append(plain)
+        return variable
+
+    def add_action(self, name: str, text: str = "") -> Action:
+        """Append an action in ST. Raises `ModelError` where the name is taken."""
+        self._claim(name)
+        action = Action(name=name, body=StBody(text=text))
+        self.actions.append(action)
+        return action
+
+    def _claim(self, name: str) -> None:
+        check_argument(name, str, "the name is a text")
+        parts: list[Action | NamedTransition | Method | Variable] = [*self.actions, *self.transitions, *self.methods]
+        if any(each.name.casefold() == name.casefold() for each in parts + self.variables()):
+            raise ModelError(f"{self.report_path} has a {name!r} already")
 
     def action(self, name: str) -> Action:
         """The action of this name; case does not matter. Raises `ModelError`."""

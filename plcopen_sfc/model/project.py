@@ -13,12 +13,12 @@ from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
-from plcopen_sfc.model.pou import DataBlock, NamedBody, Pou
+from plcopen_sfc.model.pou import DataBlock, NamedBody, Pou, PouKind
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
-from plcopen_sfc.model.variables import AccessSection, ConfigSection, VariableSection
+from plcopen_sfc.model.variables import AccessSection, ConfigSection, Interface, VariableSection
 from plcopen_sfc.operations import provided
 
 if TYPE_CHECKING:
@@ -285,6 +285,32 @@ class Project(Owned, Element):
             f"the project has no POU {name!r}{nearest(name, names)}",
             hint="It has: " + (", ".join(names[:20]) or "none"),
         )
+
+    def add_program(self, name: str, *parts: Any, place: str = "") -> Pou:
+        """Append a program with a chart of these parts; see `SfcNetwork.add_sequence`. `place` as in `Pou`.
+
+        Raises `ModelError` where the name is taken or a part is out of place; then nothing is changed.
+        """
+        return self._add_pou(name, PouKind.PROGRAM, parts, place)
+
+    def add_function_block(self, name: str, *parts: Any, place: str = "") -> Pou:
+        """Append a function block with a chart, as `add_program` does."""
+        return self._add_pou(name, PouKind.FUNCTION_BLOCK, parts, place)
+
+    def _add_pou(self, name: str, kind: PouKind, parts: tuple[Any, ...], place: str) -> Pou:
+        check_argument(name, str, "the name of a POU is a text")
+        if any(pou.name.casefold() == name.casefold() for pou in self.pous):
+            raise ModelError(f"the project has a POU {name!r} already")
+        chart = SfcNetwork()
+        pou = Pou(name=name, kind=kind, interface=Interface(), bodies=[SfcBody(chart=chart)], place=place)
+        self.pous.append(pou)
+        try:
+            if parts:
+                chart.add_sequence(*parts)
+        except ModelError:
+            self.pous.remove(pou)
+            raise
+        return pou
 
     def rename(self, path: str, new: str) -> RenameResult:
         """Give a thing another name; every use of it in every body and declaration follows.

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
@@ -74,8 +74,8 @@ class Step(OwnedName, Element):
     min_time: str | None = None
     max_time: str | None = None
     warning_time: str | None = None
-    interlock: Supervised | None = None
-    supervision: Supervised | None = None
+    interlock: SupervisedOrText | None = None
+    supervision: SupervisedOrText | None = None
     macro: Macro | None = None
     encloses: list[Enclosure] | None = None
     negated: bool = False
@@ -117,6 +117,14 @@ class Supervised(Model):
     condition: Condition | None = None
     title: Text | None = None
     alarm: Text | None = None
+
+
+def _supervised(value: Any) -> Any:
+    return {"condition": value} if isinstance(value, str) else value
+
+
+SupervisedOrText = Annotated[Supervised, BeforeValidator(_supervised)]
+"""An interlock or a supervision. In Python a plain string is its condition: ``step.interlock = "NOT Fault"``."""
 
 
 class Transition(Element):
@@ -439,12 +447,44 @@ class SfcNetwork(LateElement):
             used += [i for s in self.drawing.symbols for e in s.entries or () for i in (e.local_id or 0, e.association)]
         return max(used, default=-1) + 1
 
-    def add_step(self, name: str, *, initial: bool = False) -> Step:
-        """Append a step. Raises `ModelError` where the name is taken."""
+    def add_step(
+        self,
+        name: str,
+        *,
+        initial: bool = False,
+        actions: Iterable[str | tuple[str, str]] = (),
+        declare: bool = True,
+        **fields: Any,
+    ) -> Step:
+        """Append a step: ``chart.add_step("Fill", actions=["N Valve", "D T#2s Lamp"], max_time="T#30s")``.
+
+        `actions` are texts as `ActionAssociation.parse` takes them; a pair of one with statements makes an action of
+        the POU too: ``("N Pour", "Pump := Level < 9;")``. With `declare`, variables that they name and nothing declares
+        are declared in the POU: BOOL outputs, and TIME inputs for durations. `fields` are those of `Step`. Raises
+        `ModelError` where the name is taken, or a field or an action is wrong; then nothing is changed.
+        """
         self._claim(name)
-        step = Step(id=self.new_id(), name=name, initial=initial)
+        lines = [line if isinstance(line, tuple) else (line, None) for line in actions]
+        first = self.new_id()
+        step = Step(id=first, name=name, initial=initial)
+        step.actions = [ActionAssociation.parse(text, number) for number, (text, _) in enumerate(lines, first + 1)]
+        for field, value in fields.items():
+            setattr(step, field, value)
         self.steps.append(step)
+        if lines and declare:
+            provided("declare_named")(self, [step], [], dict(step_codes(step, lines)))
         return step
+
+    def add_sequence(self, *parts: Any, after: StepKey | None = None, declare: bool = True) -> None:
+        """Append steps and transitions in the order in which a person reads a chart: steps and conditions in turn.
+
+        A condition is a text, or `transition` with a name or priority; `step`, `selection`, `simultaneous` and `jump`
+        make the other parts. See `plcopen_sfc.refactor.builder`. `after` is the step of the chart that the first
+        condition follows; without it the first part is a step. With `declare`, variables that nothing declares are
+        declared in the POU: what actions name as `add_step` does, what conditions join by AND, OR and NOT as BOOL
+        inputs. Raises `ModelError` where a part is out of place; then nothing is changed.
+        """
+        provided("add_sequence")(self, parts, after, declare=declare)
 
     def add_transition(
         self,
@@ -504,6 +544,13 @@ class SfcNetwork(LateElement):
         check_argument(name, str, "the name of a step is a text")
         if any(step.name.casefold() == name.casefold() for step in self.steps):
             raise ModelError(f"this chart has a step {name!r} already", location=Location(path=f"step {name}"))
+
+
+def step_codes(step: Step, lines: Iterable[str | tuple[str, str | None]]) -> Iterator[tuple[str, str]]:
+    """Statements of the actions of a step by the names of these, from the `lines` that `add_step` got for it."""
+    for association, line in zip(step.actions, lines, strict=True):
+        if isinstance(line, tuple) and line[1] is not None and association.target:
+            yield association.target, line[1]
 
 
 def _not_found(kind: str, key: str | int, names: list[str]) -> ModelError:

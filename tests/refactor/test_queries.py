@@ -135,15 +135,15 @@ def test_a_trace_is_a_table() -> None:
     assert [record[name] for record in records] == list(trace.columns[0])
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["N Valve", "D T#2s Lamp", "S Count := Count + 1", "S1 R Valve", "C N Valve", "SD tMax Motor.ACT_Stop", "P1 A"],
-)
+LINES = ["N Valve", "D T#2s Lamp", "S Count := Count + 1", "S1 R Valve", "C N Valve", "SD tMax Motor.ACT_Stop", "P1 A"]
+
+
+@pytest.mark.parametrize("text", [*LINES, 'N "My valve"', "S a[i + 1]"])
 def test_the_text_of_an_action_is_read_and_written(text: str) -> None:
     assert sfc.ActionAssociation.parse(text, 1).text == text
 
 
-@pytest.mark.parametrize("text", ["", "D Lamp", "D T#2s", "S x :=", "D 5s Lamp"])
+@pytest.mark.parametrize("text", ["", "D Lamp", "D T#2s", "S x :=", "D 5s Lamp", "X Valve", "N Valve Lamp"])
 def test_a_text_that_is_no_action_is_refused(text: str) -> None:
     with pytest.raises(ModelError, match="is no action of a step"):
         sfc.ActionAssociation.parse(text, 1)
