@@ -31,7 +31,7 @@ from plcopen_sfc.errors import SfcError
 from plcopen_sfc.report import ConversionReport, Outcome
 
 FIXTURES = Path(__file__).resolve().parents[1] / "fixtures"
-TARGETS = ("codesys", "plcopen-2.01", "plcopen-1.01", "simaticml", "scl", "iec-text")
+TARGETS = ("codesys", "twincat", "codesys23", "plcopen-2.01", "plcopen-1.01", "simaticml", "scl", "iec-text")
 WRITTEN = ("executed", "otherwise", "partial", "refused", "failed")
 COLUMNS = ("files", *WRITTEN, "unsaid", "the same", "unknown", "different")
 

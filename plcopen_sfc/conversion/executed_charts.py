@@ -108,7 +108,7 @@ class ExecutedChartReader:
                 keys[transition.id] = self._transition(part, transition)
         self._priorities(part, keys)
         self._settings(part)
-        if self.owner.detail and self.chart.logic:
+        if self.chart.logic:
             part.tell("drawn logic", self._logic())
         operations = (("before", self.chart.permanent_pre), ("after", self.chart.permanent_post))
         for when, permanent in operations:

@@ -306,6 +306,7 @@ _ALSO_CALLED = {
     "max time": ("maximum time",),
     "min time": ("minimum time",),
     "code": ("body", "network", "IL body"),
+    "drawn logic": ("logic",),
     "extends": ("type",),
     "union": ("type",),
     "macro-step": ("macro",),
@@ -378,7 +379,9 @@ def _is_noticed(difference: ExecutionDifference, noticed: set[str], around_notic
     return any(around in noticed for around in path.outwards())
 
 
-_LEFT_TO_THE_READER = frozenset({"address", "static", "arguments", "edge", "extends", "implements", "union"})
+_LEFT_TO_THE_READER = frozenset(
+    {"address", "static", "arguments", "edge", "extends", "implements", "union", "drawn logic", "order of transitions"}
+)
 """Aspects of which no writer speaks: what the target does not say is found when it is read back."""
 
 _OF_THE_CONFIGURATION = frozenset({"task", "program instance", "VAR_CONFIG", PROGRAM_CALL})
@@ -532,6 +535,7 @@ _MISSING = {
     SHOWN_STATE: "nothing sets these outputs in {tool}: {left}",
     PLAIN_VARIABLES: "variables of this name operate the sequence or show its state in {tool}: {left}",
     "code": "the {kind} has no program in {tool}",
+    "drawn logic": "what is drawn beside the steps is NOT executed in {tool}: `{left}`",
     "extends": "the {kind} does not extend `{left}` in {tool}: nothing of that is in it",
     "implements": "the {kind} does not implement `{left}` in {tool}",
     "union": "the members of the UNION do not share their memory in {tool}",

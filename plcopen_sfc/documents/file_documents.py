@@ -255,6 +255,7 @@ _NAMED = 3
 def verify(project: Project, kind: Format, back: Project, report: ConversionReport) -> None:
     """Compare what was written with what is read `back`: what does not come back is lost, whatever was reported.
 
+    What the written file has besides, such as an id that the format asks for, is `translated`.
     Networks are compared by their meaning where the format draws them in its own way. `back` is changed by that.
     """
     if not kind.positions:
@@ -265,6 +266,10 @@ def verify(project: Project, kind: Format, back: Project, report: ConversionRepo
         project = numbered_in_order(project)
         number_in_order(back)
     for difference in differences(project, back, ignore=frozenset({"drawing"})):
+        if difference.left is None:
+            why = f"the written file has {_short(difference.right)}, and the source nothing"
+            report.add(Outcome.TRANSLATED, "field", difference.path, why)
+            continue
         why = f"{_short(difference.left)} comes back as {_short(difference.right)}"
         report.add(Outcome.DROPPED, "field", difference.path, why)
 

@@ -213,13 +213,15 @@ def _negated_condition(rig: Rig) -> None:
     rig.act("Work", "q")
 
 
-def _named(language: str) -> Callable[[Rig], None]:
+def _named(language: str, *, negated: bool = False) -> Callable[[Rig], None]:
     def build(rig: Rig) -> None:
         body: m.Body = m.StBody(text="b AND NOT g")
-        if language != "ST":
+        if language == "IL":
+            body = m.IlBody(text="LD b\nANDN g")
+        elif language != "ST":
             body = drawn("Ready := b AND NOT g;", language)
         rig.pou.transitions.append(m.NamedTransition(name="Ready", body=body))
-        rig.chart.transitions[1].condition = m.NamedCondition(name="Ready")
+        rig.chart.transitions[1].condition = m.NamedCondition(name="Ready", negated=negated)
         rig.act("Work", "q")
 
     return build
@@ -233,6 +235,25 @@ def _wired(rig: Rig) -> None:
     pin = m.InputPin(connections=list(drawing.outputs))
     rig.chart.transitions[1].condition = m.WiredCondition(input=pin)
     rig.act("Work", "q")
+
+
+def _drawn_logic(rig: Rig) -> None:
+    drawing = draw_fbd(parse_statements("r := Work.X AND g;").tree.statements, first_id=rig.chart.new_id())
+    rig.chart.logic = drawing.body.networks[0].nodes
+    rig.act("Work", "q")
+
+
+def _priority_of_convergence(rig: Rig) -> None:
+    chart = rig.chart
+    left, right = chart.add_step("Left"), chart.add_step("Right")
+    chart.transitions.clear()
+    chart.add_transition(chart.step("Idle"), [left, right], "a")
+    chart.add_transition([left, right], chart.step("Work"), "b AND c")
+    rig.go("Left", "Done", "b")
+    rig.go("Work", "Idle", "g")
+    rig.go("Done", "Left", "g")
+    rig.act("Work", "q")
+    rig.act("Done", "r")
 
 
 def _minimum(rig: Rig) -> None:
@@ -455,10 +476,12 @@ def _features() -> Iterator[Feature]:
         yield Feature(f"{kind} action", ("codesys",), _step_action(kind))
     yield Feature("priority", _ALL, _priority)
     yield Feature("simultaneous sequences", _ALL, _parallel)
+    yield Feature("priority of a convergence", ("iec-text",), _priority_of_convergence)
     yield Feature("condition: expression", _ALL, _condition("b AND NOT g OR c"))
     yield Feature("condition: negated", ("plcopen",), _negated_condition)
-    for language in ("ST", "FBD", "LD"):
+    for language in ("ST", "FBD", "LD", "IL"):
         yield Feature(f"condition: named, {language}", ("codesys", "plcopen"), _named(language))
+    yield Feature("condition: named, negated", ("plcopen",), _named("ST", negated=True))
     yield Feature("condition: wired", ("plcopen",), _wired)
     yield Feature("condition: step flag", _ALL, _condition("Work.X AND b"))
     yield Feature("condition: step time", _ALL, _condition("Work.T > T#50ms"))
@@ -474,6 +497,7 @@ def _features() -> Iterator[Feature]:
     yield Feature("excluded element", ("codesys",), _excluded)
     yield Feature("retain", ("codesys", "plcopen", "iec-text"), _retain)
     yield Feature("negated action", ("plcopen",), _negated_action)
+    yield Feature("drawn logic", ("plcopen",), _drawn_logic)
     yield Feature("macro-step", ("plcopen",), _macro)
     for event in ("S1", "S0", "V1", "V0", "L1", "L0", "A1", "R1"):
         yield Feature(f"event {event}", ("simaticml",), _event(event, "S"))

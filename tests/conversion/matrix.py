@@ -29,6 +29,7 @@ CAUTIOUS = {
     ("retain", "codesys"): _IMPORT,
     ("condition: wired", "codesys"): _IMPORT,
     ("macro-step", "codesys"): _IMPORT,
+    ("drawn logic", "codesys"): _IMPORT,
     ("negated action", "codesys"): _IMPORT,
     ("two sequences", "codesys"): _IMPORT,
     ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",

@@ -25,7 +25,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.languages.networks.drawn_conditions import shown_body, shown_named_condition
 from plcopen_sfc.model.base import Carried, Element, ForeignData
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
@@ -339,9 +339,9 @@ class _PouWriter:
                 self._drawn_body(held, body, path, part)
 
     def _drawn_body(self, held: etree._Element, body: Body, path: str, part: _Part | None) -> None:
-        """Write a body that is drawn as the structured text that does the same."""
+        """Write a body that is drawn, or a condition in IL, as the structured text that does the same."""
         text: str | None = None
-        if isinstance(body, FbdBody | LdBody) and isinstance(part, NamedTransition):
+        if isinstance(body, FbdBody | LdBody | IlBody) and isinstance(part, NamedTransition):
             shown = shown_named_condition(part, Dialect.CODESYS)
             text = shown[0] if shown is not None and not shown[1] else None
         elif isinstance(body, FbdBody | LdBody):

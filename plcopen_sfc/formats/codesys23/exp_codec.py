@@ -16,7 +16,7 @@ import codecs
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from plcopen_sfc.errors import EncodingError
@@ -41,7 +41,7 @@ from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node, transform, walk
-from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
+from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
 from plcopen_sfc.model.compare import path_of
@@ -314,18 +314,37 @@ def _each_text(block: WrittenBlock) -> WrittenBlock:
     return replace(block, text=text, blocks=tuple(map(_each_text, block.blocks)))
 
 
+@dataclass(slots=True)
+class _List:
+    """A list in brackets, or what is in parentheses, up to the place that was read.
+
+    `is_value`: it is what an array or a member starts with. `is_several`: it has more than one element. `is_of_lists`:
+    an element is a list itself.
+    """
+
+    opening: Token
+    is_value: bool
+    is_several: bool = False
+    is_of_lists: bool = False
+
+
 def _bare_lists(text: str) -> str:
     """Return declarations with the initial values of arrays as CoDeSys 2.3 has them: ``:= 1, 2, 3(7)``."""
     tokens = tokenize(text, _DIALECT).tokens if "[" in text else []
     edits: list[Edit] = []
-    for index, token in enumerate(tokens[:-1]):
-        if token.type != "ASSIGN" or tokens[index + 1].type != "LSQB":
-            continue
-        end = next((at for at in range(index + 2, len(tokens)) if tokens[at].type in ("LSQB", "RSQB")), index)
-        inside = {each.type for each in tokens[index + 2 : end]}
-        # the list of an array in an array would not be told from its elements, and one value not from a list
-        if end > index and tokens[end].type == "RSQB" and inside & {"COMMA", "LPAR"}:
-            edits += [Edit(*tokens[index + 1].span, ""), Edit(*tokens[end].span, "")]
+    around: list[_List] = []
+    for index, token in enumerate(tokens):
+        if around and token.type in ("COMMA", "LPAR"):
+            around[-1].is_several = True
+        if token.type == "LSQB" and around and around[-1].opening.type == "LSQB":
+            around[-1].is_of_lists = True
+        if token.type in ("LSQB", "LPAR"):
+            around.append(_List(token, is_value=index > 0 and tokens[index - 1].type == "ASSIGN"))
+        elif token.type in ("RSQB", "RPAR") and around:
+            ended = around.pop()
+            # the list of an array in an array would not be told from its elements, and one value not from a list
+            if token.type == "RSQB" and ended.is_value and ended.is_several and not ended.is_of_lists:
+                edits += [Edit(*ended.opening.span, ""), Edit(*token.span, "")]
     return apply_edits(text, edits)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
@@ -261,6 +261,16 @@ def unnegated(fields: Fields) -> None:
         fields["text"] = found.group(1) if found.group(1) is not None else found.group(2)
 
 
+def named_condition(text: str, named: Container[str]) -> Fields | None:
+    """Return the condition that is, or negates, one of the transition objects `named`, in lower case."""
+    plain: Fields = {"text": text}
+    unnegated(plain)
+    if plain["text"].casefold() not in named:
+        return None
+    negation = {"negated": True} if plain["text"] != text else {}
+    return {"kind": "named", "name": plain["text"], **negation}
+
+
 # -- the chart --------------------------------------------------------------------------------------------------------
 
 
@@ -384,8 +394,7 @@ def _finished_transition(src: TextSource, element: ElementText, around: ChartRef
     if condition is not None and condition["kind"] == "expression":
         if any(c.path == ("condition", "negated") for c, _ in element.annotations.changes):
             unnegated(condition)
-        if condition["text"].casefold() in around.named_transitions:
-            fields["condition"] = {"kind": "named", "name": condition["text"]}
+        fields["condition"] = named_condition(condition["text"], around.named_transitions) or condition
     if condition is None and not any(c.path[0] == "condition" for c, _ in element.annotations.changes):
         src.note("SFC112", "a transition has no condition", element.start, element.path)
     for found in element.annotations.changes:

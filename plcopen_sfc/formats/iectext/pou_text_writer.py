@@ -16,6 +16,7 @@ from plcopen_sfc.formats.iectext.chart_text_reader import (
     association_fields,
     body_fields,
     ids_within,
+    named_condition,
     unnegated,
 )
 from plcopen_sfc.formats.iectext.text_declarations import write_interface
@@ -350,9 +351,7 @@ class ChartTextWriter:
                 if back["text"] != text:
                     return self._nothing_right(transition, inner)
                 text = shown
-            if read_back["text"].casefold() in self.named:
-                read_back = {"kind": "named", "name": read_back["text"]}
-            return f"{inner}:= {text};\n", {"condition": read_back}
+            return f"{inner}:= {text};\n", {"condition": named_condition(text, self.named) or read_back}
         if isinstance(condition, BodyCondition) and getattr(condition.body, "language", "") in ("ST", "IL"):
             text = condition.body.text  # type: ignore[union-attr]
             lines, comes_back = self.printer.code(text)

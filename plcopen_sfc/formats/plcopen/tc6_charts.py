@@ -367,6 +367,37 @@ class Tc6ChartWriter:
         self.symbol_fields = _SYMBOL - ({"execution_order"} if ctx.version.first_generation else set())
         self.conditions = self._drawn_conditions()
         self.drawn_step_actions = self._drawn_step_actions()
+        self.priorities = self._priorities()
+
+    def _priorities(self) -> dict[int, int]:
+        """Return the priorities of transitions that need one; what competes is tried in the order of the document else.
+
+        The drawing gives that order. It cannot be the one of the chart where a convergence of simultaneous branches
+        competes with a transition of one of them.
+        """
+        given = {transition.id: transition.priority for transition in self.chart.transitions}
+        drawn: dict[int, None] = {}
+        symbols = self._symbols
+        for number in self._document_order():
+            symbol = symbols.get(number)
+            if symbol is not None and symbol.kind is SymbolKind.TRANSITION:
+                drawn.update(dict.fromkeys(symbol.transitions or [symbol.id]))
+        place = {number: position for position, number in enumerate(drawn)}
+        wanted = sorted(self.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0))
+        leaving: dict[int, list[int]] = {}
+        for transition in wanted:
+            for source in transition.sources:
+                leaving.setdefault(source, []).append(transition.id)
+        competing = [order for order in leaving.values() if len(order) > 1]
+
+        def tried(number: int) -> tuple[bool, int, int]:
+            priority = given[number]
+            return priority is None, priority or 0, place.get(number, 0)
+
+        if all(order == sorted(order, key=tried) for order in competing):
+            return {number: priority for number, priority in given.items() if priority is not None}
+        every = {number for order in competing for number in order}
+        return {t.id: rank for rank, t in enumerate((t for t in wanted if t.id in every), 1)}
 
     def _drawn_conditions(self) -> dict[int, str]:
         """Return the text of each drawn expression, by the id of its symbol."""
@@ -399,13 +430,21 @@ class Tc6ChartWriter:
         """Return the transition of a symbol, or the first of several."""
         return self.transitions[symbol.transitions[0] if symbol.transitions else symbol.id]
 
-    def write(self, parent: etree._Element) -> None:
-        """Write the chart's symbols and logic into ``SFC``."""
-        symbols = {symbol.id: symbol for symbol in self.drawing.symbols}
+    @property
+    def _symbols(self) -> dict[int, Symbol]:
+        return {symbol.id: symbol for symbol in self.drawing.symbols}
+
+    def _document_order(self) -> list[int]:
+        """Return the ids of symbols and elements of logic in the order of the document."""
+        symbols = self._symbols
         order = [i for i in self.drawing.order or () if i in symbols or i in self.nodes]
         placed = set(order)
-        order += [i for i in (*symbols, *self.nodes) if i not in placed]
-        for number in order:
+        return order + [i for i in (*symbols, *self.nodes) if i not in placed]
+
+    def write(self, parent: etree._Element) -> None:
+        """Write the chart's symbols and logic into ``SFC``."""
+        symbols = self._symbols
+        for number in self._document_order():
             if number in symbols:
                 self.write_symbol(parent, symbols[number])
             else:
@@ -479,8 +518,8 @@ class Tc6ChartWriter:
         if ctx.dialect.states_actions:
             # these tools go by the order of the branches
             native = native - {"priority"}
-        elif transition.priority is not None:
-            attributes["priority"] = str(transition.priority)
+        elif transition.id in self.priorities:
+            attributes["priority"] = str(self.priorities[transition.id])
         element = self._element(parent, symbol, attributes)
         self._pins(element, symbol)
         label = self._labels[transition.id]

@@ -619,7 +619,17 @@ class DeclarationBuilder(Builder):
         return d.StructValueNode((items[1],), span=over(items))
 
     def member_value(self, items: Items) -> Any:
-        return d.MemberValueNode(name_of(items[0]), items[2], span=over(items))
+        return d.MemberValueNode(name_of(items[0]), _value([items[2]]), span=over(items))
+
+    def further_element(self, items: Items) -> Any:
+        """Another element of the array that is the last member: it has no brackets (CoDeSys V2.3)."""
+        members, last = items[0], items[0][-1]
+        value = last.value
+        is_bare = isinstance(value, d.ArrayValueNode) and value.span == over(value.items)
+        elements = (*value.items, _item(items[2])) if is_bare else (value, _item(items[2]))
+        array = d.ArrayValueNode(elements, span=over(elements))
+        members[-1] = d.MemberValueNode(last.member, array, span=over((last, items[2])))
+        return members
 
     # -- the whole
 

@@ -111,6 +111,8 @@ def test_declarations_are_in_terms_of_codesys_2_3() -> None:
       x : ARRAY [1..5] OF INT := [1, 2, 3(7)]; // five
       y : ARRAY [1..1] OF INT := [4];
       z : ARRAY [0..1, 0..1] OF INT := [[1, 2], [3, 4]];
+      p : Pair := (a := [1, 2], b := TRUE);
+      l : ARRAY [0..1] OF Pair := [(b := TRUE, a := [2(7)]), (a := [3, 4])];
     END_VAR
     x[1] := 2; // two
     END_PROGRAM
@@ -123,6 +125,8 @@ def test_declarations_are_in_terms_of_codesys_2_3() -> None:
         in text
     )
     assert "\tx : ARRAY [1..5] OF INT := 1, 2, 3(7); (* five *)\n\ty : ARRAY [1..1] OF INT := [4];\n" in text
+    assert "\tp : Pair := (a := 1, 2, b := TRUE);\n" in text
+    assert "\tl : ARRAY [0..1] OF Pair := (b := TRUE, a := 2(7)), (a := 3, 4);\n" in text
     assert "x[1] := 2; (* two *)\n" in text
     assert [item.what for item in report.with_outcome(Outcome.TRANSLATED)] == ["comments"]
     assert sfc.loads(data).pous[0].variables() == project.pous[0].variables()
