@@ -181,12 +181,12 @@ class _Draft:
         chart = lowered.chart
         with errors_of(chart.project, chart.pou, chart.name):
             refuse_comments(self.report, lowered.name)
+            refuse_uncompiled(self.report, lowered.name)
             if options is None:
                 return lowered
             whole = partial(load_project, self._path, format=self._format)
             proof = prove_written(chart, lowered, seen or self._seen(), whole, **options.searching)
             refuse_untested(lowered.name, proof, accepted=options.accept_untested)
-            refuse_uncompiled(self.report, lowered.name)
         return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
 
     def _seen(self) -> Project:

@@ -261,10 +261,11 @@ def _constructed(chart: Subject, meant: Subject, wanted: _Wanted, rules: Lowerin
 
     try:
         made = code_as(wanted.construction)
-    except ContactError:
+    except ContactError as error:
         if wanted.construction is not Construction.AUTO:
             raise
-        made = code_as(Construction.BITS)  # a contact can ask for a bit, but not for a comparison
+        # a contact can ask for a bit, but not for a comparison
+        made = replace(code_as(Construction.BITS), why=error.message)
     if rules.target is not None and tool_of(rules.target, dialect) is Tool.S7:
         made = replace(made, pou=with_actions_inside(made.pou, dialect))
     if chart.name == chart.pou.name:

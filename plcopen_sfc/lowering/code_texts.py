@@ -117,8 +117,6 @@ class Texts:
     pulse = "FirstScan"
     condition = "Condition"
     suffixes: Mapping[Suffix, str] = {}
-    resets = "Steps that are left"
-    sets = "Steps that are entered"
     chain = "Step sequence"
     state = "step_number"
     state_comment = "number of the active step"
@@ -349,8 +347,6 @@ class GermanTexts(Texts):
         "time": "zeit",
         "timer": "zeitglied",
     }
-    resets = "Verlassene Schritte"
-    sets = "Erreichte Schritte"
     chain = "Schrittfolge"
     state = "schrittnummer"
     state_comment = "Nummer des aktiven Schritts"

@@ -93,7 +93,7 @@ def choose(
     if isinstance(source, GraphSource):
         _check_options_of_sequencer(rules, place)
         chosen, why = _choice_for_sequencer(source, wanted, rules, language)
-    elif rules.at_rest:
+    elif {name.upper() for name in rules.at_rest} - {"ALL"}:  # all of no inputs is nothing
         raise LoweringError("only blocks of S7-GRAPH have parameters that could be inactive inputs", location=place)
     elif source.grafcet is not None:
         chosen, why = _choice_for_grafcet(source, wanted, rules)

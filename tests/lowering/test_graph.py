@@ -305,27 +305,10 @@ def test_what_is_not_there_makes_no_code() -> None:
 #T2_3 := #X2 AND #c2;
 #T3_1 := #X3 AND #c3;
 
-// Steps that are left
-IF #T1_2 THEN
-    #X1 := FALSE;
-END_IF;
-IF #T2_3 THEN
-    #X2 := FALSE;
-END_IF;
-IF #T3_1 THEN
-    #X3 := FALSE;
-END_IF;
-
-// Steps that are entered
-IF #T1_2 THEN
-    #X2 := TRUE;
-END_IF;
-IF #T2_3 THEN
-    #X3 := TRUE;
-END_IF;
-IF #T3_1 THEN
-    #X1 := TRUE;
-END_IF;
+// Steps that become active
+#X1 := #T3_1 OR #X1 AND NOT #T1_2;
+#X2 := #T1_2 OR #X2 AND NOT #T2_3;
+#X3 := #T2_3 OR #X3 AND NOT #T3_1;
 
 // Start of the sequence
 IF #FirstScan THEN

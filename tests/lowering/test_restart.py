@@ -179,12 +179,16 @@ def test_step_bits_say_at_one_place_what_they_are_when_the_chain_starts_anew(pro
     expected = ["IF Init THEN", "X1 := TRUE;", "X2 := FALSE;", "X3 := FALSE;", "X4 := FALSE;", "END_IF;"]
     found = [[line.strip() for line in each.splitlines()][1:] for each in paragraphs]
     at = found.index(expected)
-    assert [each.splitlines()[0] for each in paragraphs[at - 2 : at + 1]] == [
-        "// Steps that are left",
-        "// Steps that are entered",
+    assert [each.splitlines()[0] for each in paragraphs[at - 1 : at + 1]] == [
+        "// Steps that become active",
         "// Start the chain anew",
     ]
-    assert not any("Init" in line for paragraph in found[at - 2 : at] for line in paragraph)
+    assert found[at - 1] == [
+        "X1 := T4_1 OR X1 AND NOT T1_2;",
+        "X2 := T1_2 OR X2 AND NOT T2_3;",
+        "X3 := T2_3 OR X3 AND NOT T3_4;",
+        "X4 := T3_4 OR X4 AND NOT T4_1;",
+    ]
 
 
 @pytest.mark.parametrize("style", ["exact", "classic"])

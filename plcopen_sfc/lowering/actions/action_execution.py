@@ -134,11 +134,12 @@ def add_actions(
     acting = [action for action in actions if action.target is not None or action.statements]
     # the profile decides on all actions from one situation. Lowered one after the other, an action could see what one
     # before it has just written; that is shorter to read and right as long as none of them looks
-    if execution.interfere(acting):
-        execution.in_phases(acting)
-    else:
-        for action in acting:
+    together = execution.interfering(acting)
+    for index, action in enumerate(acting):
+        if index not in together:
             execution.at_once(action)
+    if together:
+        execution.in_phases([acting[index] for index in sorted(together)])
     for action in actions:
         if action.target is None and not action.statements:
             execution.explain(action)
@@ -271,8 +272,12 @@ class _Execution:
         if control.never_holds(action) and self._owned.is_false_at_rest(action.target):
             statements.append(assignment(action.target, decision.on))
             return
-        statements += self._memory.conditional("", decision.off, [assignment(action.target, FALSE)])
-        statements += self._memory.conditional("", decision.on, [assignment(action.target, TRUE)])
+        on, off = (assignment(action.target, each) for each in (TRUE, FALSE))
+        if self._verbatim and not (is_constant(decision.on, FALSE) or is_constant(decision.off, FALSE)):
+            statements.append(n.If((n.Branch(decision.on, (on,)), n.Branch(decision.off, (off,)))))
+            return
+        statements += self._memory.conditional("", decision.off, [off])
+        statements += self._memory.conditional("", decision.on, [on])
 
     # -- all decided on, then all executed
 
@@ -373,8 +378,8 @@ class _Execution:
 
     # -- whether it matters
 
-    def interfere(self, actions: Sequence[ActionSource]) -> bool:
-        """Return True if an action may see what another one does: then they cannot be lowered one after the other."""
+    def interfering(self, actions: Sequence[ActionSource]) -> set[int]:
+        """Return the actions that may see what others do: those cannot be lowered one after the other."""
         written, asked, used = WrittenPaths(), [], []
         for index, action in enumerate(actions):
             if action.target is not None:
@@ -389,15 +394,19 @@ class _Execution:
             used.append(reading | writing)
             written.add(index, writing)
         plain = {index for index, action in enumerate(actions) if action.target is not None}
+        found: set[int] = set()
+        any_sees = False
         for index in range(len(actions)):
-            # a condition or time would see what an action before it has written in this scan
-            if any(other < index for other in written.touching(asked[index])):
-                return True
-            for other in written.touching(used[index]) - {index}:
-                # two variables do not disturb each other; two bodies stay in order where none of them runs once more
-                if not plain >= {index, other} and (self._final_scan or plain & {index, other}):
-                    return True
-        return False
+            asking = written.touching(asked[index]) - {index}
+            # two variables do not disturb each other
+            using = {each for each in written.touching(used[index]) - {index} if not plain >= {index, each}}
+            if asking or using:
+                found |= {index, *asking, *using}
+            # a condition or time would see what an action before it has written in this scan; two bodies stay in order
+            # where none of them runs once more
+            any_sees |= any(each < index for each in asking)
+            any_sees |= any(self._final_scan or plain & {index, each} for each in using)
+        return found if any_sees else set()
 
 
 def has_comments(text: str) -> bool:

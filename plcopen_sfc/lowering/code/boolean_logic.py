@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
-from plcopen_sfc.languages.st.nodes import Expression, Operator
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 
 TRUE = n.Literal("TRUE")
 FALSE = n.Literal("FALSE")
@@ -58,6 +58,42 @@ def simplified(tree: Expression) -> Expression:
             case n.Operation(Operator.OR, operands):
                 return disjunction(operands)
         return node
+
+    return transform(tree, simpler)
+
+
+def with_distinct(tree: Statement, values: Collection[Expression]) -> Statement:
+    """Return a statement without comparisons that others decide: something equals no more than one of `values`.
+
+    ``s = A AND s <> B`` is ``s = A``, ``s = A AND s = B`` is FALSE.
+    """
+
+    def compared(operand: Expression) -> tuple[Expression, Expression] | None:
+        match n.bare(operand):
+            case n.Operation(Operator.EQUAL, (left, right)) if right in values:
+                return left, right
+        return None
+
+    def simpler(node: n.Node) -> n.Node:
+        if not (isinstance(node, n.Operation) and node.operator is Operator.AND):
+            return node
+        known = dict(filter(None, map(compared, node.operands)))
+
+        def decided(operand: Expression) -> Expression:
+            inner = n.bare(operand)
+            pair = compared(inner)
+            if pair is not None and known.get(pair[0], pair[1]) != pair[1]:
+                return FALSE
+            match inner:
+                case n.Operation(Operator.UNEQUAL, (left, right)) if right in values and left in known:
+                    return FALSE if known[left] == right else TRUE
+                case n.Unary(Operator.NOT, negated):
+                    alternatives = n.bare(negated)
+                    if isinstance(alternatives, n.Operation) and alternatives.operator is Operator.OR:
+                        return negation(disjunction(map(decided, alternatives.operands)))
+            return operand
+
+        return conjunction(map(decided, node.operands)) if known else node
 
     return transform(tree, simpler)
 

@@ -175,8 +175,9 @@ class BitMemory(Memory):
         return FALSE
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """Return the value as a variable, which it may be already."""
-        if isinstance(value, n.Name) and value.identifier.casefold() in self._code.own_names:
+        """Return the value as a variable, which it may be already, or as the output of a timer."""
+        variable = value.base if isinstance(value, n.Member) else value
+        if isinstance(variable, n.Name) and variable.identifier.casefold() in self._code.own_names:
             return value
         return super().named(wanted, value, into)
 

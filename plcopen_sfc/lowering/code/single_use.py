@@ -54,7 +54,12 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
 
 def _without_unread(code: LoweredCode, kept: Collection[Expression]) -> bool:
     """Remove variables that nothing reads with what is assigned to them; False if there are none."""
-    unread = {v.name.casefold() for v in code.variables if isinstance(v.type, ElementaryType)}
+    own_types = {each.name for each in code.data_types}
+    unread = {
+        v.name.casefold()
+        for v in code.variables
+        if isinstance(v.type, ElementaryType) or (isinstance(v.type, DerivedType) and v.type.name in own_types)
+    }
     unread -= {name for expression in kept for name in _names(expression)}
     for network in code.networks:
         if isinstance(network, TextNetwork):

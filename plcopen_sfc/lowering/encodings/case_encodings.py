@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import groupby
 
@@ -22,9 +23,10 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     is_constant,
     negation,
     when,
+    with_distinct,
 )
 from plcopen_sfc.lowering.code.code_bodies import comment_lines
-from plcopen_sfc.lowering.code.lowered_code import TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.encodings.case_states import (
     INDENT,
@@ -175,6 +177,15 @@ class RegionEncoding(ScanSchedule):
                 branches.append(n.CaseBranch(tuple(numbers), (assignment(state, selected),)))
         chosen = n.Case(selected, tuple(branches))
         self.code.add(self.texts.selection, [when(selecting, *ended, chosen)])
+
+    def add_actions(self) -> None:
+        """Append the code of steps, then the actions, without comparisons of states that other ones decide."""
+        begin = len(self.code.networks)
+        super().add_actions()
+        for place, network in enumerate(self.code.networks[begin:], begin):
+            if isinstance(network, CodeNetwork):
+                statements = tuple(with_distinct(each, self.names.all) for each in network.statements)
+                self.code.networks[place] = replace(network, statements=statements)
 
     def into_branches(self, begin: int) -> None:
         """Move what active steps do into the branches of the CASE, where that is the same."""

@@ -80,6 +80,7 @@ class StateNames:
             _refuse_without_enumerations(source, rules)
             written = self._enumeration(states, source, surroundings)
             self._initial = [print_node(value, source.dialect) for value in written]
+        self.all: frozenset[Expression] = frozenset(written)
         self._steps = written[: len(steps)]
         self._waiting = written[len(steps) : len(steps) + len(waiting)]
         self._none = written[-1]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from types import MappingProxyType
 
 from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.languages.st import nodes as n
@@ -25,7 +26,7 @@ from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
 from plcopen_sfc.lowering.lowering_options import OperatingMode
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, exclusive_transitions, firing_together
-from plcopen_sfc.semantics.net import NetStep, NetTransition
+from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import ScanOrder
 
 
@@ -117,32 +118,46 @@ class StepFlagEncoding(ScanSchedule):
         return found
 
 
-class StepBitEncoding(StepFlagEncoding):
-    """Encoding with step bits in two phases: all transitions from the old bits, then all resets, then all sets.
+def next_situation(
+    net: Net,
+    flags: Sequence[Expression],
+    fired: Sequence[Expression],
+    *,
+    held: Mapping[int, Expression] = MappingProxyType({}),
+    entered: Mapping[int, Expression] | None = None,
+) -> list[Statement]:
+    """Return an assignment for each step: it is active if a transition enters it, or if it was and none leaves it.
 
     This is the rule of evolution itself (IEC 60848:2013, rules 4 and 5: what is left and entered at once stays active),
-    so it holds for every chart, also for one that is not safe.
+    so it holds for every chart, also for one that is not safe. `held`: what counts as active before instead of the
+    flag. `entered`: when a step is entered, where that is not by a transition before it alone.
     """
+    found: list[Statement] = []
+    for step, flag in enumerate(flags):
+        enters = disjunction(fired[i] for i in net.entering[step])
+        if entered is not None:
+            enters = entered.get(step, FALSE)
+        leaves = disjunction(fired[i] for i in net.leaving[step])
+        value = disjunction([enters, conjunction([held.get(step, flag), negation(leaves)])])
+        if value != flag:
+            found.append(assignment(flag, value))
+    return found
+
+
+class StepBitEncoding(StepFlagEncoding):
+    """Encoding with step bits: all transitions from the old bits, then all steps from the transitions."""
 
     def flag_comment(self, step: NetStep) -> str:
         """Return the comment of a flag with the captions of the step, which has no network of its own."""
         return self.texts.described_flag(step.step, step.path)
 
     def change_situation(self) -> None:
-        """Append all resets, then all sets, then selection and restart, which override the transitions."""
-        resets: list[Statement] = []
-        sets: list[Statement] = []
-        for transition in self.net.transitions:
-            flag = self.fired[transition.index]
-            leaving = [assignment(self.flags[i], FALSE) for i in transition.sources]
-            entering = [assignment(self.flags[i], TRUE) for i in transition.targets]
-            resets += [when(flag, *leaving)] if leaving else []
-            sets += [when(flag, *entering)] if entering else []
+        """Append an assignment for each step, then selection and restart, which override the transitions."""
+        changes = next_situation(self.net, self.flags, self.fired)
         if self.modes.selecting is not None:
             chosen = [assignment(flag, self.modes.is_selected(step)) for step, flag in enumerate(self.flags)]
-            sets.append(when(self.modes.selecting, *chosen))
-        self.code.add(self.texts.resets, resets)
-        self.code.add(self.texts.sets, sets)
+            changes.append(when(self.modes.selecting, *chosen))
+        self.code.add(self.texts.moves, changes)
         if self.init is not None:
             initial = [TRUE if self.net.initial & step.bit else FALSE for step in self.net.steps]
             back = [assignment(flag, value) for flag, value in zip(self.flags, initial, strict=True)]

@@ -24,6 +24,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
+from plcopen_sfc.lowering.encodings.step_flags import next_situation
 from plcopen_sfc.lowering.graph.sequencer_actions import SequencerActions
 from plcopen_sfc.lowering.graph.sequencer_scan import Sequencer
 from plcopen_sfc.lowering.graph.sequencer_source import CyclePhase
@@ -158,18 +159,11 @@ class BitSequencer(Sequencer):
     # -- the step change
 
     def add_step_change(self) -> None:
-        """Append the networks that change the situation: all resets, then all sets."""
-        # resets before sets: a step that is left and entered at once stays active
-        resets: list[Statement] = [assignment(self.flags[i], wanted) for i, wanted in self.wanted.items()]
-        sets: list[Statement] = []
-        for transition in self.net.transitions:
-            flag = self.fired[transition.index]
-            resets += self._all(transition.sources, FALSE, flag)
-            sets += self._all(transition.targets, TRUE, flag)
-        if self.source.skips:
-            sets = add_skips(self)
-        self.code.add(self.texts.resets, resets)
-        self.code.add(self.texts.sets, sets)
+        """Append an assignment for each step, then the switching by hand, the start and the end."""
+        entered = add_skips(self) if self.source.skips else None
+        self.code.add(
+            self.texts.moves, next_situation(self.net, self.flags, self.fired, held=self.wanted, entered=entered)
+        )
         # start and end come behind the switching by hand, and override it
         self.code.add(self.own_texts.manual, self._selected("S_ON", TRUE) + self._selected("S_OFF", FALSE))
         steps = range(len(self.net.steps))
@@ -184,9 +178,6 @@ class BitSequencer(Sequencer):
 
     def _off(self, steps: range) -> list[Statement]:
         return [assignment(self.flags[i], FALSE) for i in steps]
-
-    def _all(self, steps: tuple[int, ...], value: Expression, condition: Expression) -> list[Statement]:
-        return [when(condition, *(assignment(self.flags[i], value) for i in steps))] if steps else []
 
     def _selected(self, command: str, value: Expression) -> list[Statement]:
         """Return S_ON and S_OFF for the step whose number S_SEL has."""
@@ -215,8 +206,8 @@ def _name_of(flag: Expression) -> str:
     return flag.identifier
 
 
-def add_skips(sequencer: BitSequencer) -> list[Statement]:
-    """Append the search for the steps that become active; returns their activation. Conditions are those before."""
+def add_skips(sequencer: BitSequencer) -> dict[int, n.Name]:
+    """Append the search for the steps that become active, and return when each does. Conditions are those before."""
     net, code = sequencer.net, sequencer.code
     entering = {step.index: net.entering[step.index] for step in net.steps if net.entering[step.index]}
     entered = {i: code.declare(sequencer.texts.with_suffix(sequencer.signs[i].name, "entered")) for i in entering}
@@ -239,7 +230,7 @@ def add_skips(sequencer: BitSequencer) -> list[Statement]:
             sweep.append(when(fresh, assignment(flag, TRUE), *_passing(sequencer, step, entered, again)))
         statements.append(n.Repeat(tuple(sweep), negation(again)))
     code.add(sequencer.own_texts.skips, statements)
-    return [when(flag, assignment(sequencer.flags[i], TRUE)) for i, flag in entered.items()]
+    return entered
 
 
 def _onward(sequencer: BitSequencer, step: int) -> list[int]:

@@ -1,0 +1,88 @@
+"""Lowered code as people read it: nothing that is decided elsewhere, no chain of IFs, no helper that equals another."""
+
+from __future__ import annotations
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.languages.st import parse_statements, print_node
+from plcopen_sfc.languages.st.nodes import Name, Statement
+from plcopen_sfc.lowering.code.boolean_logic import with_distinct
+
+RING = """PROGRAM Main
+VAR_INPUT a : BOOL; b : BOOL; END_VAR
+VAR_OUTPUT {outputs} END_VAR
+INITIAL_STEP S1: {first} END_STEP
+STEP S2: {second} END_STEP
+STEP S3: {third} END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S3 := b; END_TRANSITION
+TRANSITION FROM S3 TO S1 := a AND b; END_TRANSITION
+{actions}
+END_PROGRAM"""
+
+
+def lowered(construction: str = "case", profile: str = "iec", **parts: str) -> str:
+    defaults = {"outputs": "q : BOOL; p : BOOL; n : INT;", "first": "", "second": "", "third": "", "actions": ""}
+    text = RING.format(**{**defaults, **parts})
+    made = sfc.lower(sfc.loads(text.encode(), format="iec-text"), construction, profile=profile)
+    assert made.proof is not None
+    assert made.proof.proven, str(made.proof)
+    assert isinstance(made.pou.body, m.StBody)
+    return made.pou.body.text
+
+
+def without(text: str) -> str:
+    """The statement without comparisons of s with A, B and C that others decide."""
+    (statement,) = parse_statements(text, m.Dialect.IEC).tree.statements
+    found: Statement = with_distinct(statement, {Name(each) for each in "ABC"})
+    return print_node(found, m.Dialect.IEC)
+
+
+def test_comparisons_that_another_one_decides_are_left_out() -> None:
+    assert without("q := s = A AND s <> B;") == "q := s = A;"
+    assert without("q := s = A AND x AND NOT (s = B OR s = C);") == "q := s = A AND x;"
+    assert without("q := s = A AND NOT (s = B OR y);") == "q := s = A AND NOT y;"
+    assert without("q := s = A AND s = B OR x;") == "q := FALSE OR x;"
+    assert without("q := s = A AND s <> A;") == "q := FALSE;"
+
+
+def test_comparisons_of_others_stay() -> None:
+    for text in ("q := s = A AND t <> B;", "q := s = A OR s = B;", "q := s = D AND s <> B;", "q := s <> A AND s <> B;"):
+        assert without(text) == text
+
+
+def test_an_output_of_matiec_is_one_if() -> None:
+    text = lowered(profile="matiec", first="q(R);", second="q(S);", third="p(N);")
+    expected = "IF step_number = 2 THEN", "q := TRUE;", "ELSIF step_number = 1 THEN", "q := FALSE;", "END_IF;"
+    assert [line.strip() for line in text.split("// Action q\n")[1].splitlines()[:5]] == list(expected)
+
+
+def test_step_bits_are_one_line_for_each_step() -> None:
+    text = lowered("bits", second="q;")
+    assert "\n".join(text.split("\n\n")[1].splitlines()) == (
+        "// Steps that become active\n"
+        "X1 := T3_1 OR X1 AND NOT T1_2;\n"
+        "X2 := T1_2 OR X2 AND NOT T2_3;\n"
+        "X3 := T2_3 OR X3 AND NOT T3_1;"
+    )
+
+
+def test_only_actions_that_see_each_other_are_decided_on_before_all() -> None:
+    """`Count` sees p, which another action writes; q has nothing to do with them."""
+    count = "ACTION Count: IF p THEN n := n + 1; END_IF; END_ACTION"
+    text = lowered("case", "codesys", first="q(N);", second="p(N);", third="Count(N); p(N);", actions=count)
+    assert "q := FALSE;" in text.partition("CASE")[0]
+    assert "q := TRUE;" in text.partition("CASE")[2]
+
+
+def test_a_state_that_nothing_reads_is_not_kept() -> None:
+    text = RING.format(outputs="q : BOOL;", first="", second="q(S);", third="q(R);", actions="")
+    project = sfc.loads(text.encode(), format="iec-text")
+    made = sfc.lower(project, profile="matiec", target="iec-text", verify=False)
+    assert [v.name for v in made.pou.variables() if v.name not in ("a", "b", "q")] == ["active_step"]
+
+
+def test_all_inactive_inputs_of_a_chart_without_such_inputs_are_none() -> None:
+    text = RING.format(outputs="q : BOOL;", first="", second="q;", third="", actions="")
+    project = sfc.loads(text.encode(), format="iec-text")
+    assert sfc.lower(project, at_rest="all", verify=False).at_rest == {}
