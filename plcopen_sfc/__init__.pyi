@@ -27,6 +27,7 @@ from plcopen_sfc.diagnostics import (
     Diagnostic as Diagnostic,
     Severity as Severity,
 )
+from plcopen_sfc.documents.list_merging import merge_list as merge_list
 from plcopen_sfc.documents.lowered import (
     LoweredFile as LoweredFile,
     lower_to_file as lower_to_file,

@@ -39,6 +39,7 @@ def _app() -> typer.Typer:
         _convert,
         _diff,
         _rename,
+        _merge,
         _apply,
         _simulate,
         _lower,
@@ -237,6 +238,25 @@ def _rename(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import rename  # noqa: PLC0415
 
         screen.exit_code = rename.run(screen, file, old, new, dry_run=dry_run)
+
+
+def _merge(  # noqa: PLR0917  # typer calls it by name
+    source: o.StepList,
+    file: o.ListedFile,
+    dry_run: o.DryRun = False,
+    report: o.Report = None,
+    as_json: o.AsJson = False,
+    quiet: o.Quiet = False,
+    verbose: o.Verbose = 0,
+) -> None:
+    """Put what was edited in a step list into its file.
+
+    The list is what `convert FILE list.xlsx` wrote, with changes. What is the same in it stays as it is in the file.
+    """
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
+        from plcopen_sfc.cli.commands import merge  # noqa: PLC0415
+
+        screen.exit_code = merge.run(screen, source, file, dry_run=dry_run)
 
 
 def _apply(  # noqa: PLR0917  # typer calls it by name

@@ -147,6 +147,11 @@ Undo = Annotated[bool, _option("--undo", "Take out again what was written.")]
 OldName = Annotated[str, typer.Argument(metavar="OLD", help="What to rename: Main, Main.S3, GVL.x, Type.member.")]
 NewName = Annotated[str, typer.Argument(metavar="NEW", help="Its new name.")]
 
+# -- step lists -------------------------------------------------------------------------------------------------------
+
+StepList = Annotated[str, typer.Argument(metavar="LIST", help="A step list, .xlsx or .csv.")]
+ListedFile = Annotated[str, typer.Argument(metavar="FILE", help="The file or folder that it is a list of.")]
+
 # -- scripts ----------------------------------------------------------------------------------------------------------
 
 Script = Annotated[str, typer.Argument(metavar="SCRIPT", help="A Python file with a function refactor(project).")]

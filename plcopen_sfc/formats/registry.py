@@ -76,6 +76,23 @@ def _is_grafcet_text(head: FileHead) -> bool:
     return re.match(r"\s*GRAFCET[ \t]+\S", head.text) is not None
 
 
+def _is_workbook(head: FileHead) -> bool:
+    return head.data.startswith(b"PK\x03\x04") and b"xl/" in head.data
+
+
+_OF_LISTS = ("steps", "associations", "step actions", "times", "interlocks", "supervisions", "priorities", "comments")
+_LIST_HEADINGS = re.compile(
+    r"^(?=(?:.*[;,\t])?[ \"]*(?:step|step name|schritt|schrittname|variable|tag|symbol|signal)[ \"]*(?:[;,\t]|$))"
+    r"(?:.*[;,\t])?[ \"]*(?:action|aktion|condition|(?:weiterschalt)?bedingung|next(?: step)?|folgeschritt|"
+    r"(?:data ?|daten)?typ[e]?|address|adresse)[ \"]*(?:[;,\t]|$)",
+    re.IGNORECASE | re.MULTILINE,
+)
+
+
+def _is_csv_list(head: FileHead) -> bool:
+    return not head.root and _LIST_HEADINGS.search(head.text) is not None
+
+
 FORMATS: tuple[Format, ...] = (
     Format(
         name="codesys",
@@ -254,6 +271,34 @@ FORMATS: tuple[Format, ...] = (
             "the rest in comments",
         ),
         text=True,
+        ids=False,
+        dialect=Dialect.IEC,
+        networks=NetworkForm.STATEMENTS,
+        il_conditions=False,
+        il_bodies=False,
+    ),
+    Format(
+        name="xlsx",
+        title="step list as a workbook",
+        tool="",
+        module="plcopen_sfc.formats.steplist.xlsx_codec",
+        extensions=(".xlsx",),
+        recognises=_is_workbook,
+        capabilities=_OF_LISTS,
+        ids=False,
+        dialect=Dialect.IEC,
+        networks=NetworkForm.STATEMENTS,
+        il_conditions=False,
+        il_bodies=False,
+    ),
+    Format(
+        name="csv",
+        title="step list as text",
+        tool="",
+        module="plcopen_sfc.formats.steplist.csv_codec",
+        extensions=(".csv",),
+        recognises=_is_csv_list,
+        capabilities=_OF_LISTS,
         ids=False,
         dialect=Dialect.IEC,
         networks=NetworkForm.STATEMENTS,

@@ -1,0 +1,158 @@
+"""Step lists merged back: nothing changes without an edit, and an edit changes its lines only."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import ArgumentError
+from plcopen_sfc.model import Project
+
+FILES = [
+    "codesys/sorting_conveyor.xml",
+    "codesys23/distribution_belt.EXP",
+    "grafcet/four_steps.gct",
+    "iectext/mixing_plant.st",
+    "plcopen/every_element_1.01.xml",
+    "plcopen/filling_station_2.01.xml",
+    "simaticml/FB_Drill.xml",
+    "simaticml-training-chain/Ablauf.xml",
+    "training-chain/codesys.xml",
+    "twincat/press_station.xml",
+]
+
+
+def loaded(name: str) -> Project:
+    project = sfc.load(Path("fixtures", name))
+    project.accept_errors()
+    return project
+
+
+def list_of(project: Project) -> Project:
+    return sfc.loads(sfc.dumps(project, format="csv", partial=True, fresh=True))
+
+
+def edited(listed: Project) -> Project:
+    """The list as it is read again after an edit of its model."""
+    return sfc.loads(sfc.dumps(listed, format="csv", fresh=True))
+
+
+def new_lines(project: Project, name: str) -> list[str]:
+    before = Path("fixtures", name).read_text(encoding="utf-8").splitlines()
+    lines = difflib.unified_diff(before, sfc.dumps(project).decode("utf-8").splitlines(), n=0, lineterm="")
+    return [line for line in lines if line.startswith("+") and not line.startswith("+++")]
+
+
+@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("form", ["csv", "xlsx"])
+def test_a_list_without_edits_changes_nothing(name: str, form: str) -> None:
+    project = loaded(name)
+    listed = sfc.loads(sfc.dumps(project, format=form, partial=True))
+    assert sfc.merge_list(project, listed) == []
+    assert sfc.dumps(project) == Path("fixtures", name).read_bytes()
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_edits_of_a_chart_are_in_the_file_and_in_its_list(name: str) -> None:
+    project = loaded(name)
+    listed = list_of(project)
+    pou = next(each for each in listed.pous if each.chart is not None and len(each.chart.steps) > 2)
+    chart = pou.chart
+    assert chart is not None
+    first, second, last = chart.steps[0], chart.steps[1], chart.steps[-1]
+    second.comment = "merged"
+    left = next(t for t in chart.transitions if first.id in t.sources)
+    targets, left.targets = left.targets, [chart.add_step("Between9").id]
+    chart.add_transition("Between9", [step for step in chart.steps if step.id in targets], "TRUE")
+    last.actions = last.actions[:-1]
+    wanted = edited(listed)
+    changes = sfc.merge_list(project, wanted)
+    assert [change.rpartition(": ")[2] for change in changes if "Between9" in change][:1] == ["new"]
+    again = sfc.loads(sfc.dumps(project))
+    again.accept_errors()
+    assert sfc.merge_list(again, wanted) == []
+    names = [step.name for step in (again.pou(pou.name).chart or chart).steps]
+    assert len(names) == len(chart.steps)
+
+
+EDITS: dict[str, tuple[Callable[[Project], object], list[str]]] = {
+    "condition": (
+        lambda p: setattr(p.pou("PLC_PRG").sfc.transition("Init -> Homing"), "condition", "S1_Start"),  # type: ignore[union-attr]
+        ["POU PLC_PRG / transition Init -> Homing: condition"],
+    ),
+    "comment": (
+        lambda p: setattr(p.pou("FB_Pusher").sfc.steps[1], "comment", "waits"),  # type: ignore[union-attr]
+        ["POU FB_Pusher / step Extending: comment"],
+    ),
+}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_an_edit_changes_its_lines_only(edit: str) -> None:
+    project = loaded("codesys/sorting_conveyor.xml")
+    listed = list_of(project)
+    change, words = EDITS[edit]
+    change(listed)
+    assert sfc.merge_list(project, edited(listed)) == words
+    assert 1 <= len(new_lines(project, "codesys/sorting_conveyor.xml")) <= 5
+
+
+def test_a_step_with_the_number_of_one_that_is_gone_is_renamed_everywhere() -> None:
+    project = loaded("simaticml-training-chain/Ablauf.xml")
+    text = sfc.dumps(project, format="csv", partial=True, fresh=True).decode("utf-8-sig")
+    text = text.replace(";S2;", ";Mischen;")  # the step, and where it is next
+    assert sfc.merge_list(project, sfc.loads(text.encode())) == ["POU Ablauf / step S2: renamed to Mischen"]
+    assert project.pou("Ablauf").sfc.step("Mischen").number == 2  # type: ignore[union-attr]
+
+
+def test_variables_and_actions_follow_their_tables() -> None:
+    project = loaded("training-chain/codesys.xml")
+    listed = list_of(project)
+    pou = listed.pous[0]
+    assert pou.interface is not None
+    section = pou.interface.sections[0]
+    section.variables[0].comment = "first"
+    gone = section.variables.pop()
+    section.variables.append(section.variables[0].model_copy(update={"name": "Added9"}))
+    changes = sfc.merge_list(project, edited(listed))
+    assert sorted(change.partition(" / variable ")[2] for change in changes) == sorted(
+        [f"{section.variables[0].name}: comment", "Added9: new", f"{gone.name}: removed"]
+    )
+    names = [each.name for each in sfc.loads(sfc.dumps(project)).pous[0].variables()]
+    assert "Added9" in names
+    assert gone.name not in names
+
+
+def test_columns_and_tables_that_a_list_does_not_have_change_nothing() -> None:
+    project = loaded("codesys/sorting_conveyor.xml")
+    listed = list_of(project)
+    lines = ["Program;Step;Condition;Next;Simultaneous"]
+    for pou in listed.pous:
+        chart = pou.chart
+        assert chart is not None
+        kind = "FUNCTION_BLOCK " if pou.kind == "functionBlock" else ""
+        for step in chart.steps:
+            rows = [t for t in chart.transitions if t.sources[0] == step.id]
+            waits = [t for t in chart.transitions if step.id in t.sources[1:]]
+            names = {each.id: each.name for each in chart.steps}
+            texts = [
+                f"{getattr(t.condition, 'text', '')};{','.join(names[each] for each in t.targets)};"
+                + (f"g{t.id}" if len(t.sources) > 1 else "")
+                for t in rows
+            ] + [f";;g{t.id}" for t in waits]
+            for at, text in enumerate(texts or [";;"]):
+                lines.append(f"{kind}{pou.name};{'' if at else step.name};{text}")
+    assert sfc.merge_list(project, sfc.loads("\n".join(lines).encode())) == []
+    assert sfc.dumps(project) == Path("fixtures/codesys/sorting_conveyor.xml").read_bytes()
+
+
+def test_a_list_with_errors_and_what_is_no_list_are_refused() -> None:
+    project = loaded("training-chain/codesys.xml")
+    with pytest.raises(sfc.DamagedSourceError):
+        sfc.merge_list(project, sfc.load("fixtures/steplist/wrong_cells.csv"))
+    with pytest.raises(ArgumentError):
+        sfc.merge_list(project, loaded("training-chain/codesys.xml"))

@@ -1,0 +1,259 @@
+"""Step lists: read from CSV and XLSX, written into the list that was read, refused cell by cell."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+import openpyxl
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import StructureError
+from plcopen_sfc.model import Pou, PouKind, Project, Qualifier, SfcBody, SfcNetwork
+from plcopen_sfc.model.numbering import numbered_in_order
+
+FOLDER = Path("fixtures/steplist")
+MIXER = FOLDER / "mixer.csv"
+
+
+def table(text: str) -> bytes:
+    return text.replace("|", ";").encode()
+
+
+def mixer_chart(path: Path) -> tuple[Pou, SfcNetwork]:
+    pou = sfc.load(path).pous[0]
+    assert pou.chart is not None
+    return pou, pou.chart
+
+
+@pytest.mark.parametrize("name", ["mixer.csv", "mixer.xlsx"])
+def test_the_template_is_read(name: str) -> None:
+    project = sfc.load(FOLDER / name)
+    pou, chart = mixer_chart(FOLDER / name)
+    assert (pou.name, pou.kind) == ("Mixer", PouKind.PROGRAM)
+    assert [(step.name, step.number, step.initial) for step in chart.steps] == [
+        ("Idle", 1, True),
+        ("Fill", 10, False),
+        ("Heat", 20, False),
+        ("Stir", 21, False),
+        ("Drain", 30, False),
+    ]
+    fill = chart.step("Fill")
+    assert [(a.qualifier, a.target, a.duration) for a in fill.actions] == [
+        (Qualifier.N, "Valve_A", None),
+        (Qualifier.L, "Valve_B", "T#2s"),
+    ]
+    assert chart.step("Stir").actions[1].body is not None
+    labels = {chart.label(t): (getattr(t.condition, "text", None), t.priority) for t in chart.transitions}
+    assert labels == {
+        "Idle -> Fill": ("Start AND NOT Fault", None),
+        "Fill -> Heat+Stir": ("Level_High", None),
+        "Fill -> Idle": ("Fault", 2),
+        "Heat+Stir -> Drain": ("Temp_OK", None),
+        "Drain -> Idle": ("NOT Level_Low", None),
+    }
+    variables = {v.name: (v.address, v.comment) for v in project.global_variables[0].variables}
+    assert variables["Start"] == ("%I0.0", "push button")
+    assert variables["Lamp"] == ("%Q4.5", "signal lamp")
+    assert [v.name for v in pou.variables()] == ["Batches"]
+
+
+def test_both_forms_are_the_same_project_and_come_back() -> None:
+    text, book = sfc.load(MIXER), sfc.load(FOLDER / "mixer.xlsx")
+    assert sfc.diff(text, book).equal
+    assert sfc.dumps(text) == MIXER.read_bytes()
+    assert sfc.dumps(book) == (FOLDER / "mixer.xlsx").read_bytes()
+    assert sfc.dumps(text, format="xlsx") == sfc.dumps(text, format="xlsx"), "no time of the day in it"
+
+
+@pytest.mark.parametrize("target", ["codesys", "simaticml", "plcopen"])
+def test_a_list_becomes_a_file_of_each_tool(target: str) -> None:
+    done = sfc.convert(sfc.load(MIXER), target)
+    assert not done.report.losses
+    back = sfc.loads(done.data).pou("Mixer").chart
+    assert back is not None
+    assert [step.name for step in back.steps] == ["Idle", "Fill", "Heat", "Stir", "Drain"]
+
+
+def test_an_edit_changes_one_cell_of_a_text() -> None:
+    project = sfc.load(MIXER)
+    project.pou("Mixer").sfc.step("Heat").comment = "=5 K"  # type: ignore[union-attr]
+    old, new = MIXER.read_bytes().split(b"\r\n"), sfc.dumps(project).split(b"\r\n")
+    changed = [b for a, b in zip(old, new, strict=True) if a != b]
+    assert changed == [b";Heat;20;;'=5 K;N;Heater;;Temp_OK;Drain;;ready"]
+
+
+def test_an_edit_changes_one_cell_of_a_workbook_and_its_formats_stay() -> None:
+    book = openpyxl.load_workbook(FOLDER / "mixer.xlsx")
+    book["Steps"]["A2"].font = openpyxl.styles.Font(italic=True)
+    book["Steps"]["N1"], book["Steps"]["N4"] = "Remark", "ask Karl"
+    book.create_sheet("Notes")["A1"] = "do not lose me"
+    saved = io.BytesIO()
+    book.save(saved)
+    project = sfc.loads(saved.getvalue())
+    assert [finding.code for finding in project.diagnostics] == ["LST110"]
+    project.pou("Mixer").sfc.step("Heat").comment = "=5 K"  # type: ignore[union-attr]
+    after = openpyxl.load_workbook(io.BytesIO(sfc.dumps(project)))
+    cells = {
+        cell.coordinate: cell.value
+        for row in after["Steps"].iter_rows()
+        for cell in row
+        if cell.value != book["Steps"][cell.coordinate].value
+    }
+    assert cells == {"E5": "=5 K"}
+    assert after["Steps"]["E5"].data_type == "s", "no formula"
+    assert after["Steps"]["A2"].font.italic
+    assert after["Steps"]["N4"].value == "ask Karl"
+    assert after["Notes"]["A1"].value == "do not lose me"
+
+
+def test_a_cell_of_a_column_that_is_not_read_stays_beside_its_step() -> None:
+    source = table("Step|Action|Condition|Next|Remark\nA|Lamp|x|B|first\nB||y|A|second\n")
+    project = sfc.loads(source)
+    chart = project.pous[0].chart
+    assert chart is not None
+    chart.steps.insert(1, chart.add_step("M"))
+    chart.steps.pop()
+    chart.add_transition("M", "B", "z")
+    text = sfc.dumps(project).decode()
+    assert [(row[0], row[4]) for row in csv.reader(io.StringIO(text), delimiter=";") if len(row) > 4] == [
+        ("Step", "Remark"),
+        ("A", "first"),
+        ("M", ""),
+        ("B", "second"),
+    ]
+
+
+def test_actions_and_transitions_in_rows_of_their_own_are_not_lost_by_an_edit() -> None:
+    source = table("Step|Comment|Action|Condition|Next\nA||Lamp||\n|||x|B\n|||y|A\nB||Motor||\n||Horn||\n|||z|A\n")
+    project = sfc.loads(source)
+    assert project.pous[0].chart is not None
+    project.pous[0].chart.step("A").comment = "new"
+    back = sfc.loads(sfc.dumps(project))
+    assert numbered_in_order(back).pous == numbered_in_order(project).pous
+
+
+def test_german_headings_and_the_conventions_of_lists() -> None:
+    source = table(
+        "Schritt|Nr.|Aktion|Zeit|Kennung|Weiterschaltbedingung|Folgeschritt\n"
+        "Start|1|Lampe|1,5 s|D|a|\nEnde|2||||b|1\nHalt|3||||c|(end)\n"
+    )
+    chart = sfc.loads(source).pous[0].chart
+    assert chart is not None
+    assert [chart.label(t) for t in chart.transitions] == ["Start -> Ende", "Ende -> Start", "Halt -> nowhere"]
+    assert chart.step("Start").initial
+    assert chart.step("Start").actions[0].duration == "T#1.5s"
+
+
+def test_blocks_sections_actions_and_settings_of_s7_graph() -> None:
+    source = table(
+        "Program|Step|Qualifier|Action|Event|Interlocked|Interlock|Supervision|Max time|Condition|Next\n"
+        "FUNCTION_BLOCK Chain|S1|N|A := B|S1|x|ok|fault|30s|go|S1\n||entry|Prepare||||||\n\n"
+        "Program|Action|Statements\nChain|Prepare|n := 0;\n\n"
+        "Program|Variable|Section|Type|Initial value\nChain|n|VAR_INPUT|INT|5\nGVL|k|VAR_GLOBAL CONSTANT|REAL|1.5\n"
+    )
+    project = sfc.loads(source)
+    assert not project.diagnostics
+    pou = project.pous[0]
+    step = pou.chart.steps[0] if pou.chart is not None else None
+    assert step is not None
+    assert pou.kind is PouKind.FUNCTION_BLOCK
+    assert (step.actions[0].target, step.actions[0].value, step.actions[0].event) == ("A", "B", "S1")
+    assert step.actions[0].interlock
+    assert (step.max_time, step.entry_action, pou.actions[0].name) == ("T#30s", "Prepare", "Prepare")
+    assert step.interlock is not None
+    assert step.supervision is not None
+    assert project.global_variables[0].name == "GVL"
+    assert project.global_variables[0].constant
+    again = sfc.loads(sfc.dumps(project, format="csv", fresh=True))
+    assert sfc.diff(project, again).equal
+
+
+WRONG = {
+    "Program|Step|Next|Condition\nBLOCK X|A|A|x": ("LST101", 2, 1),
+    "Step|Next|Condition\n|A|x\nA||": ("LST102", 2, 1),
+    "Step|Next|Condition\nA|A|x\na|A|y": ("LST103", 3, 1),
+    "Step|Action|Qualifier\nA|x|Q": ("LST104", 2, 3),
+    "Step|Action|Event\nA|x|S7": ("LST104", 2, 3),
+    "Step|Action|Qualifier\nA|x|D": ("LST105", 2, 1),
+    "Step|Action|Time\nA|x|soon enough": ("LST105", 2, 3),
+    "Step|Number|Action\nA|1a|x": ("LST105", 2, 2),
+    "Step|Initial|Action\nA|perhaps|x": ("LST105", 2, 2),
+    "Step|Action|Qualifier\nA||N": ("LST106", 2, 2),
+    "Step|Next|Condition|Simultaneous\nA|B|x|1\nB|A|y|1": ("LST107", 3, 3),
+    "Step|Next|Condition\nA|C|x": ("LST108", 2, 2),
+    "Step|Next|Condition\nA||x": ("LST108", 2, 2),
+    "Variable|Type\nx|ARRAY INT": ("LST109", 2, 2),
+    "Variable|Type|Section\nx|INT|VAR_SOMETHING": ("LST109", 2, 3),
+    "Variable|Type|Address\nx|INT|over there": ("LST109", 2, 3),
+    "Variable|Type\na b|INT": ("LST109", 2, 1),
+}
+
+
+@pytest.mark.parametrize("source", WRONG)
+def test_what_is_wrong_is_found_with_its_cell(source: str) -> None:
+    data = io.StringIO()
+    csv.writer(data).writerows(line.split("|") for line in source.splitlines())
+    project = sfc.loads(data.getvalue().encode(), format="csv")
+    found = [(each.code, each.location.line, each.location.column) for each in project.diagnostics]
+    assert found == [WRONG[source]]
+
+
+def test_the_place_in_a_workbook_is_its_cell() -> None:
+    project = sfc.loads(sfc.dumps(sfc.load(MIXER), format="xlsx"))
+    book = openpyxl.load_workbook(io.BytesIO(sfc.dumps(project)))
+    book["Steps"]["J3"] = "Haet"
+    saved = io.BytesIO()
+    book.save(saved)
+    (finding,) = sfc.loads(saved.getvalue(), path="list.xlsx").diagnostics
+    assert str(finding.location) == "list.xlsx:3:10 (Steps!J3)"
+    assert "did you mean 'Heat'?" in finding.message
+    with pytest.raises(sfc.DamagedSourceError):
+        sfc.dumps(sfc.loads(saved.getvalue()), format="codesys")
+
+
+def test_numbers_of_a_workbook_are_texts_and_formulas_count_with_their_value() -> None:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    for row in (["Step", "Number", "Next", "Condition"], ["A", 10.0, "A", True]):
+        sheet.append(row)
+    saved = io.BytesIO()
+    book.save(saved)
+    chart = sfc.loads(saved.getvalue()).pous[0].chart
+    assert chart is not None
+    assert chart.steps[0].number == 10
+    assert getattr(chart.transitions[0].condition, "text", "") == "TRUE"
+    sheet["B2"] = "=5+5"
+    saved = io.BytesIO()
+    book.save(saved)
+    with pytest.raises(StructureError, match=r"Sheet!B2"):
+        sfc.loads(saved.getvalue())
+
+
+def test_a_lost_program_is_refused_and_a_file_without_a_table_is_an_error() -> None:
+    with pytest.raises(sfc.LossError, match="merge"):
+        sfc.dumps(sfc.load("fixtures/codesys/sorting_conveyor.xml"), format="csv")
+    with pytest.raises(StructureError, match="headings"):
+        sfc.loads(b"a;b\n1;2\n", format="csv")
+
+
+CELLS = st.text(st.characters(blacklist_categories=("Cs", "Cc")), min_size=1, max_size=12).map(str.strip)
+
+
+@given(st.lists(st.sampled_from("=+-@'\"; ,x").map(str), min_size=1, max_size=6).map("".join), CELLS)
+def test_any_comment_comes_back_from_a_text(start: str, rest: str) -> None:
+    comment = start + rest
+    chart = SfcNetwork()
+    chart.add_step("A", initial=True).comment = comment
+    project = Project(pous=[Pou(name="P", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=chart)])])
+    data = sfc.dumps(project, format="csv")
+    cells = next(csv.reader(io.StringIO(data.decode("utf-8-sig").splitlines()[1]), delimiter=";"))
+    assert cells[4][0] not in "=+-@"
+    back = sfc.loads(data).pous[0].chart
+    assert back is not None
+    assert back.steps[0].comment == comment
