@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from time import monotonic
 from typing import Any, NamedTuple, Protocol, TypedDict
@@ -41,6 +41,7 @@ from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.timers import Clocking, clocking
 from plcopen_sfc.analysis.verdict import Counterexample, Verdict, VerdictKind
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -264,6 +265,15 @@ class _Compared:
                 hint = f"These are: {', '.join(frozen)}" if frozen else "All variables are inputs, or are written."
                 raise ModelError(f"{name!r} is no variable that nothing writes", hint=hint)
 
+    @property
+    def passes_start(self) -> bool:
+        """True if the second has a step before several initial steps of the first, in which its first scan passes.
+
+        No transition of the first is tested in that scan.
+        """
+        several = self.profiles[0].grafcet_terms  # only charts of a GRAFCET begin in several places at once
+        return several and _has_start(self.subjects[1].pou) and not _has_start(self.subjects[0].pou)
+
     @cached_property
     def can_be_retimed(self) -> bool:
         """True if the scans of sides that execute actions first can be cut elsewhere."""
@@ -298,6 +308,12 @@ class _Compared:
 
     def _systems(self, delay: Delay) -> tuple[ProgramSystem, ProgramSystem]:
         profiles = [retimed(each) if delay.retimed else each for each in self.profiles]
+        later_start = 0
+        if self.passes_start:
+            if profiles[1].order is ScanOrder.TRANSITIONS_FIRST:
+                profiles[0] = replace(profiles[0], initial_situation_held=True)
+            else:
+                later_start = 1
         left, right = (
             ProgramSystem(
                 *(subject, profile, self.clock),
@@ -314,12 +330,14 @@ class _Compared:
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
         if delay.retimed:
-            for system in (left, right):
-                system.delay(alone=1, at_rest=self._operated(system))
+            left.delay(begins=later_start, alone=1, at_rest=self._operated(left))
+            right.delay(alone=1, at_rest=self._operated(right))
             return left, right
         alone = count if delay.late_start else 0
-        earlier.delay(kept=count, alone=alone, at_rest=self._operated(earlier))
-        later.delay(begins=alone)
+        earlier.delay(
+            begins=later_start if earlier is left else 0, kept=count, alone=alone, at_rest=self._operated(earlier)
+        )
+        later.delay(begins=alone + (later_start if later is left else 0))
         return left, right
 
     @cached_property
@@ -499,11 +517,26 @@ class _Attempt:
             coverage,
             frozen,
             delay,
-            delay.notes([each.order for each in compared.profiles], [a for a, _ in compared.operated]),
+            (
+                *delay.notes([each.order for each in compared.profiles], [a for a, _ in compared.operated]),
+                *(("the first begins when the second has passed its initial step",) if compared.passes_start else ()),
+            ),
             comparison.unknown,
             interrupted,
             comparison.gap,
         )
+
+
+def _has_start(pou: Pou) -> bool:
+    """True if a chart begins with a step that does nothing but lead to several others at once."""
+    initial = pou.chart.initial_steps if pou.chart is not None else []
+    if pou.chart is None or len(initial) != 1 or initial[0].actions:
+        return False
+    leaving = pou.chart.outgoing(initial[0])
+    if len(leaving) != 1 or len(leaving[0].targets) < 2 or pou.chart.incoming(initial[0]):
+        return False
+    condition = leaving[0].condition
+    return isinstance(condition, Expression) and condition.text.strip().upper() == "TRUE" and not condition.negated
 
 
 def _confirmed(

@@ -20,6 +20,8 @@ from plcopen_sfc.conversion.executed_parts import (
     PROGRAM_CALL,
     RESTING_INPUT,
     SHOWN_STATE,
+    STABILITY,
+    START,
     STORED,
     UNDECLARED,
     UNDECLARED_TYPE,
@@ -40,10 +42,9 @@ if TYPE_CHECKING:
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
-_SEARCH = "search for stability"
-_APART = OPERATING_KINDS | {SHOWN_STATE, _SEARCH, "retain", "address", "interval", "max time", "maximum time"}
+_APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, "retain", "address", "interval", "max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
-the chart of a GRAFCET may have no step that is only passed."""
+the chart of a GRAFCET may have no step that is only passed, and begins one scan later."""
 
 
 def report_running(
@@ -91,8 +92,18 @@ def report_running(
             _note_untested(report, there.report_path, *str(verdict).splitlines())
             continue
         report.compared[there.report_path] = str(verdict).splitlines()[0]
+        if verdict.kind is VerdictKind.PROVEN:
+            _note_stability(report, there.report_path)
         if verdict.counterexample is not None:
             report.add(Outcome.APPROXIMATED, "chart", there.report_path, _refused(verdict.counterexample, tool))
+
+
+def _note_stability(report: ConversionReport, path: str) -> None:
+    """Tell that one evolution in a scan does the same as the search for stability."""
+    for at, item in enumerate(report.items):
+        if item.what == STABILITY and item.path == path:
+            why = "with all inputs the target, which fires transitions once in a scan, does the same"
+            report.items[at] = replace(item, outcome=Outcome.TRANSLATED, why=why)
 
 
 def _note_untested(report: ConversionReport, path: str, found: str, *unreached: str) -> None:

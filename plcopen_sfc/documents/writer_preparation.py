@@ -24,7 +24,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.net import Net
-from plcopen_sfc.semantics.profile import PROFILES, StepVariables, default_profile
+from plcopen_sfc.semantics.profile import PROFILES, StepVariables, default_profile, profile_of_format
 
 
 class Prepared(NamedTuple):
@@ -119,14 +119,12 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
 
 def _put_into_sfc(project: Project, kind: Format, report: ConversionReport) -> None:
     """Put GRAFCETs into the words of charts of IEC 61131-3; a run compares both then."""
-    from plcopen_sfc.refactor.grafcet_charts import put_into_sfc  # noqa: PLC0415  # for GRAFCETs only
+    from plcopen_sfc.conversion.adaptation.grafcet_charts import put_into_sfc  # noqa: PLC0415  # for GRAFCETs only
 
     def note(outcome: Outcome, what: str, path: str, why: str) -> None:
         report.add(outcome, what, path, why)
 
-    # the others tell themselves that they have no place for partial charts
-    tells = kind.name not in ("codesys23", "twincat")
-    put_into_sfc(project, note, tells_hierarchy=tells, of_graph=kind.name == TIA_FORMAT)
+    put_into_sfc(project, note, profile_of_format(kind.name))
 
 
 def _mark_first_steps(project: Project, kind: Format, report: ConversionReport) -> None:

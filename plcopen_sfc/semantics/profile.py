@@ -437,6 +437,11 @@ def default_profile(project: Project) -> Profile:
     return PROFILES[name]
 
 
+def profile_of_format(name: str) -> Profile:
+    """The profile of the tools that read files of a format, as far as its name tells."""
+    return PROFILES[_BY_FORMAT.get(name, "iec")]
+
+
 _UNNAMED = {"unnamed", "unbenannt"}
 
 

@@ -5,6 +5,8 @@
 `sequencer_rewriting` what a block of S7-GRAPH does beside its steps
 `global_variables`    tags, data blocks and lists of global variables
 `chart_rewriting`     a chart that is being rewritten
+`grafcet_charts`      GRAFCETs in the words of sequential function charts
+`grafcet_hierarchy`   partial charts, forcing orders, enclosing steps and macro-steps as one chart
 
 The abilities of the target are those of its record (`formats.format_interface.ChartHost`); what was written keeps the
 source beside it (`formats.plcopen.source_marks`).

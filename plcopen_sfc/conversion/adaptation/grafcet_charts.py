@@ -1,0 +1,430 @@
+"""GRAFCETs as sequential function charts of IEC 61131-3, as far as these have words for them.
+
+Hierarchy becomes transitions of one chart (`grafcet_hierarchy`), which begins with a step of its own where the tool
+knows one initial step. Stored actions become S and R, or P1 and P0; conditional ones an action that all steps with this
+output share; delays D and L; ``X3`` the flag of the step, ``3s/X3`` its time. Edges need a memory, which is kept by an
+action that every scan executes, or by a permanent instruction. What has no counterpart is left as it is, and reported.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+
+from plcopen_sfc.analysis.exclusivity import exclusive
+from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
+from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
+    FlatChart,
+    HierarchyError,
+    Rules,
+    sequences_of,
+    step_flag,
+)
+from plcopen_sfc.conversion.executed_parts import STABILITY, START
+from plcopen_sfc.errors import UnknownBehaviourError
+from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
+from plcopen_sfc.languages.networks import declared_rules, draw_ld
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
+from plcopen_sfc.languages.translation.renames import identifier
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, disjunction
+from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.sfc import PermanentOperation, SfcNetwork, Step, Supervised
+from plcopen_sfc.model.sfc import Sequence as GraphSequence
+from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.report import Outcome
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import rising
+from plcopen_sfc.semantics.profile import Profile, ScanOrder
+
+Note = Callable[[Outcome, str, str, str], None]
+"""Takes what became of something, what it is, where and why."""
+
+_CONTINUOUS = frozenset({ActionKind.CONTINUOUS, ActionKind.CONDITIONAL, ActionKind.DELAYED, ActionKind.LIMITED})
+_CONSTANTS = {None: "TRUE", "TRUE": "TRUE", "1": "TRUE", "FALSE": "FALSE", "0": "FALSE"}
+
+
+def put_into_sfc(project: Project, note: Note, target: Profile) -> None:
+    """Change the charts of `project` into what a tool with the profile `target` executes."""
+    for pou in project.pous:
+        chart = pou.chart
+        if chart is not None:
+            _Chart(project, pou, chart, note, target).run()
+
+
+def _has_hierarchy(chart: SfcNetwork) -> bool:
+    forces = any(each.forcing is not None for _, each in chart.associations())
+    return forces or bool(chart.partial_charts) or any(step.macro or step.encloses for step in chart.steps)
+
+
+class _TermError(ValueError):
+    """A term that program text has no words for."""
+
+
+class _Terms:
+    """Times of steps and edges of variables as program text has them; `leaves`: the steps that a transition leaves."""
+
+    def __init__(self, chart: _Chart, leaves: Sequence[int] = (), *, in_action: bool = False) -> None:
+        self._chart, self._leaves, self._in_action = chart, leaves, in_action
+        self.has_edge = False
+
+    def edge(self, operand: str, *, rising: bool) -> str:
+        self.has_edge = True
+        if self._in_action:
+            raise _TermError("an edge lasts for no time that an output could be seen (IEC 60848:2013, 4.8.2)")
+        return self._chart.edge(operand, rising=rising)
+
+    def delay(self, operand: str, first: str | None, last: str | None) -> str:
+        bare = operand.strip("()")
+        step = self._chart.steps.get(bare[1:].casefold()) if bare[:1] in "Xx" else None
+        if step is None or first is None or last is not None:
+            raise _TermError("a time of something that is no step needs an instance of a timer")
+        passed = f"{step.name}.T >= {first}"
+        return passed if step.id in self._leaves else f"({step.name}.X AND {passed})"  # the time of a step stays
+
+
+class _Chart:
+    def __init__(self, project: Project, pou: Pou, chart: SfcNetwork, note: Note, target: Profile) -> None:
+        self._pou = pou
+        self._chart = chart
+        self._note = note
+        self._of_graph = target.graph_parameters
+        self._actions_first = target.order is ScanOrder.ACTIONS_FIRST
+        self._taken = taken_names(project, Chart(pou.name, pou, chart))
+        self._macros: dict[str, list[Step]] = {}
+        self._edges: dict[tuple[str, bool], str] = {}
+        self._memories: list[str] = []
+        self._events: list[str] = []
+        self._was_active: dict[int, str] = {}
+        self._section: VariableSection | None = None
+        self.steps: dict[str, Step] = {}
+
+    def run(self) -> None:
+        """Change the chart."""
+        path = f"POU {self._pou.name}"
+        flat: FlatChart | None = None
+        if _has_hierarchy(self._chart):
+            try:
+                flat = self._flatten(path)
+            except (HierarchyError, UnknownBehaviourError) as error:
+                why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
+                self._note(Outcome.NOT_EXECUTED, "hierarchy", path, why)
+        self.steps = {step.name.casefold(): step for step in self._chart.steps}
+        for step in self._chart.steps:
+            if step.name.isdecimal():
+                new = f"Step{step.name}"
+                if new.casefold() not in self.steps:
+                    step.number, step.name = int(step.name), new
+                    self._note(Outcome.TRANSLATED, "step name", f"{path} / step {new}", "a name begins with no digit")
+        edged = set()
+        for transition in self._chart.transitions:
+            place = f"{path} / transition {self._chart.label(transition)}"
+            terms = _Terms(self, transition.sources)
+            transition.condition = self._read(transition.condition, place, terms)
+            if terms.has_edge:
+                edged.add(transition.id)
+        passed = [step.name for step in self._passed()]
+        which = f"{_first_of(passed)} may be active where a GRAFCET only passes" if passed else "flags are a scan late"
+        why = f"the target fires transitions once in a scan: {which}"
+        self._note(Outcome.APPROXIMATED, STABILITY, path, why)
+        self._actions(path)
+        if flat is not None and flat.ruled:
+            try:
+                Rules(self._chart, flat, edged, self._new_name).apply()
+                why = "transitions that are tried before those of the charts that it rules"
+                self._note(Outcome.TRANSLATED, "hierarchy", path, why)
+            except HierarchyError as error:
+                self._note(Outcome.NOT_EXECUTED, "hierarchy", path, str(error))
+        starts = [step for step in self._chart.steps if step.initial]
+        self._keep_memories(path, starts)
+        if self._of_graph:
+            self._sequences()
+        elif len(starts) > 1:
+            self._start(starts, path)
+
+    def _passed(self) -> Iterator[Step]:
+        """Yield the steps that can be left with the inputs with which they are entered: a GRAFCET only passes them."""
+        trees = {each.id: _without_times(each.condition) for each in self._chart.transitions}
+        for step in self._chart.steps:
+            before = [print_node(tree) for t in self._chart.incoming(step) if (tree := trees[t.id]) is not None]
+            after = [print_node(tree) for t in self._chart.outgoing(step) if (tree := trees[t.id]) is not None]
+            if any(not exclusive(one, other).answer for one in before for other in after):
+                yield step
+
+    def _flatten(self, path: str) -> FlatChart:
+        """Put all partial charts on one level."""
+        flat = FlatChart(self._chart, self._pou.name)
+        names = [partial.name for partial in self._chart.partial_charts]
+        flat.put_into(self._chart)
+        self._macros = {name: [flat.steps[i] for i in steps] for name, steps in flat.macros.items()}
+        for name in names:
+            self._note(Outcome.TRANSLATED, "partial chart", f"{path} / chart {name}", "its steps are in the one chart")
+        return flat
+
+    def _start(self, starts: list[Step], path: str) -> None:
+        """Let a chart with several initial steps begin with one that leads to them all."""
+        first = self._chart.add_step(self._new_name("Start"), initial=True)
+        self._chart.steps.insert(0, self._chart.steps.pop())
+        for step in starts:
+            step.initial = False
+        self._chart.add_transition(first, starts, Expression(text="TRUE"))
+        why = "it leads to all initial steps: charts of the target have one, and the first scan passes with it"
+        self._note(Outcome.APPROXIMATED, START, f"{path} / step {first.name}", why)
+
+    def _sequences(self) -> None:
+        parts = sequences_of(self._chart)
+        if len(parts) > 1 and not self._chart.sequences:
+            self._chart.sequences = [GraphSequence(steps=[step.id for step in steps]) for steps in parts]
+
+    # -- edges
+
+    def edge(self, operand: str, *, rising: bool) -> str:
+        """Return what stands for an edge; its memory is a variable that `_keep_memories` writes."""
+        tree = parse_expression(operand).tree
+        names = [node.identifier for node in walk(tree) if isinstance(node, n.Name)] if tree is not None else ["?"]
+        if any(not self._declares(name) for name in names):
+            raise _TermError(
+                f"{'↑' if rising else '↓'}{operand} is an edge of something that is no variable of the POU"
+            )
+        found = self._edges.get((operand, rising))
+        if found is None:
+            found = self._edges[operand, rising] = self._memory(operand, rising=rising)
+        return found
+
+    def _memory(self, operand: str, *, rising: bool) -> str:
+        bare = operand if re.fullmatch(r"\w+|\(.*\)", operand) else f"({operand})"
+        wish = re.sub(r"\W+", "_", operand).strip("_")
+        # what is TRUE at the start had no edge
+        before = self._new_variable(f"{wish}_before", initial="TRUE" if rising else None)
+        happens = f"{bare} AND NOT {before}" if rising else f"NOT {bare} AND {before}"
+        if not self._actions_first and not self._of_graph:
+            self._memories.append(f"{before} := {operand};")
+            return f"({happens})"
+        edge = self._new_variable(f"{wish}_{'rises' if rising else 'falls'}")
+        self._memories += [f"{edge} := {happens};", f"{before} := {operand};"]
+        return edge
+
+    def _keep_memories(self, path: str, starts: Sequence[Step]) -> None:
+        """Let every scan keep what edges need: before the transitions, or behind all of them."""
+        if not self._memories:
+            return
+        flags = {step.id: print_node(step_flag(step)) for step in self._chart.steps}
+        last = [f"{name} := {flags[step]};" for step, name in self._was_active.items()]
+        text = "\n".join([*self._events, *self._memories, *last])
+        if self._of_graph:
+            drawn = draw_ld(parse_statements(text).tree.statements, declared_rules(self._pou.variables()))
+            self._chart.permanent_pre.append(PermanentOperation(body=drawn.body))
+            why = "a permanent instruction before the sequences"
+        else:
+            name = self._new_action("A_edges", text)
+            # of the first scan those steps are active that it begins with, or those that follow them
+            follow = {i for t in self._chart.transitions if {s.id for s in starts} & {*t.sources} for i in t.targets}
+            for step in self._chart.steps:
+                if step.initial or (step.id in follow and not self._actions_first and len(starts) == 1):
+                    added = ActionAssociation(id=self._chart.new_id(), qualifier=Qualifier.S, target=name)
+                    step.actions.append(added)
+            why = f"the action {name}, which is executed in every scan"
+        for operand, rises in self._edges:
+            self._note(Outcome.TRANSLATED, "edge", f"{path} / {_shown_edge(operand, rising=rises)}", why)
+
+    def _new_variable(self, wish: str, *, initial: str | None = None) -> str:
+        """Declare a Boolean variable; its name."""
+        interface = self._pou.interface
+        if interface is None:
+            interface = self._pou.interface = Interface()
+        if self._section is None:
+            interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
+            self._section = interface.sections[-1]
+        name = self._new_name(wish)
+        self._section.variables.append(Variable(name=name, type=ElementaryType(name=Elementary.BOOL), initial=initial))
+        return name
+
+    def _new_name(self, wish: str) -> str:
+        """Return a name that nothing in the POU or around it has."""
+        number, name = 1, identifier(wish)
+        while name.casefold() in self._taken:
+            number += 1
+            name = f"{identifier(wish)}_{number}"
+        self._taken.add(name.casefold())
+        return name
+
+    # -- conditions
+
+    def _read(self, condition: Condition | None, place: str, terms: _Terms) -> Condition | None:
+        if not isinstance(condition, Expression):
+            return condition
+        try:
+            return Expression(text=self._text(condition.text, terms), negated=condition.negated)
+        except (ConditionError, _TermError) as error:
+            self._note(Outcome.NOT_EXECUTED, "condition", place, str(error))
+            return condition
+
+    def _text(self, text: str, terms: _Terms) -> str:
+        tree = parse_expression(to_structured_text(text, terms)).tree
+        return print_node(transform(tree, self._flag))
+
+    def _flag(self, node: n.Node) -> n.Node:
+        if isinstance(node, n.Name) and node.identifier[:1] in "Xx":
+            name = node.identifier[1:].casefold()
+            step = self.steps.get(name)
+            if step is not None and not self._declares(node.identifier):
+                return step_flag(step)
+            if name in self._macros and not self._declares(node.identifier):
+                return n.Parenthesized(disjunction(map(step_flag, self._macros[name])))
+        return node
+
+    def _declares(self, name: str) -> bool:
+        return any(variable.name.casefold() == name.casefold() for variable in self._pou.variables())
+
+    # -- actions
+
+    def _actions(self, path: str) -> None:
+        conditional: dict[str, list[tuple[Step, ActionAssociation]]] = {}
+        stored: dict[str, list[ActionAssociation]] = {}
+        for step, each in self._chart.associations():
+            if each.target is not None and each.kind in (ActionKind.CONTINUOUS, ActionKind.CONDITIONAL):
+                conditional.setdefault(each.target.casefold(), []).append((step, each))
+            elif each.target is not None and each.kind is not None and each.kind not in _CONTINUOUS:
+                stored.setdefault(each.target.casefold(), []).append(each)
+        constants = {name for name, each in stored.items() if all(map(_is_constant, each))}
+        for uses in conditional.values():
+            if any(each.kind is ActionKind.CONDITIONAL for _, each in uses):
+                (self._interlock if self._of_graph else self._share)(uses, path)
+        for step, each in list(self._chart.associations()):
+            place = f"{path} / step {step.name} / action {each.target or 'in place'}"
+            if each.forcing is not None:
+                self._note(Outcome.NOT_EXECUTED, "forcing order", place, "it has no counterpart in this chart")
+            elif each.kind in _CONTINUOUS:
+                self._continuous(each, place)
+            elif each.kind is ActionKind.ON_EVENT:
+                self._on_event(step, each, place)
+            elif each.kind is not None:
+                constant = (each.target or "").casefold() in constants
+                self._store(step, each, place, constant=constant and each.body is None)
+
+    def _share(self, uses: list[tuple[Step, ActionAssociation]], path: str) -> None:
+        """Give all uses of an output one action, which assigns it in every scan and in the one behind the last."""
+        target = uses[0][1].target or ""
+        parts = []
+        for step, each in uses:
+            flag = f"{step.name}.X"
+            if isinstance(each.condition, Expression):
+                try:
+                    flag += f" AND ({self._text(each.condition.text, _Terms(self, in_action=True))})"
+                except (ConditionError, _TermError) as error:
+                    self._note(
+                        Outcome.NOT_EXECUTED, "condition", f"{path} / step {step.name} / action {target}", str(error)
+                    )
+            parts.append(flag)
+        name = self._new_action(f"Assign_{target}", f"{target} := {' OR '.join(parts)};")
+        for step, each in uses:
+            each.target, each.kind, each.condition = name, ActionKind.CONTINUOUS, None
+            why = f"the action {name} assigns {target} in all steps that drive it"
+            self._note(Outcome.TRANSLATED, "action", f"{path} / step {step.name} / action {target}", why)
+
+    def _interlock(self, uses: list[tuple[Step, ActionAssociation]], path: str) -> None:
+        """Make the condition of an action the interlock of its step, unless that has another one."""
+        for step, each in uses:
+            if not isinstance(each.condition, Expression):
+                continue
+            place = f"{path} / step {step.name} / action {each.target}"
+            try:
+                wanted = Supervised(
+                    condition=Expression(text=self._text(each.condition.text, _Terms(self, in_action=True)))
+                )
+            except (ConditionError, _TermError) as error:
+                self._note(Outcome.NOT_EXECUTED, "condition", place, str(error))
+                continue
+            if step.interlock not in (None, wanted):
+                self._note(
+                    Outcome.NOT_EXECUTED, "condition", place, "the interlock of the step is that of another action"
+                )
+                continue
+            step.interlock, each.interlock = wanted, True
+            each.kind, each.condition = ActionKind.CONTINUOUS, None
+            self._note(Outcome.TRANSLATED, "action", place, "its condition is the interlock of the step")
+
+    def _continuous(self, each: ActionAssociation, place: str) -> None:
+        if each.condition is not None or each.value not in (None, "TRUE", "1"):
+            self._note(Outcome.NOT_EXECUTED, "action", place, f"{each.kind} with a condition has no qualifier")
+            return
+        qualifiers = {ActionKind.DELAYED: Qualifier.D, ActionKind.LIMITED: Qualifier.L}
+        each.qualifier = qualifiers.get(each.kind or ActionKind.CONTINUOUS, Qualifier.N)
+        each.kind = each.value = None
+
+    def _store(self, step: Step, each: ActionAssociation, place: str, *, constant: bool) -> None:
+        if constant and each.kind is ActionKind.ON_ACTIVATION:
+            each.qualifier = Qualifier.S if _CONSTANTS[each.value] == "TRUE" else Qualifier.R
+            self._note(
+                Outcome.TRANSLATED, "action", place, f"on activation is {each.qualifier}: it stays so till it is reset"
+            )
+        elif self._of_graph and each.target is not None:
+            each.event = ActionEvent.S1 if each.kind is ActionKind.ON_ACTIVATION else ActionEvent.S0
+            self._note(Outcome.TRANSLATED, "action", place, f"{each.kind} is the event {each.event}")
+            each.kind, each.value = None, each.value or "TRUE"
+            return
+        else:
+            text = each.body.text if isinstance(each.body, StBody) else f"{each.target} := {each.value or 'TRUE'};"
+            on = each.kind is ActionKind.ON_ACTIVATION
+            each.target = self._new_action(f"{step.name}_{each.target or 'stores'}_{'P1' if on else 'P0'}", text)
+            each.body = None
+            each.qualifier = Qualifier.P1 if on else Qualifier.P0
+            self._note(Outcome.TRANSLATED, "action", place, f"{each.kind} is {each.qualifier} with an action")
+        each.kind = each.value = None
+
+    def _on_event(self, step: Step, each: ActionAssociation, place: str) -> None:
+        """Let the action that keeps the edges execute an action on an event.
+
+        The step must have been active before the transitions of the scan: actions that are executed first see it so
+        one scan later, together with the edge.
+        """
+        happens = rising(each.condition) if each.condition is not None else None
+        terms = _Terms(self)
+        try:
+            if not isinstance(happens, Expression) or self._of_graph:
+                raise _TermError("a permanent instruction of S7-GRAPH has no statements")
+            edge = self._text(happens.text, terms)
+        except (ConditionError, _TermError) as error:
+            self._note(Outcome.NOT_EXECUTED, "action", place, str(error))
+            return
+        was_active = self._was_active.get(step.id)
+        if was_active is None:
+            was_active = self._was_active[step.id] = self._new_variable(f"{step.name}_was_active")
+        text = each.body.text if isinstance(each.body, StBody) else f"{each.target} := {each.value or 'TRUE'};"
+        self._events.append(f"IF {was_active} AND {edge} THEN\n    {text}\nEND_IF;")
+        step.actions.remove(each)
+        self._note(Outcome.TRANSLATED, "action", place, "a statement of the action that keeps the edges")
+
+    def _new_action(self, wanted: str, text: str) -> str:
+        name = self._new_name(wanted)
+        self._pou.actions.append(Action(name=name, body=StBody(text=text)))
+        return name
+
+
+def _is_constant(each: ActionAssociation) -> bool:
+    return each.kind is ActionKind.ON_ACTIVATION and each.value in _CONSTANTS and each.body is None
+
+
+def _first_of(names: list[str], most: int = 5) -> str:
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+def _without_times(condition: Condition | None) -> n.Expression | None:
+    """Return a condition with no time passed: that of a step that was just entered. None where it has no tree."""
+    tree = parse_expression(condition.text).tree if isinstance(condition, Expression) else None
+    if tree is None:
+        return None
+
+    def passed(node: n.Node) -> n.Node:
+        times = isinstance(node, n.Operation) and isinstance(node.operands[0], n.Member)
+        return FALSE if times and print_node(node).partition(" ")[0].endswith(".T") else node
+
+    return transform(tree, passed)
+
+
+def _shown_edge(operand: str, *, rising: bool) -> str:
+    return f"{'↑' if rising else '↓'}{operand}"
