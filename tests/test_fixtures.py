@@ -43,6 +43,7 @@ DEFECTS = (
 )
 SCL = ("scl/filling_line.scl", "scl/conveyor_step7.scl")
 CODESYS23 = ("codesys23/distribution_belt.EXP",)
+EXPORTS = ("codesys-export/mixer.export",)
 IECTEXT = ("iectext/mixing_plant.st", "iectext/distribution_belt.st")
 ENCODINGS = {
     "broken/umlauts_utf8.xml": "utf-8",
@@ -112,10 +113,10 @@ def wires(element: etree._Element) -> list[etree._Element]:
 def test_every_fixture_is_listed_here_and_in_the_readme() -> None:
     written = {
         p.relative_to(FIXTURES).as_posix()
-        for folder in ("codesys", "twincat", "plcopen", "iectext", "scl", "codesys23", "broken")
+        for folder in ("codesys", "twincat", "plcopen", "iectext", "scl", "codesys23", "codesys-export", "broken")
         for p in (FIXTURES / folder).iterdir()
     }
-    assert written == {*VALID, *IECTEXT, *SCL, *CODESYS23, *UNREADABLE}
+    assert written == {*VALID, *IECTEXT, *SCL, *CODESYS23, *EXPORTS, *UNREADABLE}
     readme = (FIXTURES / "README.md").read_text(encoding="utf-8")
     assert [name for name in sorted(written) if f"`{name}`" not in readme] == []
 

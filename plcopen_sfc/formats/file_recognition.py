@@ -51,7 +51,7 @@ _OPENNESS = (
     "Export the blocks as XML: with TIA Portal Openness, or by the version control interface (project tree > Version "
     "control interface > a workspace). Blocks in SCL: their context menu > Generate source from blocks."
 )
-_CODESYS = "Open it in CODESYS, then Project > Export PLCopenXML."
+_CODESYS = "Open it in CODESYS, then Project > Export PLCopenXML, or Project > Export."
 _TWINCAT = (
     "Give the folder of the PLC project, whose .TcPOU, .TcGVL and .TcDUT files are read. Or in the Solution Explorer "
     "of TwinCAT: context menu of the PLC project (NAME Project) or of a folder in it > Export PLCopenXML."
@@ -91,12 +91,6 @@ UNREAD: tuple[UnreadFormat, ...] = (
         "Export it as .EXP: Project > Export. Or open it in CODESYS V3 (32 bit, with the package CODESYS V2.3 "
         "Converter) by File > Open Project, then Project > Export PLCopenXML.",
         extensions=(".pro",),
-    ),
-    UnreadFormat(
-        "an export of CODESYS in its own format (.export)",
-        "In CODESYS choose Project > Export PLCopenXML instead of Project > Export.",
-        root="ExportFile",
-        extensions=(".export",),
     ),
     UnreadFormat("a project of CODESYS", _CODESYS, extensions=(".project", ".library", ".compiled-library")),
     UnreadFormat(

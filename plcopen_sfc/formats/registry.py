@@ -22,6 +22,10 @@ def _is_twincat(head: FileHead) -> bool:
     return head.root == "TcPlcObject"
 
 
+def _is_codesys_export(head: FileHead) -> bool:
+    return head.root == "ExportFile"
+
+
 def _is_native(head: FileHead) -> bool:
     return head.text.lstrip().startswith("{") and '"plcopen_sfc"' in head.text[:2000]
 
@@ -195,6 +199,23 @@ FORMATS: tuple[Format, ...] = (
         charts=ChartHost("TwinCAT", is_codesys=True),
     ),
     Format(
+        name="codesys-export",
+        title="exports of CODESYS V3 in its own format (.export)",
+        tool="CODESYS",
+        module="plcopen_sfc.formats.codesys_export.export_codec",
+        extensions=(".export",),
+        recognises=_is_codesys_export,
+        capabilities=("steps", "step actions", "associations", "times", "flags", "comments", "branches"),
+        xml=True,
+        drawing=DrawingNeed.STRUCTURED,
+        dialect=Dialect.CODESYS,
+        networks=NetworkForm.STATEMENTS,
+        one_sheet=True,
+        il_conditions=False,
+        il_bodies=False,
+        charts=ChartHost("CODESYS", is_codesys=True, has_tasks=False),
+    ),
+    Format(
         name="json",
         title="the model itself",
         tool="",
@@ -359,7 +380,7 @@ _TOOLS = (
         "twincat (the files of its projects), codesys (its PLCopen XML)",
     ),
     ("codesys2 codesysv2 twincat2 tc2 exp", "CoDeSys 2.3", "codesys23"),
-    ("codesys3 codesysv3 3s", "CODESYS V3", "codesys (its PLCopen XML)"),
+    ("codesys3 codesysv3 3s", "CODESYS V3", "codesys (its PLCopen XML), codesys-export (its own format)"),
     ("beremiz openplc", "Beremiz", 'plcopen, written with --for beremiz (flavour="beremiz")'),
     ("matiec iec2c", "matiec", 'iec-text, written with --for matiec (flavour="matiec")'),
     ("tc6 plcopenxml xml", "a tool that reads PLCopen TC6 XML", "plcopen; CODESYS and TwinCAT use codesys"),

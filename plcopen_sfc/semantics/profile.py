@@ -411,6 +411,7 @@ def profile(choice: str | Profile) -> Profile:
 _BY_FORMAT = {
     "codesys": "codesys",
     "twincat": "codesys",
+    "codesys-export": "codesys",
     "codesys23": "codesys23",
     "simaticml": "s7graph",
     "scl": "s7graph",

@@ -13,6 +13,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, equivalent
 from plcopen_sfc.conversion import executed
+from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import default_profile
 from tests.conversion.features import FEATURES, Feature, feature_project
@@ -26,6 +27,8 @@ CAUTIOUS = {
     ("qualifier P0", "codesys"): _IMPORT,
     ("qualifier P1", "twincat"): _IMPORT,
     ("qualifier P0", "twincat"): _IMPORT,
+    ("qualifier P1", "codesys-export"): _IMPORT,
+    ("qualifier P0", "codesys-export"): _IMPORT,
     ("retain", "codesys"): _IMPORT,
     ("condition: wired", "codesys"): _IMPORT,
     ("macro-step", "codesys"): _IMPORT,
@@ -34,13 +37,14 @@ CAUTIOUS = {
     ("two sequences", "codesys"): _IMPORT,
     ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",
     ("enumeration", "simaticml"): _FINAL,
+    ("counter", "codesys-export"): "nothing in the chart reads the counter",
     ("counter", "twincat"): "nothing in the chart reads the counter",
     ("counter", "codesys"): "nothing in the chart reads the counter",
     ("counter", "plcopen"): "nothing in the chart reads the counter",
     ("counter", "codesys23"): "nothing in the chart reads the counter",
 }
 """Where the report says less than that all is executed although both run the same here, and why."""
-TARGETS = ("codesys", "twincat", "plcopen-2.01", "iec-text", "simaticml", "scl", "codesys23")
+TARGETS = ("codesys", "twincat", "codesys-export", "plcopen-2.01", "iec-text", "simaticml", "scl", "codesys23")
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,7 @@ class Cell:
         """True if the report says that all is executed exactly where both run the same."""
         if self.reported == "refused" or self.runs_the_same == (self.reported == "executed"):
             return True
-        return self.runs_the_same and (self.feature, self.target.partition("-")[0]) in CAUTIOUS
+        return self.runs_the_same and (self.feature, format_named(self.target)[0].name) in CAUTIOUS
 
     @property
     def outcome(self) -> str:
@@ -72,12 +76,17 @@ class Cell:
         return self.reported
 
 
+def is_other(source: str, target: str) -> bool:
+    """True if the two are not versions of one format."""
+    return format_named(target)[0] is not format_named(source)[0]
+
+
 def cells(features: Sequence[Feature] = FEATURES) -> Iterator[Cell]:
     """Every cell of the matrix."""
     for feature in features:
         for source in feature.sources:
             for target in TARGETS:
-                if target.partition("-")[0] != source.partition("-")[0]:
+                if is_other(source, target):
                     yield judge(feature, source, target)
 
 

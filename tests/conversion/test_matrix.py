@@ -7,13 +7,11 @@ from pathlib import Path
 import pytest
 
 from tests.conversion.features import FEATURES, Feature
-from tests.conversion.matrix import TARGETS, Cell, judge, table
+from tests.conversion.matrix import TARGETS, Cell, is_other, judge, table
 from tests.sweeps import WHOLE, in_turn, some_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "conversion.md"
-PAIRS = {
-    f.name: [(s, t) for s in f.sources for t in TARGETS if t.partition("-")[0] != s.partition("-")[0]] for f in FEATURES
-}
+PAIRS = {f.name: [(s, t) for s in f.sources for t in TARGETS if is_other(s, t)] for f in FEATURES}
 
 
 def documented() -> dict[tuple[str, str, str], str]:

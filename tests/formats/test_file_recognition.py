@@ -20,7 +20,6 @@ STL = 'FUNCTION_BLOCK "Pump"\nTITLE =\nVERSION : 0.1\n\nBEGIN\nNETWORK\nTITLE =S
 FILES = {
     "Plant.tsproj": ("<TcSmProject/>", "Export PLCopenXML"),
     "Old.pro": ("\0\1\2", "V2.3 Converter"),
-    "Plant.export": ("<ExportFile><StructuredView/></ExportFile>", "Project > Export PLCopenXML instead"),
     "Plant.project": ("PK\3\4\0\0", "Project > Export PLCopenXML"),
     "Plant.projectarchive": ("PK\3\4\0\0", "Extract Archive"),
     "Routine.L5X": ('<?xml version="1.0"?>\n<RSLogix5000Content SchemaRevision="1.0"/>', "L5X and L5K only"),

@@ -280,7 +280,7 @@ Note = Callable[[Outcome, str, str, str], None]
 _FLOW = STEPS | DIVERGENCES | CONVERGENCES | {SymbolKind.TRANSITION, SymbolKind.JUMP}
 _NUMBERED = DIVERGENCES | {SymbolKind.JUMP}
 """The symbols that are elements of the archive, besides steps and transitions."""
-_NO_PLACE = "charts of TwinCAT are nested branches from one start on, and this is in none of them"
+_NO_PLACE = "charts of CODESYS are nested branches from one start on, and this is in none of them"
 
 
 class ArchiveNumbers:
@@ -427,7 +427,7 @@ class ChartWriter:
                 ends += [end] if end is not None and end not in ends else []
             closing = ends[0] if ends else None
             if len(ends) > 1:
-                why = "branches beside each other do not end together, which charts of TwinCAT cannot say"
+                why = "branches beside each other do not end together, which charts of CODESYS cannot say"
                 self._note(Outcome.NOT_EXECUTED, "branch", "", why)
             if closing is not None:
                 self._placed.add(closing)
@@ -492,7 +492,7 @@ class ChartWriter:
     def _step(self, step: Step, parent: int) -> etree._Element:
         for what, lacking in (("macro-step", step.macro), ("negated step output", step.negated or None)):
             if lacking is not None:
-                self._note(Outcome.NOT_EXECUTED, what, f"step {step.name}", "charts of TwinCAT have none")
+                self._note(Outcome.NOT_EXECUTED, what, f"step {step.name}", "charts of CODESYS have none")
         written = new_object(STEP)
         add_none(written, "EmbeddedMainAction", "EmbeddedEntryAction", "EmbeddedExitAction")
         for action in ("Main", "Entry", "Exit"):
@@ -503,7 +503,7 @@ class ChartWriter:
         values = _values(step, STEP)
         for action in ("main_action", "entry_action", "exit_action"):
             if values[action] is not None and not isinstance(values[action], str):
-                why = "step actions in TwinCAT are actions of the POU, not code in place"
+                why = "step actions in CODESYS are actions of the POU, not code in place"
                 self._note(Outcome.NOT_EXECUTED, action.replace("_", " "), f"step {step.name}", why)
                 values[action] = None
         self._note(Outcome.KEPT, "step", f"step {step.name}", "")
@@ -515,11 +515,11 @@ class ChartWriter:
         lacking = [name for name in ("body", "value", "event", "forcing") if getattr(association, name) is not None]
         lacking += [name for name in ("negated", "interlock") if getattr(association, name)]
         if f"qualifier {qualifier}" in LACKS:
-            why = f"TwinCAT offers {_OFFERED}, and may not read this"
+            why = f"CODESYS offers {_OFFERED}, and may not read this"
             outcome = Outcome.APPROXIMATED if qualifier in _PULSES else Outcome.NOT_EXECUTED
             self._note(outcome, f"qualifier {qualifier}", place, why)
         for what in lacking:
-            self._note(Outcome.NOT_EXECUTED, what, place, "associations of actions in TwinCAT have none")
+            self._note(Outcome.NOT_EXECUTED, what, place, "associations of actions in CODESYS have none")
         self._note(Outcome.KEPT, "action", place, "")
         values = _values(association, ASSOCIATION)
         values["name"] = association.target
@@ -540,7 +540,7 @@ class ChartWriter:
         text = condition_text(transition)
         if getattr(condition, "negated", False) or not isinstance(condition, Expression | NamedCondition | None):
             text = "condition_is_not_written"  # which does not compile
-            why = "conditions in TwinCAT are expressions and transition objects; nothing that is right can be written"
+            why = "conditions in CODESYS are expressions and transition objects; nothing that is right can be written"
             self._note(Outcome.NOT_EXECUTED, "condition", place, why)
         self._note(Outcome.KEPT, "transition", place, "")
         values = {**_values(transition, TRANSITION), "name": text}

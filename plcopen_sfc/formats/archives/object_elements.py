@@ -8,7 +8,7 @@ such elements. ``LineIds``, which the tool counts itself, stay in the file and a
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TypeAlias
 from uuid import NAMESPACE_URL, uuid5
 
@@ -42,16 +42,40 @@ _NOT_SPECIAL = ("SpecialFunc", "None")
 # -- reading ----------------------------------------------------------------------------------------------------------
 
 
-def read_element(ctx: Tc6ReadContext, thing: etree._Element, file: str | None) -> Project:
-    """Return a project with nothing but the object that an element is. Raises `StructureError`."""
-    return _Reader(ctx, thing, file).read()
+LineAt: TypeAlias = Callable[[etree._Element, int], int | None]
+"""Returns the line of the file in which a line of the declaration of an object is, counted from 0."""
+
+
+def _line_below(thing: etree._Element, line: int) -> int | None:
+    holder = thing.find("Declaration")
+    start = line_of(holder) if holder is not None else None
+    return start + line if start is not None else None
+
+
+def read_element(
+    ctx: Tc6ReadContext,
+    thing: etree._Element,
+    file: str | None,
+    *,
+    source: str = "twincat",
+    line_at: LineAt = _line_below,
+) -> Project:
+    """Return a project with nothing but the object that an element is; `source` is the format that it is of.
+
+    Raises `StructureError`.
+    """
+    return _Reader(ctx, thing, file, source, line_at).read()
 
 
 class _Reader:
-    def __init__(self, ctx: Tc6ReadContext, thing: etree._Element, file: str | None) -> None:
+    def __init__(
+        self, ctx: Tc6ReadContext, thing: etree._Element, file: str | None, source: str, line_at: LineAt
+    ) -> None:
         self._ctx = ctx
         self._thing = thing
         self._file = file
+        self._source = source
+        self._line_at = line_at
 
     def read(self) -> Project:
         thing = self._thing
@@ -106,9 +130,7 @@ class _Reader:
 
     def _report(self, found: Diagnostic, thing: etree._Element, line: int) -> None:
         """Report what was found in a declaration, so many lines below its first."""
-        holder = thing.find("Declaration")
-        start = line_of(holder) if holder is not None else None
-        place = Location(self._file, start + line if start is not None else None, None, found.location.path)
+        place = Location(self._file, self._line_at(thing, line), None, found.location.path)
         self._ctx.diagnostics.append(Diagnostic(found.code, found.severity, found.message, place))
 
     def _name(self, project: Project) -> None:
@@ -172,7 +194,7 @@ class _Reader:
                 network.settings = SfcSettings.model_validate(stated)
             return SfcBody(chart=network)
         self._ctx.warn("TWC104", f"a body in {body.tag} is kept as it is, and not understood", body)
-        return OpaqueBody(source="twincat", content=markup(body))
+        return OpaqueBody(source=self._source, content=markup(body))
 
 
 _OWN_ELEMENTS = frozenset(
@@ -258,18 +280,22 @@ def _add_code(parent: etree._Element, name: str, text: str) -> None:
     child.text = etree.CDATA(text) if "]]>" not in text else text
 
 
-def write_pou(pou: Pou, report: ConversionReport, source: etree._Element | None) -> etree._Element:
-    """Return ``POU``; `source` is the element in the file that is patched."""
-    return _PouWriter(pou, report, source).write()
+def write_pou(
+    pou: Pou, report: ConversionReport, source: etree._Element | None, *, format: str = "twincat"
+) -> etree._Element:
+    """Return ``POU``; `source` is the element in the file that is patched, `format` that of the file."""
+    return _PouWriter(pou, report, source, format).write()
 
 
 class _PouWriter:
-    def __init__(self, pou: Pou, report: ConversionReport, source: etree._Element | None) -> None:
+    def __init__(self, pou: Pou, report: ConversionReport, source: etree._Element | None, format: str) -> None:
         self._pou = pou
         self._report = report
         self._source = source
+        self._format = format
         children = list(source) if source is not None else []
-        self._parts = {(str(child.tag), child.get("Name")): child for child in children if child.get("Name")}
+        # a declaration may write the name of a method in another case than its object
+        self._parts = {(str(each.tag), each.get("Name", "").casefold()): each for each in children if each.get("Name")}
 
     def write(self) -> etree._Element:
         pou = self._pou
@@ -284,10 +310,12 @@ class _PouWriter:
         found: list[_Part] = [*pou.actions, *pou.methods, *pou.transitions]
         parts = [self._part(part) for part in found]
         place = {key: number for number, key in enumerate(self._parts)}
-        written.extend(sorted(parts, key=lambda part: place.get((str(part.tag), part.get("Name")), len(place))))
+        written.extend(
+            sorted(parts, key=lambda part: place.get((str(part.tag), part.get("Name", "").casefold()), len(place)))
+        )
         self._settings(written, pou.body)
         if len(pou.bodies) > 1:
-            self._report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, "a POU of TwinCAT has one body")
+            self._report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, "a POU of CODESYS and TwinCAT has one body")
         self._report_properties()
         return written
 
@@ -298,8 +326,9 @@ class _PouWriter:
     def _part(self, part: _Part) -> etree._Element:
         tag = type(part).__name__.removeprefix("Named")
         what = _PART_NAMES[type(part)]
-        source = self._parts.get((tag, part.name))
-        written = etree.Element(tag, Name=part.name, Id=identity(part.object_id, self._pou.name, part.name))
+        source = self._parts.get((tag, part.name.casefold()))
+        name = source.get("Name", "") if source is not None else part.name
+        written = etree.Element(tag, Name=name, Id=identity(part.object_id, self._pou.name, part.name))
         for name, value in kept_in(part.carried).attributes.items():
             written.set(name, value)
         path = f"{self._pou.report_path} / {what} {part.name}"
@@ -333,7 +362,7 @@ class _PouWriter:
                     self._report.add(outcome, what, f"{path} / {place}" if place else path, why)
 
                 etree.SubElement(held, "SFC").append(ChartWriter(chart, old, note).write())
-            case OpaqueBody(source="twincat", content=content):
+            case OpaqueBody(source=kept, content=content) if kept == self._format:
                 add_markup(held, content)
             case _:
                 self._drawn_body(held, body, path, part)

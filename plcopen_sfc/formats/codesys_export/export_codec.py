@@ -1,0 +1,288 @@
+"""Exports of CODESYS V3 in its own format in the table of formats: read, write and patch them.
+
+What is not read of a file (devices, visualizations, libraries) stays in it. A new file has none of it.
+
+======  ==========================================================================
+CEX102  an object that cannot be read; the others are
+CEX103  objects that are kept in the file as they are, and are nothing in the model
+CEX104  an identity that two objects have
+======  ==========================================================================
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from lxml import etree
+from pydantic import ValidationError
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import FormatError, Location, StructureError
+from plcopen_sfc.formats.archives.object_elements import (
+    identity_of,
+    path_of,
+    read_element,
+    write_declared,
+    write_pou,
+)
+from plcopen_sfc.formats.codesys_export.export_entries import (
+    ACCESSOR,
+    INNER,
+    INTERFACE,
+    LIST,
+    PARTS,
+    POU,
+    TASK,
+    TREE,
+    TYPE,
+    Entry,
+    Place,
+    element_of,
+    entries,
+    entry_lists,
+    move_inside,
+    new_entry,
+    new_file,
+    put,
+)
+from plcopen_sfc.formats.codesys_export.export_notation import line_elements, member
+from plcopen_sfc.formats.codesys_export.export_tasks import change_task, read_task
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
+from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
+from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
+from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle, write_xml
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
+from plcopen_sfc.languages.s7_boxes import put_logic
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.project import Project, Resource, Task
+from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_SOURCE = "codesys-export"
+_READ = frozenset({POU, TYPE, LIST, INTERFACE, TASK})
+_INDENT = "  "
+
+
+class ExportCodec(XmlCodec):
+    """Exports of CODESYS V3 in its own format."""
+
+    def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
+        """Read a file. Raises `FormatError`."""
+        root = parse_xml(data, file=file)
+        if root.tag != "ExportFile" or not entry_lists(root):
+            raise StructureError(
+                f"<{root.tag}> has no list of objects (EntryList)",
+                location=Location(file, line_of(root)),
+                hint="Export the objects again: in CODESYS, Project > Export.",
+            )
+        return _Reader(root, data, file).read()
+
+    def replace_missing(self, project: Project, report: ConversionReport) -> None:
+        """Replace flip-flop boxes with an operand, which only TIA Portal has, by logic."""
+        put_logic(project, report)
+
+    def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
+        """Take out of `project`, a copy, what a new file does not hold."""
+        if options.same:
+            return
+        project.global_variables = list(project.global_sections())
+        for section in project.global_variables:
+            section.name = section.name or "GVL"
+        for task in (task for resource in project.resources() for task in resource.tasks):
+            why = "the task configuration belongs to the device: make it in CODESYS"
+            report.add(Outcome.NOT_EXECUTED, "task", f"task {task.name}", why)
+        plain = Project(dialect=Dialect.CODESYS)
+        for name in Project.model_fields:
+            if name not in ("pous", "data_types", "global_variables"):
+                setattr(project, name, getattr(plain, name))
+
+    def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
+        """Return the tree of the file for `project`: where it is patched, the one that it has, with the edits."""
+        source = parse_xml(options.source) if options.same and options.source else None
+        return _Writer(project, source, options, report).write()
+
+    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+        """Write a file from the model, beside what only the source has where there is one."""
+        root = self.to_tree(project, options, report)
+        _lay_out(root)
+        return write_xml(root, self.style())
+
+    def style(self) -> XmlStyle:
+        """As CODESYS writes: UTF-8 without a mark or a declaration, CRLF, two blanks, ``<a />``."""
+        return XmlStyle(newline="\r\n", indent=None, self_closing=" />", declaration="", final_newline=True)
+
+
+def _lay_out(root: etree._Element) -> None:
+    """Lay out a file as the tool does: each archive begins again at the left."""
+    root.text = f"\n{_INDENT}"
+    for view in root:
+        etree.indent(view[0], _INDENT)
+        view.text, view[0].tail = "\n", _INDENT
+        view.tail = f"\n{_INDENT}" if view is not root[-1] else "\n"
+    for each in root.iter("Single"):  # values without a text are closed by a tag of their own
+        if each.get("Type") == "string" and not each.text:
+            each.text = ""
+
+
+class _Reader:
+    def __init__(self, root: etree._Element, data: bytes, file: str | None) -> None:
+        self._file = file
+        self._ctx = Tc6ReadContext(V2_0, file=file, lines=SourceLines(root, data), placeless=True)
+        self._entries = list(entries(root))
+        self._inner = _inner(self._entries)
+
+    def read(self) -> ReadResult:
+        project = Project(dialect=Dialect.CODESYS)
+        applications: dict[str, Resource] = {}
+        kept: Counter[str] = Counter()
+        names = {entry.guid: entry.name for entry in self._entries}
+        for guid in (guid for guid, count in Counter(entry.guid for entry in self._entries).items() if count > 1):
+            second = [entry for entry in self._entries if entry.guid == guid][1]
+            message = f"the identity {guid} of {second.name} is that of another object"
+            self._ctx.error("CEX104", message, second.element)
+        for entry in self._entries:
+            kind = entry.kind
+            if kind == TASK:
+                application = next((name for name in Place.of(entry).path[-2:-1]), names.get(entry.parent, ""))
+                found = applications.setdefault(application, Resource(name=application))
+                found.tasks.append(read_task(entry))
+            elif kind in _READ:
+                self._take(project, entry)
+            elif kind not in INNER and kind not in TREE:
+                kept[kind] += 1
+        project.applications = list(applications.values())
+        project.adopt()  # each object was in a project of its own
+        if kept:
+            what = ", ".join(f"{count} of {kind}" for kind, count in sorted(kept.items()))
+            message = f"objects that are kept in the file as they are, and nowhere else: {what}"
+            self._ctx.diagnostics.append(Diagnostic("CEX103", Severity.WARNING, message, Location(self._file)))
+        return ReadResult(project, self._ctx.diagnostics)
+
+    def _take(self, project: Project, entry: Entry) -> None:
+        """Read an object; where it cannot be read, the others are."""
+        self._ctx.place = []
+        thing = element_of(entry, self._inner)
+
+        def line_at(holder: etree._Element, line: int) -> int | None:
+            return self._line_in(entry, holder, line)
+
+        try:
+            found = read_element(self._ctx, thing, self._file, source=_SOURCE, line_at=line_at)
+        except (FormatError, ValidationError) as error:
+            what = error.message if isinstance(error, FormatError) else str(error.errors()[0]["msg"])
+            self._ctx.error("CEX102", f"{entry.name} is not read: {what}", entry.element)
+            return
+        project.pous += found.pous
+        project.data_types += found.data_types
+        project.global_variables += found.global_variables
+        if found.carried is not None:
+            project.carried = project.carried or type(found.carried)()
+            project.carried.data += found.carried.data
+
+    def _line_in(self, entry: Entry, holder: etree._Element, line: int) -> int | None:
+        """Return the line of the file in which a line of a declaration is."""
+        guid = (identity_of(holder) or "").casefold()
+        owner = next((each for each in (entry, *self._inner.get(entry.guid, ())) if each.guid == guid), entry)
+        lines = line_elements(member(owner.content, "Interface"))
+        if lines:
+            return line_of(lines[min(max(line, 0), len(lines) - 1)])
+        declaration = holder.find("Declaration")
+        start = line_of(declaration) if declaration is not None else None
+        return start + line if start is not None else None
+
+
+def _inner(found: list[Entry]) -> dict[str, list[Entry]]:
+    """Return the entries of objects in others, by the identity of these."""
+    inner: dict[str, list[Entry]] = {}
+    for entry in found:
+        if entry.kind in INNER:
+            inner.setdefault(entry.parent, []).append(entry)
+    return inner
+
+
+class _Writer:
+    def __init__(
+        self, project: Project, source: etree._Element | None, options: WriteOptions, report: ConversionReport
+    ) -> None:
+        self._project = project
+        self._report = report
+        self._options = options
+        self._root = source if source is not None else new_file()
+        found = list(entries(self._root))
+        self._entries = {entry.guid: entry for entry in found}
+        self._inner = _inner(found)
+        self._written: set[str] = set()
+        pous = [entry for entry in found if entry.kind == POU]
+        self._usual = Place.of(pous[0]) if pous else Place()
+
+    def write(self) -> etree._Element:
+        project, report = self._project, self._report
+        for pou in project.pous:
+            old = self._entries.get((pou.object_id or "").casefold())
+            source = element_of(old, self._inner) if old is not None else None
+            written = write_pou(pou, report, source, format=_SOURCE)
+            entry = self._put(POU, written, self._usual, pou.name)
+            inside = Place.inside(entry)
+            for part in written:
+                if part.tag in PARTS:
+                    self._put(str(part.tag), part, inside, f"{pou.name}.{part.get('Name')}")
+            for each in self._inner.get(entry.guid, ()):
+                move_inside(each, entry)
+        for declared in project.data_types:
+            self._declared(TYPE, Project(data_types=[declared]))
+        lists: dict[str, list[VariableSection]] = {}
+        for section in project.global_variables:
+            lists.setdefault(section.name or "", []).append(section)
+        for sections in lists.values():
+            self._declared(LIST, Project(global_variables=sections))
+        for task in (task for resource in project.applications for task in resource.tasks):
+            self._task(task)
+        self._remove_others()
+        return self._root
+
+    def _declared(self, kind: str, alone: Project) -> None:
+        thing = alone.data_types[0] if alone.data_types else alone.global_variables[0]
+        old = self._entries.get((thing.object_id or "").casefold())
+        self._put(kind, write_declared(alone, element_of(old, {}) if old is not None else None), self._usual, "")
+        what = "data type" if kind == TYPE else "global variables"
+        self._report.add(Outcome.KEPT, what, path_of(alone))
+
+    def _put(self, kind: str, written: etree._Element, place: Place, body: str) -> Entry:
+        guid = (identity_of(written) or "").casefold()
+        entry = self._entries.get(guid)
+        if entry is None or guid in self._written:
+            entry = new_entry(kind, guid, written.get("Name", ""), place)
+            around = self._entries.get(place.guid)
+            holder = around.element.getparent() if around is not None else None
+            (holder if holder is not None else entry_lists(self._root)[0]).append(entry.element)
+            self._entries[guid] = entry
+        self._written.add(guid)
+        put(entry, written, keep_body=body in self._options.untouched)
+        return entry
+
+    def _task(self, task: Task) -> None:
+        entry = self._entries.get((task.object_id or "").casefold())
+        if entry is None or entry.kind != TASK:
+            why = "the task configuration belongs to the device: make it in CODESYS"
+            self._report.add(Outcome.NOT_EXECUTED, "task", f"task {task.name}", why)
+            return
+        self._written.add(entry.guid)
+        change_task(entry, task)
+        self._report.add(Outcome.KEPT, "task", f"task {task.name}")
+
+    def _remove_others(self) -> None:
+        """Remove what the model has no more, with what is in it; what it never had stays."""
+        for entry in self._entries.values():
+            owner = self._entries.get(entry.parent)
+            around = self._entries.get(owner.parent) if entry.kind == ACCESSOR and owner is not None else owner
+            gone = entry.kind in (POU, TYPE, LIST, TASK, *PARTS) and entry.guid not in self._written
+            if entry.kind in INNER and around is not None and around.kind == POU:
+                gone = gone or around.guid not in self._written
+            elif entry.kind in PARTS:
+                gone = False  # of an interface
+            holder = entry.element.getparent()
+            if gone and holder is not None:
+                holder.remove(entry.element)
+
+
+CODEC = ExportCodec()

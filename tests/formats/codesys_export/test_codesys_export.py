@@ -1,0 +1,274 @@
+"""Exports of CODESYS V3 in its own format: identity, edits, new files, what stays in the file, and errors."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lxml import etree
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import SfcError, StructureError, XmlSyntaxError
+from plcopen_sfc.model import Action, NamedTransition, Pou, PouKind, Project, StBody, Step, Transition
+from plcopen_sfc.report import Outcome
+from tests.samples import FIXTURES
+
+MIXER = FIXTURES / "codesys-export" / "mixer.export"
+BELT = FIXTURES / "twincat-belt" / "POUs" / "Ablauf_Band.TcPOU"
+
+
+def changed(before: bytes, after: bytes) -> list[str]:
+    """Return the lines that were taken out and put in, without their indentation."""
+    texts = (data.decode().splitlines() for data in (before, after))
+    found = difflib.unified_diff(*texts, lineterm="", n=0)
+    return [line[0] + line[1:].strip() for line in found if not line.startswith(("---", "+++", "@@"))]
+
+
+def mixer() -> Project:
+    return sfc.load(MIXER)
+
+
+def chart_of(project: Project) -> sfc.model.SfcNetwork:
+    chart = project.pou("Mischer").chart
+    assert chart is not None
+    return chart
+
+
+def test_an_export_is_read_whole() -> None:
+    project = mixer()
+    assert project.source is not None
+    assert project.source.format == "codesys-export"
+    assert {pou.name: [*(a.name for a in pou.actions), *(m.name for m in pou.methods)] for pou in project.pous} == {
+        "Ruehrwerk": ["Zaehlen", "Fertig"],
+        "Mischer": ["Zaehler"],
+    }
+    chart = chart_of(project)
+    assert [step.name for step in chart.steps] == ["Bereit", "Fuellen", "Ruehren", "Pumpen"]
+    assert chart.step("Fuellen").max_time == "T#20s"
+    assert chart.step("Ruehren").entry_action == "Werk.Zaehlen"
+    assert "Abbruch" in {getattr(transition.condition, "name", "") for transition in chart.transitions}
+    assert [each.name for each in project.pou("Mischer").transitions] == ["Abbruch"]
+    assert [declared.name for declared in project.data_types] == ["Rezept"]
+    assert [section.name for section in project.global_variables] == ["GVL"]
+    (task,) = project.applications[0].tasks
+    assert (task.name, task.priority, [each.name for each in task.instances]) == ("MainTask", 1, ["Mischer"])
+    assert all(pou.project is project for pou in project.pous)
+    assert sfc.simulate(project.pou("Mischer"), scans=3) is not None
+    assert [found.code for found in project.diagnostics] == ["CEX103"]
+    assert "library manager" in project.diagnostics[0].message
+
+
+def test_it_comes_back_byte_for_byte_and_is_written_from_the_model_as_it_was() -> None:
+    project = mixer()
+    assert sfc.dumps(project) == MIXER.read_bytes()
+    assert sfc.dumps(project, fresh=True) == MIXER.read_bytes()
+
+
+def _condition(project: Project) -> None:
+    chart_of(project).transitions[0].condition = 'Start AND "Wort" < 3'
+
+
+def _step(project: Project) -> None:
+    chart_of(project).rename_step("Pumpen", "Leeren")
+
+
+def _variable(project: Project) -> None:
+    project.pou("Ruehrwerk").variables()[0].comment = "läuft"
+
+
+def _statement(project: Project) -> None:
+    action = project.pou("Ruehrwerk").actions[0]
+    action.body = StBody(text="Runden := Runden + 2;")
+
+
+def _list(project: Project) -> None:
+    project.global_variables[0].variables[0].comment = "Taster"
+
+
+def _task(project: Project) -> None:
+    project.applications[0].tasks[0].interval = "T#50ms"
+
+
+def _priority(project: Project) -> None:
+    project.applications[0].tasks[0].priority = 7
+
+
+def _action(project: Project) -> None:
+    project.pou("Ruehrwerk").actions[0].name = "Umdrehung"
+
+
+@pytest.mark.parametrize("edit", [_condition, _step, _variable, _statement, _list, _task, _priority, _action])
+def test_an_edit_changes_its_line(edit: Callable[[Project], None]) -> None:
+    project = mixer()
+    edit(project)
+    data = sfc.dumps(project)
+    assert len(changed(MIXER.read_bytes(), data)) in (0, 2)
+    back = sfc.loads(data)
+    assert [pou.model_dump() for pou in back.pous] == [pou.model_dump() for pou in project.pous]
+    assert back.global_variables == project.global_variables
+
+
+def test_a_line_that_is_put_in_gets_a_number_and_the_others_keep_theirs() -> None:
+    project = mixer()
+    body = project.pou("Ruehrwerk").body
+    assert isinstance(body, StBody)
+    body.text = f"// neu\n{body.text}"
+    lines = changed(MIXER.read_bytes(), sfc.dumps(project))
+    assert [line for line in lines if line[0] == "-"] in ([], [lines[0]])
+    assert '+<Single Name="Text" Type="string">// neu</Single>' in lines
+    assert sum('Name="Id"' in line for line in lines) == 1
+
+
+def test_objects_are_put_in_and_taken_out_with_what_is_in_them() -> None:
+    project = mixer()
+    project.pous.append(Pou(name="Neu", kind=PouKind.FUNCTION_BLOCK))
+    project.pou("Mischer").actions.append(Action(name="Spuelen", body=StBody(text="Ventil := TRUE;")))
+    project.pou("Mischer").transitions.append(NamedTransition(name="Satt", body=StBody(text="Voll")))
+    data = sfc.dumps(project)
+    assert all(line.startswith("+") for line in changed(MIXER.read_bytes(), data))
+    back = sfc.loads(data)
+    assert [pou.name for pou in back.pous] == ["Ruehrwerk", "Mischer", "Neu"]
+    assert [action.name for action in back.pou("Mischer").actions] == ["Zaehler", "Spuelen"]
+    assert [each.name for each in back.pou("Mischer").transitions] == ["Abbruch", "Satt"]
+    del back.pous[0]
+    rest = sfc.dumps(back)
+    assert b"Ruehrwerk</Single>" not in rest
+    assert b"Laeuft" not in rest  # its property
+    assert b"Library Manager" in rest
+
+
+def test_a_renamed_pou_is_renamed_in_the_paths_of_what_is_in_it() -> None:
+    project = mixer()
+    project.rename("Mischer", "Ansetzen")
+    lines = [line for line in changed(MIXER.read_bytes(), sfc.dumps(project)) if line.startswith("+")]
+    assert lines.count('+<Single Type="string">Ansetzen</Single>') == 2
+    assert '+<Single Name="Name" Type="string">Ansetzen</Single>' in lines
+
+
+def test_a_step_that_is_put_in_changes_no_other_element() -> None:
+    project = mixer()
+    chart = chart_of(project)
+    transition = chart.transitions[0]
+    chart.steps.append(Step(id=10_000, name="Spuelen"))
+    chart.transitions.append(Transition(id=10_001, sources=[10_000], targets=transition.targets, condition="Voll"))
+    transition.targets = [10_000]
+    data = sfc.dumps(project)
+    assert len([line for line in changed(MIXER.read_bytes(), data) if line.startswith("-")]) <= 1
+    assert {step.name for step in chart_of(sfc.loads(data)).steps} == {step.name for step in chart.steps}
+
+
+def test_the_same_chart_in_a_file_of_twincat_is_the_same_model() -> None:
+    source = sfc.load(BELT)
+    export = sfc.loads(sfc.dumps(source, format="codesys-export"))
+    back = sfc.loads(sfc.dumps(export, format="twincat"))
+    assert b"SFCMacro" in sfc.dumps(back)
+    for other in (export, back):
+        one, two = source.pous[0].chart, other.pous[0].chart
+        assert one is not None
+        assert two is not None
+        assert one.model_dump(exclude={"drawing"}) == two.model_dump(exclude={"drawing"})
+
+
+def test_tasks_of_another_tool_are_not_executed_and_said_so(tmp_path: Path) -> None:
+    project = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
+    report = sfc.save(project, tmp_path / "belt.export", format="codesys-export", partial=True)
+    missing = report.with_outcome(Outcome.NOT_EXECUTED)
+    assert {item.path for item in missing} == {"task MainTask", "task Visu"}
+    written = (tmp_path / "belt.export").read_bytes()
+    assert written.startswith(b'<ExportFile>\r\n  <StructuredView Guid="{21af')
+    assert b"\n" not in written.replace(b"\r\n", b"")
+    back = sfc.load(tmp_path / "belt.export")
+    assert [pou.name for pou in back.pous] == [pou.name for pou in project.pous]
+    with pytest.raises(SfcError, match="not be executed"):
+        sfc.save(project, tmp_path / "again.export", format="codesys-export")
+
+
+def test_drawn_bodies_stay_as_they_are() -> None:
+    data = MIXER.read_bytes()
+    start = data.index(b"{3b83b776", data.index(b'Name="SpecialFunc"'))
+    drawn = data[:start] + b"{25e509de-33d4-4447-93f8-c9e4ea381c8b}" + data[start + 38 :]
+    project = sfc.loads(drawn)
+    assert [found.code for found in project.diagnostics] == ["CEX103", "TWC104"]
+    assert sfc.dumps(project) == drawn
+    _condition(project)
+    assert len(changed(drawn, sfc.dumps(project))) == 2
+
+
+NUMBER = """"long">1</Single>\r
+                  <Single Name="IdParent" Type="long">23<"""
+DAMAGED = {
+    "an element of an unknown type": ("{86ee92a2", "{06ee92a2", "TWC102", "06ee92a2"),
+    "a number that two elements have": (NUMBER, NUMBER.replace(">1<", ">0<"), "SFC101", "number 0"),
+    "an element without a type": (
+        '<Single Type="{4ecb29e8-a90a-4646-84ac-2ff54215ab29}" Method',
+        "<Single Method",
+        "TWC102",
+        "type nothing",
+    ),
+    "an attribute of the wrong type": ('"string">P</Single>', '"long">7</Single>', "TWC102", "7"),
+    "an unknown attribute": ("38391c6d", "08391c6d", "TWC102", "08391c6d"),
+    "a jump to nowhere": ("Bereit</Single>", "Nirgends</Single>", "SFC103", "Bereit"),
+    "a declaration that does not parse": ("Wasser : REAL := 12.5;", "Wasser : REAL := ;", "IEC", ""),
+    "an object without a declaration": (
+        'Name="Interface" Type="{a9ed',
+        'Name="Other" Type="{a9ed',
+        "CEX102",
+        "Ruehrwerk",
+    ),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGED)
+def test_damage_is_told_at_its_place_and_the_rest_is_read(damage: str) -> None:
+    old, new, code, words = DAMAGED[damage]
+    data = MIXER.read_bytes()
+    assert old.encode() in data
+    project = sfc.loads(data.replace(old.encode(), new.encode(), 1))
+    found = [each for each in project.diagnostics if each.code.startswith(code) and words in each.message]
+    assert found, project.diagnostics
+    assert all(each.location.line for each in found)
+    assert {pou.name for pou in project.pous} | {declared.name for declared in project.data_types} >= {"Mischer"}
+    assert project.global_variables
+
+
+def test_an_identity_that_two_objects_have_is_told() -> None:
+    data = MIXER.read_bytes().decode()
+    first, second = (part.split("<")[0] for part in data.split('Name="Guid" Type="System.Guid">')[1:3])
+    project = sfc.loads(data.replace(second, first).encode())
+    (found,) = [each for each in project.diagnostics if each.code == "CEX104"]
+    assert found.location.line
+    assert len(project.pous) == 2
+
+
+def test_a_truncated_file_is_refused_with_its_place() -> None:
+    data = MIXER.read_bytes()
+    with pytest.raises(XmlSyntaxError) as refused:
+        sfc.loads(data[: len(data) // 2])
+    assert refused.value.location.line
+    with pytest.raises(StructureError, match="EntryList") as empty:
+        sfc.loads(b"<ExportFile><StructuredView/></ExportFile>")
+    assert "Project > Export" in empty.value.hint
+
+
+ELEMENTS = list(etree.fromstring(MIXER.read_bytes()).iter("Single", "List2", "Dictionary2", "Null"))
+
+
+@settings(max_examples=10, deadline=None)
+@given(number=st.integers(0, len(ELEMENTS) - 1))
+def test_a_file_without_one_of_its_elements_is_read_or_refused(number: int) -> None:
+    root = etree.fromstring(MIXER.read_bytes())
+    element = list(root.iter("Single", "List2", "Dictionary2", "Null"))[number]
+    parent = element.getparent()
+    assert parent is not None
+    parent.remove(element)
+    data = etree.tostring(root)
+    try:
+        project = sfc.loads(data)
+    except SfcError as error:
+        assert error.location.line  # noqa: PT017  # either is right
+        return
+    assert sfc.dumps(project) == data
