@@ -23,6 +23,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import plcopen_sfc as sfc
 from plcopen_sfc.conversion.reporting import UNSAID
@@ -31,7 +32,12 @@ from plcopen_sfc.errors import SfcError
 from plcopen_sfc.report import ConversionReport, Outcome
 
 FIXTURES = Path(__file__).resolve().parents[1] / "fixtures"
-TARGETS = ("codesys", "twincat", "codesys23", "plcopen-2.01", "plcopen-1.01", "simaticml", "scl", "iec-text")
+TARGETS = (
+    *("codesys", "twincat", "codesys23", "plcopen-2.01", "plcopen-1.01"),
+    *("simaticml", "scl", "iec-text", "grafcet-text"),
+)
+FOLDERS = frozenset({"twincat"})
+"""Targets in which a file holds one object: a project becomes a folder."""
 WRITTEN = ("executed", "otherwise", "partial", "refused", "failed")
 COLUMNS = ("files", *WRITTEN, "unsaid", "the same", "unknown", "different")
 
@@ -59,7 +65,7 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
         return None
     found = Judged(f"{source} -> {target}", path.name, Counter(files=1))
     try:
-        report = sfc.save(project, io.BytesIO(), format=target, partial=True, limit=limit)
+        report = _saved(project, target, limit)
     except SfcError as error:
         found.counts["refused"] += 1
         found.notes.append(f"refused: {error.message}")
@@ -78,6 +84,13 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
         if column != "the same":
             found.notes.append(f"{column}: {chart}: {verdict}")
     return found
+
+
+def _saved(project: sfc.Project, target: str, limit: float) -> ConversionReport:
+    if target not in FOLDERS:
+        return sfc.save(project, io.BytesIO(), format=target, partial=True, limit=limit)
+    with TemporaryDirectory() as folder:
+        return sfc.save(project, folder, format=target, partial=True, limit=limit)
 
 
 _VERDICTS = {"the same": "equal", "different": "different"}

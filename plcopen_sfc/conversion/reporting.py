@@ -79,6 +79,7 @@ def report_running(
                 resolve(result, here.name),
                 profiles,
                 delay="auto",
+                inputs=_executed_inputs(report, there),
                 free_inputs=ALL_FREE,
                 cap=_CAP,
                 runs=_RUNS,
@@ -104,6 +105,13 @@ def _note_stability(report: ConversionReport, path: str) -> None:
         if item.what == STABILITY and item.path == path:
             why = "with all inputs the target, which fires transitions once in a scan, does the same"
             report.items[at] = replace(item, outcome=Outcome.TRANSLATED, why=why)
+
+
+def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:
+    """The inputs that operate a chart of S7-GRAPH and are executed in the target; all others rest."""
+    executed = [item for item in report.with_outcome(Outcome.TRANSLATED) if item.what == OPERATING_INPUT]
+    paths = (ObjectPath.of(item.path) for item in executed)
+    return {path.last: path.last for path in paths if path.around == chart.report_path}
 
 
 def _note_untested(report: ConversionReport, path: str, found: str, *unreached: str) -> None:
@@ -392,6 +400,7 @@ def _is_noticed(difference: ExecutionDifference, noticed: set[str], around_notic
 
 _LEFT_TO_THE_READER = frozenset(
     {"address", "static", "arguments", "edge", "extends", "implements", "union", "drawn logic", "order of transitions"}
+    | {"section", "max time"}
 )
 """Aspects of which no writer speaks: what the target does not say is found when it is read back."""
 
@@ -460,6 +469,8 @@ def _why(difference: ExecutionDifference, tool: str) -> str:
     if aspect.startswith(STORED):
         why = "S7-GRAPH executes the rows S and R of an operand in their order; elsewhere R counts"
         return f"{aspect.removeprefix(STORED)} is {right} in {tool} while the step is active, not {left}: {why}"
+    if left is None and aspect == "max time":
+        return f"exceeding the maximum time {right} sets SFCError in {tool}, and does nothing in the source"
     if left is None:
         return f"{aspect} `{right}` in {tool}, none in the source"
     if left == right:
@@ -478,7 +489,7 @@ def _whole(difference: ExecutionDifference, tool: str) -> str:
         origin = "" if difference.left is None else f": it is {difference.left} of the library of its tool"
         return f"the {what} `{name}` is not declared in {tool}{origin}"
     if kind in OPERATING_KINDS:
-        return f"{name} has no effect in {tool}{_WHY_NOT_OPERATED[kind]}"
+        return f"{name} has no effect in {tool}{_OPERATED_BY[kind]}"
     if kind == "data of the tool":
         return f"only the tool of the source reads this: it is NOT executed in {tool}"
     if kind == "property":
@@ -499,9 +510,9 @@ def _whole(difference: ExecutionDifference, tool: str) -> str:
     return f"{kind} `{name}` is NOT executed in {tool}" if name else f"the {kind} is NOT executed in {tool}"
 
 
-_WHY_NOT_OPERATED = {
-    OPERATING_INPUT: ": --at-rest says that nobody operates it",
-    UNUSED_INPUT: ", and nothing in the project operates it; --at-rest says that nothing else does",
+_OPERATED_BY = {
+    OPERATING_INPUT: "",
+    UNUSED_INPUT: ", and nothing in the project operates it",
     RESTING_INPUT: ", and nobody operates it, as --at-rest says",
 }
 

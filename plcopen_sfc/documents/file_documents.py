@@ -241,10 +241,19 @@ def refuse_losses(report: ConversionReport, *, strict: bool, partial: bool) -> N
     refused = report.losses if strict else [] if partial else report.with_outcome(Outcome.NOT_EXECUTED)
     if not refused:
         return
+    from plcopen_sfc.conversion.executed_parts import OPERATING_KINDS  # noqa: PLC0415  # not needed to load and look
+
     first = "; ".join(f"{item.place}: {item.why}" for item in refused[:_NAMED])
     more = f"; and {len(refused) - _NAMED} more" if len(refused) > _NAMED else ""
     what = "would be executed otherwise or not at all" if strict else "would not be executed"
     hint = "" if strict else " --partial (partial=True) writes the rest, and keeps what it can for the way back."
+    inputs = dict.fromkeys(ObjectPath.of(item.path).last for item in refused if item.what in OPERATING_KINDS)
+    if inputs:
+        names = ", ".join(inputs)
+        hint = (
+            f" If nobody operates {names} on your machine: --at-rest NAME for each of them, or --at-rest all "
+            f'(at_rest=["all"]) says so, and their items are none.{hint}'
+        )
     count = "1 item" if len(refused) == 1 else f"{len(refused)} items"
     raise LossError(f"{count} {what}: {first}{more}", report, hint=f"Nothing was written.{hint}")
 

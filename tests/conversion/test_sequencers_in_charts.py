@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import Any
 
 import pytest
@@ -333,6 +334,21 @@ def test_a_sequence_is_switched_off_and_begun_again(number: int, fields: dict[st
         assert verdict.proven, verdict
         if target in TARGETS:
             assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
+
+
+def test_inputs_that_are_executed_are_operated_where_both_are_run() -> None:
+    """In CODESYS actions see other inputs than the conditions before them, and V1 tells that."""
+    source = sequencer(**OPERATED["faults"])
+    equal = sfc.save(source, io.BytesIO(), format="plcopen-2.01", limit=60, strict=True)
+    assert equal.compared["POU Main"].startswith("equal (proof")
+    with pytest.raises(sfc.LossError, match="it does something else"):
+        sfc.save(source, io.BytesIO(), format="codesys", limit=60, strict=True)
+
+
+def test_the_refusal_tells_how_to_say_that_nobody_operates_an_input() -> None:
+    source = sequencer(inputs=("SW_MAN", "S_ON"))
+    with pytest.raises(sfc.LossError, match=r"nobody operates SW_MAN, S_ON .*--at-rest NAME"):
+        sfc.dumps(source, format="codesys")
 
 
 @pytest.mark.parametrize("target", TARGETS)
