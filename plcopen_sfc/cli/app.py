@@ -180,7 +180,7 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=None if page else report) as screen:
         from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
 
-        seconds, resting = convert.seconds_to_run(limit), tuple(at_rest or ())
+        seconds, resting = convert.seconds_to_run(limit), o.names(at_rest)
         how = convert.ConvertOptions(to, flavour, tia, strict, partial, fresh, normalize, seconds, resting)
         screen.exit_code = convert.run(
             screen,
@@ -363,7 +363,7 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
             "actions": actions,
             "flags": flags,
             "modes": modes or (),
-            "at_rest": at_rest or (),
+            "at_rest": o.names(at_rest),
             "lang": lang,
         }
         wanted = tuple(free or ())

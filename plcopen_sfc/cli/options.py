@@ -26,6 +26,11 @@ def _profiles() -> list[str]:
     return list(PROFILES)
 
 
+def names(given: list[str] | None) -> tuple[str, ...]:
+    """Return the names of an option that is repeatable and takes several with commas."""
+    return tuple(name.strip() for each in given or () for name in each.split(",") if name.strip())
+
+
 def _option(name: str, help: str, metavar: str | None = None, **more: Any) -> Any:
     return typer.Option(name, help=help, metavar=metavar, **more)
 
@@ -211,11 +216,11 @@ Modes = Annotated[
 ]
 AtRest = Annotated[
     list[str] | None,
-    _option("--at-rest", "Write no code for this input of S7-GRAPH (S_ON), or for all. Repeatable.", "NAME"),
+    _option("--at-rest", "Write no code for these inputs of S7-GRAPH (S_ON,S_OFF), or for all. Repeatable.", "NAME"),
 ]
 ConvertAtRest = Annotated[
     list[str] | None,
-    _option("--at-rest", "Nobody operates this input of S7-GRAPH (INIT_SQ), or all. Repeatable.", "NAME"),
+    _option("--at-rest", "Nobody operates these inputs of S7-GRAPH (S_ON,S_OFF), or all. Repeatable.", "NAME"),
 ]
 TextLanguage = Annotated[str, _option("--lang", "Write titles and comments in en or de.", "LANG")]
 Verify = Annotated[bool, _option("--verify/--no-verify", "Compare the code with the chart, or do not.")]

@@ -31,6 +31,20 @@ def test_same_format_is_the_same_file(cli, fixtures, tmp_path):
     assert "the format is the same" in outcome.out
 
 
+def test_inputs_without_effect_are_named_with_the_option(cli, fixtures, tmp_path):
+    """Several names go into one option, and then nothing is left."""
+    drill = sfc.load(fixtures / "simaticml" / "FB_Drill.xml")
+    section = next(each for each in drill.pou("FB_Drill").interface.sections if each.kind == "input")
+    section.variables.append(section.variables[0].model_copy(update={"name": "S_ON"}))
+    sfc.save(drill, tmp_path / "drill.xml", format="simaticml")
+    arguments = ("convert", tmp_path / "drill.xml", tmp_path / "out.xml", "--to", "codesys", "--limit", "0")
+    told = cli(*arguments).out
+    [option] = [line.partition("convert again with ")[2] for line in told.splitlines() if "convert again with" in line]
+    assert option.startswith("--at-rest ")
+    assert "S_ON" in option
+    assert "convert again with" not in cli(*arguments, *option.rstrip(".").split()).out
+
+
 def test_fresh_writes_from_the_model(cli, fixtures, tmp_path):
     outcome = cli("convert", BELT, tmp_path / "fresh.xml", "--to", "codesys", "--fresh", "--limit", "0")
     assert outcome.code == 0

@@ -457,6 +457,34 @@ def _counter(rig: Rig) -> None:
     rig.act("Done", "q")
 
 
+def _calls_a_block(rig: Rig) -> None:
+    sections = [
+        m.VariableSection(kind=m.SectionKind.INPUT, variables=[variable("up")]),
+        m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[variable("odd")]),
+    ]
+    body = m.StBody(text="odd := odd XOR up;")
+    block = m.Pou(name="FB_Odd", kind=m.PouKind.FUNCTION_BLOCK, interface=m.Interface(sections=sections), bodies=[body])
+    rig.project.pous.append(block)
+    rig.declare(m.SectionKind.LOCAL, variable("counter", "FB_Odd"))
+    rig.action("Count", m.StBody(text="counter(up := a);\nq := counter.odd;"))
+    rig.act("Work", "Count")
+    rig.act("Done", "r")
+
+
+def _calls_a_timer(rig: Rig) -> None:
+    rig.declare(m.SectionKind.LOCAL, variable("timer", "TON"))
+    rig.action("Wait", m.StBody(text="timer(IN := a, PT := T#30ms);\nIF timer.Q THEN q := TRUE; END_IF;"))
+    rig.act("Work", "Wait")
+    rig.act("Done", "r")
+
+
+def _string(rig: Rig) -> None:
+    rig.declare(m.SectionKind.LOCAL, variable("text", "STRING"))
+    rig.action("Note", m.StBody(text="text := 'abc';\nIF LEN(text) = 3 THEN r := NOT r; END_IF;"))
+    rig.act("Work", "Note")
+    rig.act("Done", "q")
+
+
 def _features() -> Iterator[Feature]:
     for qualifier, duration in (("N", None), ("S", None), ("L", "T#50ms"), ("D", "T#50ms")):
         yield Feature(f"qualifier {qualifier}", _ALL, _qualifier(qualifier, duration))
@@ -468,6 +496,9 @@ def _features() -> Iterator[Feature]:
         yield Feature(f"qualifier {qualifier}", _IEC, _qualifier(qualifier, "T#50ms"))
     for language in ("ST", "FBD", "LD", "IL"):
         yield Feature(f"action in {language}", _IEC, _program("N", language))
+    yield Feature("action that calls a block", _IEC, _calls_a_block)
+    yield Feature("action that calls a timer", _IEC, _calls_a_timer)
+    yield Feature("action with a string", _IEC, _string)
     yield Feature("action in ST with S", _IEC, lambda rig: (_program("S")(rig), rig.act("Idle", "Count", "R"), None)[2])
     yield Feature("action in ST with P", _IEC, _program("P"))
     yield Feature("action in place", ("plcopen", "iec-text"), _in_place)

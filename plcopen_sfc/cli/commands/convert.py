@@ -11,6 +11,7 @@ from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.api import load, save
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen, Table
+from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.files import refuse_empty, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.registry import format_named
@@ -168,7 +169,15 @@ def _show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
     if not items:
         return
     screen.line((f"NOT EXECUTED in the target: {len(items)}", _OUTCOME_STYLES[Outcome.NOT_EXECUTED]))
-    for around, those in _grouped(items, _owner).items():
+    operated = [item for item in items if item.what == OPERATING_INPUT]
+    for around, those in _grouped(operated, lambda item: ObjectPath.of(item.path).around).items():
+        names = [ObjectPath.of(item.path).last for item in those]
+        screen.line(f"  {around}{_position(those[0])}")
+        screen.line(f"    operating inputs without effect: {', '.join(names)}")
+        screen.line(
+            f"    If nobody operates {'them' if names[1:] else 'it'}, convert again with --at-rest {','.join(names)}."
+        )
+    for around, those in _grouped((item for item in items if item not in operated), _owner).items():
         screen.line(f"  {around or 'the project'}")
         for place, these in _grouped(those, _inside).items():
             indent = "    "

@@ -3,25 +3,32 @@
 A function of S7 keeps nothing and sees no variable of the block that calls it. So it gets each local variable that its
 statements name under the same name: as input if they only read it, else as in-out parameter. A row that calls it
 passes the variables. The statements stay as they are.
+
+Instances of function blocks are in-out parameters: TIA Portal documents them as parameter instances, from V14 on, for
+the S7-1500 and the S7-1200. No sample shows how it exports them.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_globals import global_names
 from plcopen_sfc.languages.s7_programs import s7_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, walk
-from plcopen_sfc.languages.st.effects import ANYTHING, effects
+from plcopen_sfc.languages.st.effects import ANYTHING, effects, path_of
+from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, StandardBlock, standard_block
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, ElementaryType, Variable
+from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, ElementaryType, StringType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 _LONGEST = 120
 """Most characters of a name: TIA Portal takes 125, and a number may follow."""
+_INSTANCES = {own: block for block, own in S7_INSTANCES.items()}
 _LOCAL = (n.Quoting.LOCAL, n.Quoting.LOCAL_QUOTED)
 
 
@@ -38,6 +45,7 @@ class ActionFunctions:
         self._taken = {*global_names(project), *(block.name.casefold() for block in programs.blocks)}
         self._taken |= {caller.block.name.casefold() for caller in programs.callers}
         self._types = {declaration.name.casefold() for declaration in project.data_types}
+        self._pous = {pou.name.casefold(): pou for pou in project.pous}
 
     def function(self, pou: Pou, label: str, body: Body) -> Pou | str:
         """Return the function for the body of an action of `pou`; a reason where there is none."""
@@ -66,38 +74,53 @@ class ActionFunctions:
         used = {
             each.identifier.casefold() for each in walk(tree) if isinstance(each, n.Name) and each.quoting in _LOCAL
         }
-        found = effects(tree.statements)
-        written = {path[0] for path in found.writes if path}
-        if ANYTHING in found.writes:
-            return "it writes what its text does not name"
         interface = pou.interface or Interface()
         known = {v.name.casefold(): (section, v) for section in interface.sections for v in section.variables}
-        for name in sorted(used - known.keys()):
-            return f"it uses {name}, which is no variable of the block"
+        blocks = {name: block for name, (_, v) in known.items() if (block := self._block(v.type)) is not None}
+        functions = {name: each for name, each in self._pous.items() if each.kind is PouKind.FUNCTION}
+        # what a block or a function of the project does beside its parameters it does wherever it is called
+        found = effects(tree.statements, {(name,) for name in (*blocks, *functions)})
+        written = {path[0] for path in found.writes if path} | set(_passed_in_out(tree, {**functions, **blocks}))
         own = {action.name.casefold() for action in pou.actions} | {method.name.casefold() for method in pou.methods}
         if not own.isdisjoint(path[0] for path in found.calls if path):
             return "it calls an action or a method"
+        if ANYTHING in found.writes:
+            return "it writes what its text does not name"
+        for name in sorted(used - known.keys()):
+            return f"it uses {name}, which is no variable of the block"
         sections = {kind: VariableSection(kind=kind) for kind in (SectionKind.INPUT, SectionKind.IN_OUT)}
         for name, (section, variable) in known.items():
             if name not in used:
                 continue
-            if not self._is_passed(variable.type):
-                return f"{variable.name} is a string or an instance, which it does not get as parameter"
+            if name not in blocks and not self._is_passed(variable.type):
+                return f"{variable.name} has a type that no parameter has"
+            if name in blocks and section.kind not in (SectionKind.LOCAL, SectionKind.IN_OUT):
+                return f"{variable.name} is an instance that is no static variable"
             is_input = section.constant or section.kind in (SectionKind.INPUT, SectionKind.CONSTANT)
             if is_input and name in written:
                 return f"it writes the input {variable.name}"
-            kind = SectionKind.INPUT if is_input else SectionKind.IN_OUT
+            kind = SectionKind.INPUT if is_input and name not in blocks else SectionKind.IN_OUT
             sections[kind].variables.append(Variable(name=variable.name, type=variable.type))
         filled = Interface(sections=[section for section in sections.values() if section.variables])
         return Pou(
             name=self._free(f"{pou.name}_{label}"[:_LONGEST]), kind=PouKind.FUNCTION, interface=filled, bodies=[body]
         )
 
+    def _block(self, type_: DataType) -> Pou | StandardBlock | None:
+        """Return the function block that a variable of this type is an instance of; None for other types."""
+        if not isinstance(type_, DerivedType):
+            return None
+        name = type_.name.strip('"')
+        own, standard = self._pous.get(name.casefold()), standard_block(_INSTANCES.get(name.upper(), name))
+        if own is not None:
+            return own if own.kind is PouKind.FUNCTION_BLOCK else None
+        return standard if standard is not None and standard.stateful else None
+
     def _is_passed(self, type_: DataType) -> bool:
-        """True for types of parameters; how TIA Portal declares those of strings and instances is not known."""
+        """True for types of parameters."""
         if isinstance(type_, ArrayType):
             return self._is_passed(type_.base)
-        return isinstance(type_, ElementaryType) or (
+        return isinstance(type_, ElementaryType | StringType) or (
             isinstance(type_, DerivedType) and type_.name.casefold() in self._types
         )
 
@@ -108,6 +131,23 @@ class ActionFunctions:
             name = f"{wish}_{number}"
         self._taken.add(name.casefold())
         return name
+
+
+def _passed_in_out(tree: n.Node, called: Mapping[str, Pou | StandardBlock]) -> Iterator[str]:
+    """Yield the variables that a tree passes to in-out parameters of what it calls."""
+    for call in walk(tree):
+        block = (
+            called.get(call.callee.identifier.casefold())
+            if isinstance(call, n.Call) and isinstance(call.callee, n.Name)
+            else None
+        )
+        if not isinstance(call, n.Call) or not isinstance(block, Pou):
+            continue
+        changed = {variable.name.casefold() for variable in block.variables(SectionKind.IN_OUT)}
+        for argument in call.arguments:
+            is_changed = argument.name is None or argument.name.identifier.casefold() in changed
+            if changed and is_changed and argument.value is not None and (path := path_of(argument.value)):
+                yield path[0]
 
 
 def call_of(function: Pou) -> str:
