@@ -10,7 +10,8 @@ from plcopen_sfc.drawing.pictures import chart_figure
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.pages.html_text import Html, document, element, joined, link
+from plcopen_sfc.pages.conversion_overview import grouped, provenance, tasks, verdicts, without_names
+from plcopen_sfc.pages.html_text import Html, document, element, link
 from plcopen_sfc.pages.page_index import PageIndex
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.project_page import file_name_of, title_of
@@ -25,6 +26,8 @@ _MARKS = {
 }
 """How steps and transitions look that an item of a report is about; the worst first."""
 _MOST_ITEMS = 500
+_FEWEST_GROUPED = 3
+"""How many items with one reason are behind one line."""
 
 
 def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en") -> str:
@@ -68,9 +71,10 @@ def conversion_page(
 ) -> str:
     """Return what became of a project in another format as the text of one HTML file.
 
-    `report` is what `save` or `convert` returned, or that of a `LossError`. The items are listed, what is not executed
-    first; each chart of the source is beside that of the `target`, the written file as it was read again, with the
-    steps and transitions in colours that items are about. `lang` is ``en`` or ``de``; the rest is as in `page`.
+    `report` is what `save` or `convert` returned, or that of a `LossError`. First are the verdict on each chart and
+    what a person has to do in the target tool; then the items, those of one reason together, not executed ones first.
+    Each chart of the source is beside that of the `target`, the written file as it was read again, with the steps and
+    transitions in colours that items are about. `lang` is ``en`` or ``de``; the rest is as in `page`.
     """
     check_argument(source, Project, "conversion_page needs a project", "Load the file first.")
     words = Words(lang)
@@ -86,20 +90,15 @@ def conversion_page(
         for outcome in Outcome
         if report.with_outcome(outcome)
     ]
-    compared = [
-        element(
-            "li",
-            f"{path}: {found}",
-            *(element("div", line, class_="comment") for line in report.untested.get(path, ())),
-        )
-        for path, found in report.compared.items()
-    ]
     overview = element(
         "section",
         element("h1", title),
         element("p", words("nothing was written")) if target is None else Html(""),
+        verdicts(source, report, words),
+        tasks(report, words, written=target is not None),
+        element("h2", words("Report")),
         element("table", element("tbody", *rows)),
-        joined(element("h2", words("Run in both tools")), element("ul", *compared)) if compared else Html(""),
+        provenance(source, report, target, words),
         id="project",
     )
     charts = list(_charts(pairs, words))
@@ -220,11 +219,18 @@ def _change(change: Change, sides: tuple[_Side, _Side], shown: tuple[str, ...]) 
 
 
 def _items(items: list[Item], outcome: Outcome, side: _Side, words: Words) -> Html:
-    shown = [element("li", *_item(item, side, words)) for item in items[:_MOST_ITEMS]]
+    shown: list[Html] = []
+    for group in grouped(items[:_MOST_ITEMS]):
+        lines = [element("li", *_item(item, side, words)) for item in group]
+        if len(group) < _FEWEST_GROUPED:
+            shown.append(element("ul", *lines))
+            continue
+        caption = f"{len(group)} \u00d7 {group[0].what}: {without_names(group[0])}"
+        shown.append(element("details", element("summary", caption), element("ul", *lines)))
     if len(items) > _MOST_ITEMS:
-        shown.append(element("li", words("and {} more", len(items) - _MOST_ITEMS)))
+        shown.append(element("p", words("and {} more", len(items) - _MOST_ITEMS)))
     heading = element("h2", f"{words(outcome.value)} ({len(items)})")
-    return element("section", heading, element("ul", *shown), id=outcome.name.lower())
+    return element("section", heading, *shown, id=outcome.name.lower())
 
 
 def _item(item: Item, side: _Side, words: Words) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
 import pytest
@@ -87,6 +88,28 @@ def test_a_conversion_shows_both_charts_and_what_is_not_executed() -> None:
     tree = parse(sfc.conversion_page(source, refused.value.report))
     assert "nothing was written" in words_of(tree)
     assert len(tree.xpath("//svg")) == 1
+
+
+def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
+    source = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
+    data, report = sfc.convert(source, "simaticml", partial=True)
+    report.compared = {
+        "POU Ablauf_Band": "equal, first 1 scan later (proof: 8 states)",
+        "POU Other": "different after 3",
+    }
+    tree = parse(sfc.conversion_page(source, report, sfc.loads(data, as_tool=True)))
+    (overview,) = tree.xpath("//section[@id='project']")
+    verdicts, _, files = overview.findall("table")
+    rows = {row[0].text: row[1].text for row in verdicts.findall(".//tbody/tr")}
+    assert rows == {"POU Ablauf_Band": "the same, a scan later", "POU Other": "differs"}
+    assert hashlib.sha256(source.source.content).hexdigest() in words_of(files)
+    tasks = words_of(overview.xpath("ul[@class='tasks']")[0])
+    assert "Program what these SFC flags control" in tasks
+    assert "Import into TIA Portal" in tasks
+    assert "Test the charts that were not seen to be the samePOU Other" in tasks
+    flags = [item for item in report.with_outcome(sfc.Outcome.NOT_EXECUTED) if item.what == "flag"]
+    groups = [words_of(each) for each in tree.xpath("//section[@id='not_executed']/details/summary")]
+    assert any(group.startswith(f"{len(flags)} \u00d7 flag") for group in groups)
 
 
 def test_nothing_of_a_project_becomes_html() -> None:

@@ -1,0 +1,161 @@
+"""Overview of a conversion for the file of a machine: verdicts, what a person has to do, tools and digests of files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from enum import StrEnum
+from hashlib import sha256
+
+from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.pages.html_text import Html, element, joined
+from plcopen_sfc.pages.page_words import Words
+from plcopen_sfc.report import ConversionReport, Item, Outcome
+from plcopen_sfc.version import __version__
+
+
+class ChartVerdict(StrEnum):
+    """What running a chart in both tools showed."""
+
+    SAME = "the same"
+    DELAYED = "the same, a scan later"
+    DIFFERENT = "differs"
+    UNTESTED = "not all was reached"
+    NOT_RUN = "not compared"
+
+
+_CLASSES = {
+    ChartVerdict.SAME: "is-added",
+    ChartVerdict.DELAYED: "is-added",
+    ChartVerdict.DIFFERENT: "is-removed",
+}
+
+
+def verdict_of(report: ConversionReport, path: str) -> ChartVerdict:
+    """Return the verdict on the chart at a path, from the words of the report."""
+    found = report.compared.get(path)
+    if found is None or found.startswith("not run"):
+        return ChartVerdict.NOT_RUN
+    if path in report.untested:
+        return ChartVerdict.UNTESTED
+    if not found.startswith("equal"):
+        return ChartVerdict.DIFFERENT
+    return ChartVerdict.DELAYED if " later" in found.partition("(")[0] else ChartVerdict.SAME
+
+
+def verdicts(source: Project, report: ConversionReport, words: Words) -> Html:
+    """Return the table of the charts: the verdict, how many losses, and what was seen when both ran."""
+    paths = dict.fromkeys([*(chart.report_path for chart in source.charts()), *report.compared])
+    rows: list[Html] = []
+    for path in paths:
+        verdict = verdict_of(report, path)
+        losses = sum(ObjectPath.of(item.path).is_in(path) for item in report.losses)
+        seen = [report.compared.get(path, ""), *report.untested.get(path, ())]
+        rows.append(
+            element(
+                "tr",
+                element("th", path),
+                element("td", words(verdict.value), class_=_CLASSES.get(verdict, "")),
+                element("td", str(losses)),
+                element("td", "\n".join(filter(None, seen)), class_="comment"),
+            )
+        )
+    if not rows:
+        return Html("")
+    names = ("chart", "Verdict", "Losses", "Run in both tools")
+    head = element("thead", element("tr", *(element("th", words(name)) for name in names)))
+    return joined(element("h2", words("Charts")), element("table", head, element("tbody", *rows)))
+
+
+def grouped(items: Iterable[Item]) -> list[list[Item]]:
+    """Return items that differ in the name of their object only together, in the order of their first."""
+    groups: dict[tuple[str, str, str], list[Item]] = {}
+    for item in items:
+        groups.setdefault((item.outcome, item.what, without_names(item)), []).append(item)
+    return list(groups.values())
+
+
+def without_names(item: Item) -> str:
+    """Return the reason of an item without what it names."""
+    name = ObjectPath.of(item.path).last.rpartition(" ")[2]
+    text = re.sub(r"`[^`]*`", "\u2026", item.why)
+    return re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", "\u2026", text) if name else text
+
+
+_TASKS = {
+    "operating input": "Decide who operates these inputs (--at-rest)",
+    "undeclared name": "Add what declares these names",
+    "undeclared type": "Add these data types",
+    "data type": "Replace this data type",
+    "address": "Connect these variables to inputs and outputs",
+    "task": "Create the task and call its programs",
+    "interval": "Set the cycle time of the task",
+    "program": "Create a task that calls this program",
+    "initial": "Set these start values",
+    "initial value": "Set these start values",
+    "start values": "Set these start values",
+    "retain": "Make these variables retentive",
+    "method": "Program these methods as blocks",
+    "POU action": "Program these actions as blocks, and call them",
+    "flag": "Program what these SFC flags control",
+    "max time": "Program the supervision of these times",
+    "text": "Correct these program texts",
+    "condition": "Program these conditions",
+    "condition of the transition": "Program these conditions",
+}
+"""What a person does about the losses of a kind, by what they are of."""
+
+
+def tasks(report: ConversionReport, words: Words, *, written: bool) -> Html:
+    """Return what a person has to do in the target tool, from what is lost and what was not seen to be the same."""
+    found: dict[str, list[Item]] = {}
+    for item in report.losses:
+        usual = "Program what is not executed" if item.outcome is Outcome.NOT_EXECUTED else "Look at what differs"
+        found.setdefault(_TASKS.get(item.what, usual), []).append(item)
+    lines = [_task(words(text), _places(items)) for text, items in found.items()]
+    if written:
+        tool = format_named(report.target_format)[0].tool or report.target_format
+        lines.append(_task(words("Import into {} and compile: not tried yet", tool)))
+    unseen = [path for path in report.compared if verdict_of(report, path) is not ChartVerdict.SAME]
+    unseen = [path for path in unseen if verdict_of(report, path) is not ChartVerdict.DELAYED]
+    if unseen or not report.compared:
+        lines.append(_task(words("Test the charts that were not seen to be the same"), ", ".join(unseen)))
+    lines.append(_task(words("Test the machine")))
+    return joined(element("h2", words("To do")), element("ul", *lines, class_="tasks"))
+
+
+def _task(text: str, places: str = "") -> Html:
+    return element("li", f"\u2610 {text}", element("div", places, class_="comment") if places else Html(""))
+
+
+def _places(items: list[Item]) -> str:
+    paths = list(dict.fromkeys(item.path for item in items))
+    more = len(paths) - _MOST_PLACES
+    return "; ".join(paths[:_MOST_PLACES]) + (f"; +{more}" if more > 0 else "")
+
+
+_MOST_PLACES = 8
+
+
+def provenance(source: Project, report: ConversionReport, target: Project | None, words: Words) -> Html:
+    """Return the table of both files: tool, format, digest; and the version of this package."""
+    rows = [
+        *_file(words("Source"), source, report.source_format),
+        *(_file(words("Target"), target, report.target_format) if target is not None else ()),
+        ("plcopen_sfc", __version__),
+    ]
+    cells = [element("tr", element("th", name), element("td", element("small", value))) for name, value in rows]
+    return joined(element("h2", words("Files")), element("table", element("tbody", *cells)))
+
+
+def _file(caption: str, project: Project, format_name: str) -> Iterator[tuple[str, str]]:
+    header, source = project.header, project.source
+    made_by = " ".join(filter(None, (header.product, header.version)))
+    version = source.version if source is not None else ""
+    path = (source.path or "") if source is not None else ""
+    yield caption, ", ".join(filter(None, (path, f"{format_name} {version}".strip(), made_by)))
+    content = getattr(source, "content", None)
+    if isinstance(content, bytes):
+        yield "SHA-256", sha256(content).hexdigest()
