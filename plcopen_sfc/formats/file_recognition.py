@@ -58,6 +58,7 @@ _TWINCAT = (
 )
 _SCHNEIDER = "Control Expert has no export to PLCopen XML; nothing that it exports is read yet."
 _ROCKWELL = "Studio 5000 exports charts as L5X and L5K only, and neither is read yet."
+_GRAFCET = "Write it as a GRAFCET in lines (.gct), which is close to it: docs/formats/grafcet-text.md."
 _STEP7 = "Migrate the project into TIA Portal (Project > Migrate project). " + _OPENNESS
 
 
@@ -133,7 +134,13 @@ UNREAD: tuple[UnreadFormat, ...] = (
         text=r"(?im)^[ \t]*NETWORK[ \t]*\r?\n\s*TITLE[ \t]*=",
         extensions=(".awl",),
     ),
-    UnreadFormat("a source of S7-GRAPH (.gr7)", _STEP7, extensions=(".gr7",), insists=True),
+    UnreadFormat(
+        "a source of S7-GRAPH (.gr7)",
+        _STEP7,
+        text=r"\(\*\$_(?:NUM|COM|CMPSET|SETTINGS)\b|(?m:^[ \t]*PERM_CONDITION_AT_(?:BEGIN|END)\b)",
+        extensions=(".gr7",),
+        insists=True,
+    ),
     UnreadFormat("a project of TIA Portal", _OPENNESS, extensions=tuple(f".ap{n}" for n in range(11, 22))),
     UnreadFormat(
         "an archive or library of TIA Portal",
@@ -149,6 +156,14 @@ UNREAD: tuple[UnreadFormat, ...] = (
     ),
     UnreadFormat(
         "the build settings of a Beremiz project", "Give plc.xml beside it, which is the program.", root="BeremizRoot"
+    ),
+    UnreadFormat("a GRAFCET in the notation of grafcet2plc", _GRAFCET, text=r"\A%DETAILS[ \t]*\([ \t]*X\d"),
+    UnreadFormat("a GRAFCET in the notation of Grafcet_to_Automaton", _GRAFCET, text=r"(?m)^[ \t]*<GRAFCET>[ \t]*\r?$"),
+    UnreadFormat(
+        "a metamodel of EMF (.ecore)",
+        "A model that follows it, as a .grafcet file of AGRAFE, is read.",
+        root="EPackage",
+        extensions=(".ecore",),
     ),
     UnreadFormat(
         "a project of ClassicLadder",

@@ -223,6 +223,7 @@ def test_random_grafcets_go_through_the_text(seed: int) -> None:
     data = sfc.dumps(project, format="grafcet-text")
     assert numbered_in_order(sfc.loads(data)).pous == numbered_in_order(project).pous
     assert b"// {plcopen_sfc" not in data.replace(b"initial", b"")
+    assert sfc.loads(sfc.dumps(project, format="json")).pous == project.pous
 
 
 def test_charts_of_tools_become_grafcets_and_come_back() -> None:
