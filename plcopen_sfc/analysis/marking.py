@@ -47,10 +47,12 @@ class ExploredMarkings:
 
     def blocked(self) -> Iterator[int]:
         """The markings in which nothing is enabled."""
+        needs = [transition.pre for transition in self.net.transitions]
         for level in self.levels:
-            left = level
-            for transition in self.net.transitions:
-                pre = transition.pre
+            left, active = level, reduce(or_, level, 0)
+            for pre in needs:
+                if pre & ~active:
+                    continue
                 left = [m for m in left if m & pre != pre]
                 if not left:
                     break
@@ -71,15 +73,15 @@ class ExploredMarkings:
         if self.came_from is not None:
             return {previous for marking in frontier for previous in self.came_from[marking]}
         found: set[int] = set()
-        for transition in self.net.transitions:
-            pre, left, post, touched = (
-                transition.pre,
-                ~transition.post,
-                transition.post,
-                transition.pre | transition.post,
-            )
-            found.update([m & left | pre for m in frontier if m & touched == post])
+        active = reduce(or_, frontier)
+        for pre, left, post, touched in self._backwards:
+            if not post & ~active:  # long charts have few markings in a level, and few transitions lead to them
+                found.update([m & left | pre for m in frontier if m & touched == post])
         return found & self.seen
+
+    @cached_property
+    def _backwards(self) -> list[tuple[int, int, int, int]]:
+        return [(t.pre, ~t.post, t.post, t.pre | t.post) for t in self.net.transitions]
 
     def _previous(self, marking: int) -> Iterator[tuple[int, int]]:
         if self.came_from is not None:
