@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/drawing.md and docs/pages.md from the fixtures.
+"""Draw the pictures of the documentation from the fixtures.
 
 Usage: python examples/draw_gallery.py FOLDER
 """
@@ -11,6 +11,18 @@ from pathlib import Path
 import plcopen_sfc as sfc
 from plcopen_sfc.model import Enclosure, ForcedSituation, ForcingOrder, Macro, PartialChart, PartialChartKind
 
+TANK = """
+FUNCTION_BLOCK Tank
+VAR_INPUT Start, Full, Empty : BOOL; END_VAR
+VAR_OUTPUT Valve, Mixer, Drain : BOOL; END_VAR
+INITIAL_STEP Wait: END_STEP
+TRANSITION FROM Wait TO Fill := Start AND Empty; END_TRANSITION
+STEP Fill: Valve(N); Mixer(D, T#2s); END_STEP
+TRANSITION FROM Fill TO Clear := Full; END_TRANSITION
+STEP Clear: Drain(N); END_STEP
+TRANSITION FROM Clear TO Wait := Empty AND Clear.T >= T#5s; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
 FIXTURES = Path(__file__).resolve().parents[1] / "fixtures"
 
 
@@ -18,6 +30,10 @@ def main(folder: str) -> None:
     """Write every picture into `folder`."""
     sorting = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
     flip_flops = sfc.load(FIXTURES / "training-chain" / "classic_flip-flops.xml").pou("Ablauf")
+    tank = sfc.loads(TANK.encode()).pous[0].chart
+    cylinders = (FIXTURES / "grafcet" / "two_cylinders.gct").read_bytes()
+    renamed = cylinders.replace(b"1B", b"B1").replace(b"2B", b"B2").replace(b"1M1", b"M1").replace(b"2M1", b"M2")
+    converted = sfc.loads(sfc.convert(sfc.loads(renamed), "codesys").data)
     pictures = {
         "pusher": sorting.pou("FB_Pusher").chart.to_svg(),
         "pusher-dark": sorting.pou("FB_Pusher").chart.to_svg(theme="dark"),
@@ -26,6 +42,12 @@ def main(folder: str) -> None:
         "grafcet": press().to_svg(),
         "timing": sfc.simulate(sorting, pou="FB_Pusher", inputs=sfc.RandomInputs(4), scans=40).to_svg(),
         "flip-flops": flip_flops.body.to_svg(),
+        "tank": tank.to_svg(),
+        "tank-s7graph": sfc.loads(sfc.convert(sfc.loads(TANK.encode()), "simaticml").data).pous[0].chart.to_svg(),
+        "tank-grafcet": tank.to_svg(style="grafcet"),
+        "cylinders": sfc.load(FIXTURES / "grafcet" / "two_cylinders.gct").pous[0].chart.to_svg(),
+        "converted": converted.pous[0].chart.to_svg(),
+        "belt": sfc.load(FIXTURES / "codesys23" / "distribution_belt.EXP").pous[0].chart.to_svg(),
     }
     for name, svg in pictures.items():
         Path(folder, f"{name}.svg").write_bytes(svg.encode("ascii"))

@@ -208,15 +208,25 @@ def test_public_names_are_in_the_reference() -> None:
     assert {name for name in plcopen_sfc.__all__ if name not in text} == set()
 
 
-LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+LINK = re.compile(r"\]\(([^)#\s]*)(#[^)]*)?\)")
+HEADING = re.compile(r"^#+ (.*?)(?: \{#([\w-]+)\})?$", re.MULTILINE)
+
+
+def anchors(page: Path) -> set[str]:
+    """The anchors that the site gives the headings of a page."""
+    headings = HEADING.findall(FENCE.sub("", page.read_text(encoding="utf-8")))
+    words = ((own, re.sub(r"[^\w\s-]", "", re.sub(r"\]\([^)]*\)", "", text)).strip().lower()) for text, own in headings)
+    return {own or re.sub(r"[-\s]+", "-", plain) for own, plain in words}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_links_lead_somewhere(page: Path) -> None:
     text = FENCE.sub("", page.read_text(encoding="utf-8"))
-    for target in LINK.findall(text):
+    for target, anchor in LINK.findall(text):
         if not target.startswith(("http:", "https:", "mailto:")):
-            assert (page.parent / target).exists(), target
+            path = page.parent / target if target else page
+            assert path.exists(), target
+            assert not anchor or path.suffix != ".md" or anchor[1:] in anchors(path), target + anchor
 
 
 def test_every_page_is_in_the_navigation() -> None:
@@ -289,7 +299,9 @@ def test_the_pictures_of_the_documentation_are_those_of_today(tmp_path: Path) ->
     run = example(tmp_path, "draw_gallery.py", str(tmp_path))
     assert run.returncode == 0, run.stderr
     drawn = sorted(tmp_path.iterdir())
-    pages = "".join((DOCS / name).read_text(encoding="utf-8") for name in ("drawing.md", "pages.md"))
+    pages = "".join(
+        (DOCS / name).read_text(encoding="utf-8") for name in ("drawing.md", "pages.md", "gallery.md", "one-chart.md")
+    )
     for picture in drawn:
         assert picture.read_bytes() == (DOCS / "images" / picture.name).read_bytes(), "run examples/draw_gallery.py"
     assert {path.name for path in drawn} >= set(re.findall(r"\(images/([\w-]+\.svg)\)", pages))
