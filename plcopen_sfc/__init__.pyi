@@ -46,6 +46,7 @@ from plcopen_sfc.errors import (
     LoweringError as LoweringError,
     ModelError as ModelError,
     OldVersionError as OldVersionError,
+    PluginError as PluginError,
     ScriptError as ScriptError,
     SfcError as SfcError,
     SimulationError as SimulationError,

@@ -1,29 +1,40 @@
 """Scripts that change many files: what each file becomes, and the changes on the disk.
 
-A script is a Python file with a function ``refactor(project)``. Further parameters are its settings: they have a type
-(`str`, `int`, `float` or `bool`), and a default where they may be left out.
+A script is a Python file with a function ``refactor(project)``, or with a class that has such a method. Further
+parameters of the function, or the attributes that the class declares, are settings: they have a type (`str`, `int`,
+`float` or `bool`), and a default where they may be left out. A plugin provides the same under a name of its own.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import inspect
 import io
+import json
+import os
+import sys
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
-from importlib.util import module_from_spec, spec_from_file_location
+from hashlib import blake2b
 from pathlib import Path
+from types import ModuleType
 from typing import Any, get_type_hints
 
+from plcopen_sfc import plugins
 from plcopen_sfc.analysis.processes import results
+from plcopen_sfc.comparison.project_comparison import diff
 from plcopen_sfc.documents.folder_projects import edited_files, files_below
 from plcopen_sfc.documents.sources import FileSource
-from plcopen_sfc.documents.storage import load_project, save_project
-from plcopen_sfc.errors import FormatError, Location, ScriptError, SfcError, nearest
+from plcopen_sfc.documents.storage import load_project, refuse_mistakes, save_project
+from plcopen_sfc.errors import FileAccessError, FormatError, Location, ScriptError, SfcError, nearest
+from plcopen_sfc.files import read_bytes, write_all
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import Format
+from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
 
 _START = 100_000
@@ -41,25 +52,163 @@ class FileChange:
 
 @dataclass(frozen=True)
 class AppliedFile:
-    """Result of a script for the project at `path`, a file or a folder. `error`: why it failed, and nothing changes."""
+    """What a script did to the project at `path`, a file or a folder. `error`: why it failed, and nothing changes.
+
+    `resumed`: the run that was resumed had done it; what changed is not known any more.
+    """
 
     path: str
     changes: tuple[FileChange, ...] = ()
     error: str = ""
+    resumed: bool = False
+
+
+@dataclass(frozen=True)
+class Script:
+    """A script as text, so that a run has one version of it; a plugin has no text, and `path` is its name."""
+
+    path: str
+    text: str | None = None
 
 
 def apply(
-    script: str, paths: Iterable[str], *, settings: Mapping[str, str] | None = None, write: bool = False, jobs: int = 1
+    script: str,
+    paths: Iterable[str],
+    *,
+    settings: Mapping[str, str] | None = None,
+    write: bool = False,
+    jobs: int = 1,
+    scheduler: str = "",
+    prove: bool = False,
+    journal: str | None = None,
 ) -> Iterator[AppliedFile]:
     """Run a script on each of `paths` (see `project_files`), and yield what came of it, in their order.
 
-    `settings` are texts by the names of parameters of its function ``refactor``. Files are changed with `write` only. A
-    file for which the script fails stays as it is, and does not stop the others. `jobs` files are worked on at a time,
-    each in a process of its own. Raises `ScriptError` for a script that cannot be run, or does not have the settings.
+    `script` is a file or the name of a plugin, `settings` are texts by the names of its parameters. Files are changed
+    with `write` only. A file for which the script fails stays as it is, and does not stop the others. With `prove` that
+    is also a file of which a chart is not proven to do the same as before.
+
+    `jobs` files are worked on at a time, each in a process of its own; `scheduler` is the address of a Dask scheduler,
+    whose workers do it. They return what changes, and this process alone writes: a process or worker that ends in the
+    middle loses nothing, and nothing is done twice. `journal` is a file that keeps what is done: a run with the same
+    journal goes on where another was interrupted.
+
+    Raises `ScriptError` for a script that cannot be run, or does not have the settings, and for the journal of another
+    script or of other settings.
     """
     given = dict(settings or {})
-    _function(script, given)  # before any file is touched
-    yield from results(partial(_applied, script, given, write), list(paths), jobs)
+    prepared = _read_script(script)
+    _function(prepared, given)  # before any file is touched
+    wanted = list(paths)
+    work = partial(_applied, prepared, given, prove)
+    with _Journal(journal, [script, prepared.text or "", given, write, prove]) if journal else nullcontext() as kept:
+        done = kept.done if kept is not None else {}
+        fresh = results(work, [each for each in wanted if each not in done], jobs, scheduler=scheduler, lost=_lost)
+        for path in wanted:
+            if path in done:
+                yield AppliedFile(path, error=done[path], resumed=True)
+                continue
+            found = next(fresh)
+            yield _finished(found, kept, write=write)
+
+
+def _lost(path: str, why: str) -> AppliedFile:
+    return AppliedFile(path, error=why)
+
+
+def _finished(found: AppliedFile, journal: _Journal | None, *, write: bool) -> AppliedFile:
+    """Write what changes, and note it in the journal: before, so that an interruption in between is seen, and after."""
+    try:
+        if write and not found.error:
+            if journal is not None:
+                journal.begin(found)
+            _write(found.changes)
+    except SfcError as error:
+        found = AppliedFile(found.path, error=str(error))
+    if journal is not None:
+        journal.end(found)
+    return found
+
+
+def _write(changes: Sequence[FileChange]) -> None:
+    """Write files; refuse to where one was changed since the script saw it."""
+    for change in changes:
+        if (read_bytes(change.path) if Path(change.path).is_file() else b"") != change.before:
+            hint = "Nothing was written. Run the script on it again."
+            where = Location(change.path)
+            raise FileAccessError("the file was changed while the script ran", location=where, hint=hint)
+    write_all({Path(change.path): change.after for change in changes if change.after})
+    for change in changes:
+        if not change.after:
+            Path(change.path).unlink(missing_ok=True)
+
+
+class _Journal:
+    """What a run has done, in lines of JSON: a head, then for each path one before it is written and one after."""
+
+    def __init__(self, path: str, run: object) -> None:
+        self._path = path
+        self._head = blake2b(json.dumps(run, sort_keys=True).encode(), digest_size=16).hexdigest()
+        self.done: dict[str, str] = {}
+
+    def __enter__(self) -> _Journal:
+        lines = read_bytes(self._path).decode("utf-8", "replace").split("\n")[:-1] if Path(self._path).exists() else []
+        try:
+            read: Iterable[dict[str, Any]] = map(json.loads, lines) if lines else [{"run": self._head}]
+            head, *entries = read
+            begun: dict[str, list[list[str]]] = {entry["path"]: entry["files"] for entry in entries if "files" in entry}
+            self.done = {entry["path"]: entry["error"] for entry in entries if "error" in entry}
+            run = head["run"]
+        except (ValueError, KeyError, TypeError):
+            raise ScriptError("this is no journal of a run", location=Location(self._path)) from None
+        if run != self._head:
+            hint = "Name another journal, or remove this one to begin from the start."
+            message = "this is the journal of another script, or of other settings"
+            raise ScriptError(message, location=Location(self._path), hint=hint)
+        for path, files in begun.items():
+            if path not in self.done and (why := _state_of(files)) is not None:
+                self.done[path] = why
+        self._file = Path(self._path).open("ab")  # closed in __exit__
+        # a line that the interruption cut off is overwritten by its end
+        self._file.truncate(sum(len(line.encode()) + 1 for line in lines))
+        if not lines:
+            self._add({"run": self._head})
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+    def begin(self, found: AppliedFile) -> None:
+        """Note what is about to be written."""
+        if found.changes:
+            files = [[each.path, _digest(each.before), _digest(each.after)] for each in found.changes]
+            self._add({"path": found.path, "files": files})
+
+    def end(self, found: AppliedFile) -> None:
+        """Note what is done."""
+        self._add({"path": found.path, "error": found.error})
+
+    def _add(self, entry: Mapping[str, object]) -> None:
+        self._file.write((json.dumps(entry) + "\n").encode())
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+
+def _state_of(files: list[list[str]]) -> str | None:
+    """Return what became of a project that was being written: None for nothing, empty if all is there, else why not."""
+    now = [_digest(read_bytes(name) if Path(name).is_file() else b"") for name, *_ in files]
+    if now == [before for _, before, _ in files]:
+        return None
+    if now == [after for *_, after in files]:
+        return ""
+    odd = [name for (name, _, after), digest in zip(files, now, strict=True) if digest != after]
+    return (
+        f"the run was interrupted while it was written; these files are not as the script makes them: {', '.join(odd)}"
+    )
+
+
+def _digest(content: bytes) -> str:
+    return blake2b(content, digest_size=16).hexdigest() if content else ""
 
 
 def project_files(paths: Iterable[str]) -> list[str]:
@@ -106,22 +255,28 @@ def _kind(path: Path) -> Format | None:
         return None
 
 
-def _applied(script: str, settings: Mapping[str, str], write: bool, path: str) -> AppliedFile:
+def _applied(script: Script, settings: Mapping[str, str], prove: bool, path: str) -> AppliedFile:
     function, values = _function(script, settings)
     try:
         project = load_project(path)
         function(project, **values)
         changes = tuple(_changes(project, path))
-        if write and changes:
-            save_project(project, path, format=project.source.format if project.source is not None else None)
+        if prove and changes:
+            _prove(path, project)
         return AppliedFile(path, changes)
     except SfcError as error:
         return AppliedFile(path, error=str(error))
     except Exception as error:  # whatever a script does wrong, the other files go on
         frames = traceback.extract_tb(error.__traceback__)
-        own = (each.lineno for each in reversed(frames) if Path(each.filename).resolve() == Path(script).resolve())
-        line = next(own, 0)
-        return AppliedFile(path, error=f"{script}:{line}: {type(error).__name__}: {error}")
+        line = next((each.lineno for each in reversed(frames) if each.filename == script.path), 0)
+        return AppliedFile(path, error=f"{script.path}:{line}: {type(error).__name__}: {error}")
+
+
+def _prove(path: str, project: Project) -> None:
+    """Raise `ScriptError` for the first chart that is not proven to do the same as before."""
+    for proof in diff(load_project(path), project, prove=True).proofs:
+        if proof.verdict is None or not proof.verdict.equal:
+            raise ScriptError(f"not proven to do the same: {proof}", location=Location(path))
 
 
 def _changes(project: Project, path: str) -> Iterator[FileChange]:
@@ -132,35 +287,77 @@ def _changes(project: Project, path: str) -> Iterator[FileChange]:
         if content.getvalue() != source.content:
             yield FileChange(path, source.content, content.getvalue())
         return
+    if source is not None:
+        refuse_mistakes(project, format_named(source.format)[0])
     for name, before, after in edited_files(project, path):
         yield FileChange(name, before, after)
 
 
-def _function(script: str, settings: Mapping[str, str]) -> tuple[Callable[..., Any], dict[str, Any]]:
+def _read_script(name: str) -> Script:
+    """Return a script, or the plugin of this name. Raises `ScriptError` where there is neither."""
+    if Path(name).is_file():
+        return Script(name, read_bytes(name).decode("utf-8-sig"))
+    known = plugins.names_of(plugins.REFACTORINGS)
+    if name in known:
+        return Script(name)
+    hint = "It is a Python file" + (f", or one of: {', '.join(known)}." if known else ".")
+    raise ScriptError("there is no such script", location=Location(name), hint=hint)
+
+
+def _function(script: Script, settings: Mapping[str, str]) -> tuple[Callable[..., Any], dict[str, Any]]:
     """Return the function of a script, and its settings as values."""
-    spec = spec_from_file_location("plcopen_sfc_script", script)
-    if spec is None or spec.loader is None or not Path(script).is_file():
-        raise ScriptError("there is no such script", location=Location(script), hint="It is a Python file.")
-    module = module_from_spec(spec)
+    where = Location(script.path)
     try:
-        spec.loader.exec_module(module)
-        function = getattr(module, "refactor", None)
-        hints = get_type_hints(function) if callable(function) else {}
+        found = _refactoring(script)
+        function = found if found is None or not inspect.isclass(found) else _of_class(found)
+        hints = get_type_hints(found) if found is not None else {}
+    except SfcError:
+        raise
     except Exception as error:
-        raise ScriptError(f"{type(error).__name__}: {error}", location=Location(script)) from error
-    if not callable(function):
-        raise ScriptError("the script has no function refactor(project)", location=Location(script))
+        raise ScriptError(f"{type(error).__name__}: {error}", location=where) from error
+    if function is None:
+        hint = "Or a class with a method refactor(self, project)."
+        raise ScriptError("the script has no function refactor(project)", location=where, hint=hint)
     parameters = list(inspect.signature(function).parameters.values())[1:]
     names = [parameter.name for parameter in parameters]
     for name in settings:
         if name not in names:
             message = f"the script has no setting {name!r}{nearest(name, names)}"
-            raise ScriptError(message, location=Location(script), hint=f"It has: {', '.join(names) or 'none'}")
+            raise ScriptError(message, location=where, hint=f"It has: {', '.join(names) or 'none'}")
     missing = [each.name for each in parameters if each.default is each.empty and each.name not in settings]
     if missing:
         hint = f"--set {missing[0]}=VALUE"
-        raise ScriptError(f"the script needs the setting {missing[0]!r}", location=Location(script), hint=hint)
-    return function, {name: _value(script, name, text, hints.get(name, str)) for name, text in settings.items()}
+        raise ScriptError(f"the script needs the setting {missing[0]!r}", location=where, hint=hint)
+    return function, {name: _value(script.path, name, text, hints.get(name, str)) for name, text in settings.items()}
+
+
+def _refactoring(script: Script) -> Callable[..., Any] | None:
+    """Return the function or the class of a script; None where it has neither."""
+    if script.text is None:
+        provided: Callable[..., Any] = plugins.loaded(plugins.REFACTORINGS, script.path)
+        return provided
+    module = ModuleType("plcopen_sfc_script")
+    module.__file__ = script.path
+    sys.modules[module.__name__] = module  # where dataclasses look for the names in annotations
+    exec(compile(script.text, script.path, "exec"), module.__dict__)  # noqa: S102  # what the user asks for
+    found: Callable[..., Any] | None = getattr(module, "refactor", None)
+    if callable(found):
+        return found
+    own = (each for each in vars(module).values() if inspect.isclass(each) and each.__module__ == module.__name__)
+    return next((each for each in own if callable(getattr(each, "refactor", None))), None)
+
+
+def _of_class(kind: type) -> Callable[..., Any]:
+    """Return the function of a class: what it declares as attributes are the parameters."""
+    made: Any = kind if dataclasses.is_dataclass(kind) else dataclasses.dataclass(kind)
+
+    def refactor(project: Project, **values: Any) -> None:
+        made(**values).refactor(project)
+
+    own = inspect.signature(made).parameters.values()
+    project = inspect.Parameter("project", inspect.Parameter.POSITIONAL_ONLY)
+    refactor.__signature__ = inspect.Signature([project, *(each.replace(kind=each.KEYWORD_ONLY) for each in own)])  # type: ignore[attr-defined]
+    return refactor
 
 
 def _value(script: str, name: str, text: str, kind: Any) -> Any:

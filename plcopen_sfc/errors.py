@@ -169,6 +169,10 @@ class ScriptError(SfcError, ValueError):
     """A script that cannot be run on files, or is run with settings that it does not have."""
 
 
+class PluginError(SfcError):
+    """A plugin of another package cannot be imported, or is not what its entry point is for."""
+
+
 def check_argument(value: object, types: type | tuple[type, ...], need: str, hint: str = "") -> None:
     """Raise `ArgumentError` if `value` is not of `types`; `need` says who needs what: ``loads needs bytes``."""
     if not isinstance(value, types):

@@ -266,6 +266,9 @@ def _apply(  # noqa: PLR0917  # typer calls it by name
     write: o.Write = False,
     diff: o.Patch = None,
     jobs: o.FileJobs = 1,
+    scheduler: o.Scheduler = "",
+    prove: o.ProveSame = False,
+    resume: o.Journal = None,
     report: o.Report = None,
     as_json: o.AsJson = False,
     quiet: o.Quiet = False,
@@ -273,12 +276,13 @@ def _apply(  # noqa: PLR0917  # typer calls it by name
 ) -> None:
     """Run a script on many files, and show what it changes.
 
-    The script is a Python file with a function refactor(project). Files are changed with --write only.
+    The script is a Python file with a function refactor(project), or a plugin. Files are changed with --write only.
     """
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
         from plcopen_sfc.cli.commands import apply  # noqa: PLC0415
 
-        screen.exit_code = apply.run(screen, script, files, settings or [], write=write, patch=diff, jobs=jobs)
+        how = apply.ApplyOptions(write, diff, jobs, scheduler, prove, resume)
+        screen.exit_code = apply.run(screen, script, files, settings or [], how)
 
 
 def _simulate(  # noqa: PLR0917  # typer calls it by name

@@ -9,15 +9,15 @@ import typer
 
 
 def _formats() -> list[str]:
-    from plcopen_sfc.formats.registry import FORMATS  # noqa: PLC0415  # only for shells that complete a word
+    from plcopen_sfc.formats.registry import all_formats  # noqa: PLC0415  # only for shells that complete a word
 
-    return [kind.name for kind in FORMATS]
+    return [kind.name for kind in all_formats()]
 
 
 def _flavours() -> list[str]:
-    from plcopen_sfc.formats.registry import FORMATS  # noqa: PLC0415
+    from plcopen_sfc.formats.registry import all_formats  # noqa: PLC0415
 
-    return [flavour for kind in FORMATS for flavour in kind.flavours]
+    return [flavour for kind in all_formats() for flavour in kind.flavours]
 
 
 def _profiles() -> list[str]:
@@ -159,10 +159,18 @@ ListedFile = Annotated[str, typer.Argument(metavar="FILE", help="The file or fol
 
 # -- scripts ----------------------------------------------------------------------------------------------------------
 
-Script = Annotated[str, typer.Argument(metavar="SCRIPT", help="A Python file with a function refactor(project).")]
+Script = Annotated[
+    str,
+    typer.Argument(metavar="SCRIPT", help="A Python file with a function refactor(project), or the name of a plugin."),
+]
 ScriptSettings = Annotated[list[str] | None, _option("--set", "Give the script a setting. Repeatable.", "NAME=VALUE")]
 Write = Annotated[bool, _option("--write", "Change the files; without it only show what would change.")]
 Patch = Annotated[Path | None, _option("--diff", "Write the changes as a unified diff without context.", "FILE")]
+Scheduler = Annotated[str, _option("--scheduler", "Let the workers of a Dask scheduler do it.", "tcp://HOST:PORT")]
+ProveSame = Annotated[bool, _option("--prove", "Change only files of which all charts are proven to do the same.")]
+Journal = Annotated[
+    Path | None, _option("--resume", "Keep what is done in this file, and leave it out when run again.", "FILE")
+]
 FileJobs = Annotated[int, _option("--jobs", "Work on so many files at a time, each in a process.", "N", min=1)]
 
 # -- simulating -------------------------------------------------------------------------------------------------------

@@ -256,6 +256,36 @@ class Screen:
         console = self._console(sys.stderr)
         yield from track(items, description=doing, total=len(items), console=console, transient=True)
 
+    def progress_of(self, results: Iterable[T], total: int, doing: str) -> Iterator[T]:
+        """Go through `total` results as they come, with a bar that shows how fast they do and how long it will take."""
+        if self.quiet or total < _MANY_FILES or not is_terminal(sys.stderr):
+            yield from results
+            return
+        from rich.progress import (  # noqa: PLC0415  # only where somebody looks
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            ProgressColumn,
+            Task,
+            TextColumn,
+            TimeRemainingColumn,
+        )
+        from rich.text import Text  # noqa: PLC0415
+
+        class Speed(ProgressColumn):
+            def render(self, task: Task) -> Text:
+                return Text(f"{task.speed:.1f} files/s" if task.speed else "")
+
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            Speed(),
+            TimeRemainingColumn(),
+        )
+        with Progress(*columns, console=self._console(sys.stderr), transient=True) as bar:
+            yield from bar.track(results, total=total, description=doing)
+
     @contextmanager
     def searching(self) -> Iterator[Callable[[SearchProgress], None] | None]:
         """A bar that shows how far comparisons are, on a terminal; else None."""

@@ -48,7 +48,7 @@ from plcopen_sfc.files import access_failure, read_bytes, write_all
 from plcopen_sfc.formats.file_recognition import named_like, recognised_as
 from plcopen_sfc.formats.format_interface import HEAD, Format, WriteOptions
 from plcopen_sfc.formats.provenance import place_in_folder, put_in_folder, take_provenance
-from plcopen_sfc.formats.registry import FORMATS, format_named
+from plcopen_sfc.formats.registry import all_formats, format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.report import ConversionReport
@@ -93,7 +93,7 @@ def load_folder(
                 source.unreadable[name] = SfcError(f"the document takes more {what} than there is", location=place)
     source.others += scan.links
     if not source.documents:
-        raise _no_document(source, [kind] if format is not None else [each for each in FORMATS if each.folders])
+        raise _no_document(source, [kind] if format is not None else [each for each in all_formats() if each.folders])
     frame = merged(source.documents, kind)
     project = with_objects(frame, things)
     project.adopt()
@@ -124,7 +124,7 @@ def load_listed(path: str, kind: Format, *, progress: Progress | None = None, as
 
 def _folder_format(folder: str, format: str | None, files: list[str]) -> Format:
     """Return the format of a folder: the one named, else that of which it has the most files by their names."""
-    known = [kind for kind in FORMATS if kind.folders]
+    known = [kind for kind in all_formats() if kind.folders]
     if format is None:
         endings = Counter(PurePosixPath(name).suffix.casefold() for name in files)
         return max(known, key=lambda kind: sum(endings[ending] for ending in kind.extensions))
@@ -339,7 +339,7 @@ def save_folder(
 def edited_files(project: Project, path: str) -> Iterator[tuple[str, bytes, bytes]]:
     """Yield what saving a project where it was read from would change: path, bytes before and after.
 
-    A file that is not there has no bytes.
+    A file that is not there has no bytes. Raises `LossError` as saving does.
     """
     source = project.source
     if isinstance(source, FileSource):
@@ -351,10 +351,11 @@ def edited_files(project: Project, path: str) -> Iterator[tuple[str, bytes, byte
     after = _encode(
         plan_like(project, source, kind, is_own=True), source, source.format, report, flavour="", fresh=False
     )
+    refuse_losses(report, strict=False, partial=False)
     before = {name: document.source.content for name, document in source.documents.items()}
     for name in sorted(before.keys() | after.keys()):
         if before.get(name) != after.get(name):
-            yield str(Path(path, name)), before.get(name, b""), after.get(name, b"")
+            yield str(Path(source.path, name)), before.get(name, b""), after.get(name, b"")
 
 
 def _folder_source(project: Project, kind: Format) -> FolderSource | None:

@@ -18,7 +18,7 @@ from plcopen_sfc.errors import FileAccessError, Location, ModelError, UnknownFor
 from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.provenance import may_have_controls, texts_of
-from plcopen_sfc.formats.registry import FORMATS, TIA_FORMAT, for_tia, format_named
+from plcopen_sfc.formats.registry import TIA_FORMAT, all_formats, for_tia, format_named
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, objection
 from plcopen_sfc.model import times
 from plcopen_sfc.model.body import SfcBody
@@ -244,7 +244,7 @@ def load_project(
 def _format_of_list(path: str) -> Format | None:
     """Return the format of the project whose files the file at `path` lists, by its extension."""
     extension = Path(path).suffix.casefold()
-    return next((kind for kind in FORMATS if kind.list_extension and kind.list_extension == extension), None)
+    return next((kind for kind in all_formats() if kind.list_extension and kind.list_extension == extension), None)
 
 
 def save_project(
@@ -326,7 +326,7 @@ def format_to_write(project: Project, format: str | None, tia: str = "", path: s
     if format:
         return format
     extension = Path(path).suffix.lower() if path is not None else ""
-    named = [kind.name for kind in FORMATS if extension in kind.extensions]
+    named = [kind.name for kind in all_formats() if extension in kind.extensions]
     own = project.source.format if project.source is not None else None
     if own is not None and (not named or own in named):
         return own

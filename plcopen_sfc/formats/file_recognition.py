@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 from plcopen_sfc.errors import Location, UnknownFormatError, UnreadFormatError
 from plcopen_sfc.formats.format_interface import FileHead, Format, head_of
-from plcopen_sfc.formats.registry import FORMATS, format_named
+from plcopen_sfc.formats.registry import all_formats, format_named
 from plcopen_sfc.model.dialect import Dialect
 
 
@@ -20,7 +20,7 @@ def recognise(data: bytes, *, file: str | None = None) -> Format:
     """
     head = head_of(data)
     refuse_by_content(head, file)
-    found = next((f for f in FORMATS if f.recognises(head)), None)
+    found = next((f for f in all_formats() if f.recognises(head)), None)
     if found is not None:
         # an object without its pragmas: the declarations and the body look like IEC 61131-3
         is_export = found.name == "iec-text" and _suffix(file) in _CODESYS23.extensions

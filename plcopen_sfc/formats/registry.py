@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 
-from plcopen_sfc.errors import UnknownFormatError, UnknownVersionError, check_argument, nearest
+from plcopen_sfc import plugins
+from plcopen_sfc.errors import PluginError, UnknownFormatError, UnknownVersionError, check_argument, nearest
 from plcopen_sfc.formats.format_interface import ChartHost, DrawingNeed, FileHead, Format, NetworkForm
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.plugins import provided_by_plugins
 
 
 def _is_tc6(head: FileHead) -> bool:
@@ -345,13 +348,24 @@ FORMATS: tuple[Format, ...] = (
         networks=NetworkForm.STATEMENTS,
     ),
 )
-"""Every format, in the order in which they are tried."""
+"""The formats of this package, in the order in which they are tried."""
+
+
+@cache
+def all_formats() -> tuple[Format, ...]:
+    """Return every format: those of this package, then those of plugins. Raises `PluginError`."""
+    found = list(FORMATS)
+    for kind in provided_by_plugins(plugins.FORMATS, Format):
+        if any(kind.name == other.name for other in found):
+            raise PluginError(f"a plugin provides the format {kind.name}, which there is already")
+        found.append(kind)
+    return tuple(found)
 
 
 def format_named(name: str) -> tuple[Format, str]:
     """Return the format of this name and the version in it (``plcopen-2.0``). Raises `UnknownFormatError`."""
     check_argument(name, str, "format is the name of one")
-    for candidate in FORMATS:
+    for candidate in all_formats():
         if name == candidate.name:
             return candidate, ""
         version = name.removeprefix(candidate.name + "-")
@@ -366,9 +380,9 @@ def _unknown(name: object) -> UnknownFormatError:
     tool, use = next((use for names, *use in _TOOLS if asked in names.split()), ("", ""))
     if tool:
         return UnknownFormatError(f"there is no format {name!r}: {tool} uses {use}")
-    known = [n for f in FORMATS for n in (f.name, *(f"{f.name}-{v}" for v in f.versions))]
+    known = [n for f in all_formats() for n in (f.name, *(f"{f.name}-{v}" for v in f.versions))]
     near = nearest(name, [*known, *(each for names, *_ in _TOOLS for each in names.split())])
-    listed = (f.name + (f" ({', '.join(f.versions)})" if f.versions else "") for f in FORMATS)
+    listed = (f.name + (f" ({', '.join(f.versions)})" if f.versions else "") for f in all_formats())
     return UnknownFormatError(f"there is no format {name!r}{near}", hint=f"Formats are: {', '.join(listed)}")
 
 

@@ -96,3 +96,124 @@ def test_a_folder_of_a_tia_export_is_one_project(fixtures, exports):
     (done,) = apply("script.py", [folder], settings={"prefix": "Z"})
     assert [change.path.rsplit("/", 1)[-1] for change in done.changes] == ["FB_Drilling.xml"]
     assert project_files([str(exports)]) == [str(exports / name) for name in CODESYS]
+
+
+CLASS = """import plcopen_sfc as sfc
+
+
+class Prefix:
+    prefix: str
+    most: int = 100
+
+    def refactor(self, project: sfc.Project) -> None:
+        for chart in project.charts():
+            for step in chart.chart.initial_steps[: self.most]:
+                project.rename(f"{chart.name}.{step.name}", self.prefix + step.name)
+"""
+
+
+def test_a_class_with_typed_attributes_is_a_script(cli, exports):
+    (exports.parent / "named.py").write_text(CLASS, encoding="utf-8")
+    outcome = cli("apply", "named.py", "exports", "--set", "prefix=Z_", "--set", "most=1")
+    assert outcome.out.splitlines()[-1].startswith("3 changed, 0 unchanged, 0 failed")
+    assert "needs the setting 'prefix'" in cli("apply", "named.py", "exports").err
+    assert "most is a whole number" in cli("apply", "named.py", "exports", "--set", "prefix=Z", "--set", "most=x").err
+
+
+def test_a_change_that_is_not_proven_is_not_written(cli, fixtures, tmp_path, monkeypatch):
+    shutil.copy(fixtures / "training-chain" / "codesys.xml", tmp_path / "chain.xml")
+    monkeypatch.chdir(tmp_path)
+    script = """
+def refactor(project, text: str):
+    first = project.pous[0].chart.transitions[0]
+    first.condition = text + " AND " + first.condition.text
+"""
+    (tmp_path / "more.py").write_text(script, encoding="utf-8")
+    before = (tmp_path / "chain.xml").read_bytes()
+    outcome = cli("apply", "more.py", "chain.xml", "--set", "text=FALSE", "--write", "--prove")
+    assert outcome.code == 1
+    assert "not proven to do the same: POU Ablauf: different" in outcome.err
+    assert (tmp_path / "chain.xml").read_bytes() == before
+    outcome = cli("apply", "more.py", "chain.xml", "--set", "text=TRUE", "--write", "--prove")
+    assert outcome.out.splitlines()[-1].startswith("1 changed")
+    assert b"TRUE AND" in (tmp_path / "chain.xml").read_bytes()
+
+
+def initial_steps(path):
+    return {step.name for each in sfc.load(path).charts() for step in each.chart.steps if step.initial}
+
+
+def test_an_interrupted_run_goes_on_where_it_was(exports):
+    paths = [f"exports/{name}" for name in CODESYS]
+    run = {"settings": {"prefix": "Z"}, "write": True, "journal": "run.journal"}
+    first = apply("script.py", paths, **run)
+    assert next(first).changes
+    first.close()  # as an interruption does
+    journal = exports.parent / "run.journal"
+    journal.write_bytes(journal.read_bytes() + b'{"path": "exports/dist')  # cut off in a line
+    done = list(apply("script.py", paths, **run))
+    assert [(each.path, each.resumed, bool(each.changes)) for each in done] == [
+        (paths[0], True, False),
+        (paths[1], False, True),
+        (paths[2], False, True),
+    ]
+    assert all(each.resumed for each in apply("script.py", paths, **run))
+    assert all(name.startswith("Z_") and not name.startswith("Z_Z_") for path in paths for name in initial_steps(path))
+    with pytest.raises(sfc.ScriptError, match="other settings"):
+        list(apply("script.py", paths, **run | {"settings": {"prefix": "Y"}}))
+
+
+@pytest.mark.parametrize("written", [True, False])
+def test_an_interruption_around_the_writing_of_a_file_is_seen(exports, written):
+    path = f"exports/{CODESYS[0]}"
+    before = (exports / CODESYS[0]).read_bytes()
+    run = {"settings": {"prefix": "Z"}, "write": True, "journal": "run.journal"}
+    (done,) = apply("script.py", [path], **run)
+    journal = exports.parent / "run.journal"
+    journal.write_bytes(b"".join(journal.read_bytes().splitlines(keepends=True)[:2]))  # begun, and not ended
+    if not written:
+        (exports / CODESYS[0]).write_bytes(before)
+    (again,) = apply("script.py", [path], **run)
+    assert (again.resumed, again.error, again.changes) == (written, "", () if written else done.changes)
+    assert (exports / CODESYS[0]).read_bytes() == done.changes[0].after
+
+
+def test_a_file_that_another_program_changed_meanwhile_is_not_overwritten(exports):
+    script = """
+from pathlib import Path
+
+def refactor(project):
+    project.pous[0].name += "_1"
+    Path(project.source.path).write_bytes(b"of another program")
+"""
+    (exports.parent / "script.py").write_text(script, encoding="utf-8")
+    (done,) = apply("script.py", [f"exports/{CODESYS[0]}"], write=True)
+    assert "was changed while the script ran" in done.error
+    assert (exports / CODESYS[0]).read_bytes() == b"of another program"
+
+
+KILLS = """
+import os, signal
+from pathlib import Path
+
+def refactor(project, prefix: str, always: bool = False):
+    mark = Path("killed")
+    if "distribution" in project.source.path and (always or not mark.exists()):
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    chart = project.pous[0].chart or next(iter(project.charts())).chart
+    chart.rename_step(chart.steps[0].name, prefix + chart.steps[0].name)
+"""
+
+
+@pytest.mark.parametrize("always", [False, True])
+def test_a_process_that_ends_in_the_middle_loses_nothing(exports, always):
+    (exports.parent / "script.py").write_text(KILLS, encoding="utf-8")
+    paths = [f"exports/{name}" for name in CODESYS]
+    settings = {"prefix": "Z_", "always": str(always)}
+    done = list(apply("script.py", paths, settings=settings, write=True, jobs=2))
+    assert [each.path for each in done] == paths
+    assert [bool(each.error) for each in done] == [False, always, False]
+    assert not always or "has ended, twice" in done[1].error
+    steps = ["".join(step.name for each in sfc.load(path).charts() for step in each.chart.steps) for path in paths]
+    assert [names.count("Z_") for names in steps] == [1, 0 if always else 1, 1]

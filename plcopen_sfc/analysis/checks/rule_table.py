@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
 
+from plcopen_sfc import plugins
 from plcopen_sfc.analysis.checks import (
     action_rules,
     grafcet_rules,
@@ -26,7 +28,7 @@ from plcopen_sfc.analysis.checks.checked_chart import (
     charts_of,
 )
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location, ModelError, nearest
+from plcopen_sfc.errors import Location, ModelError, PluginError, nearest
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.network import CommentBox
@@ -34,6 +36,7 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text
+from plcopen_sfc.plugins import provided_by_plugins
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 
@@ -149,7 +152,7 @@ def check_charts(
     ignore: Iterable[str] = (),
 ) -> list[Diagnostic]:
     """Return the findings in the charts of a project, of a POU, or in one chart: see `plcopen_sfc.api.check`."""
-    rules = selected(RULES, select, ignore)
+    rules = selected(all_rules(), select, ignore)
     project = subject if isinstance(subject, Project) else _home(subject)
     execution = profile_named(profile) if profile is not None else default_profile(project)
     found: list[Diagnostic] = []
@@ -256,13 +259,29 @@ _ON_CHARTS: tuple[Rule, ...] = (
     limit_rules.LOW02,
 )
 
-RULES: tuple[Rule, ...] = (*_ON_CHARTS, rule_on([*(rule.code for rule in _ON_CHARTS), "CHK01"]))
-"""Every rule, by group and number."""
+
+@cache
+def all_rules() -> tuple[Rule, ...]:
+    """Return every rule: those of this package by group and number, those of plugins, that on comments.
+
+    Raises `PluginError`.
+    """
+    rules = [*_ON_CHARTS]
+    for rule in provided_by_plugins(plugins.CHECKS, Rule):
+        if not _CODE.fullmatch(rule.code) or any(rule.code == other.code for other in rules):
+            raise PluginError(
+                f"a plugin has a rule {rule.code!r}", hint="A code has letters and two digits, and is new."
+            )
+        rules.append(rule)
+    return (*rules, rule_on([*(rule.code for rule in rules), "CHK01"]))
+
+
+_CODE = re.compile(r"[A-Z]{2,4}\d\d")
 
 
 def rule_named(code: str) -> Rule:
     """The rule with this code. `KeyError` where there is none."""
-    return {rule.code: rule for rule in RULES}[code.upper()]
+    return {rule.code: rule for rule in all_rules()}[code.upper()]
 
 
 _GROUPS = {
@@ -315,7 +334,7 @@ def catalogue(rules: Iterable[Rule]) -> str:
     for rule in rules:
         if rule.code[:3] != group:
             group = rule.code[:3]
-            lines += ["", f"## {_GROUPS[group]}"]
+            lines += ["", f"## {_GROUPS.get(group, group)}"]
         lines += ["", f"### {rule.code}", "", f"**{rule.title}.** {rule.why}", ""]
         lines += [f"Severity: {in_profiles(rule)}. {rule.hint}", ""]
         lines += _example(rule.example)

@@ -14,7 +14,7 @@ from plcopen_sfc.comparison import ChangeKind, ProjectDiff, diff
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import FormatError, InputError, SfcError
 from plcopen_sfc.files import refuse_unwritable, write_atomic
-from plcopen_sfc.formats.registry import FORMATS
+from plcopen_sfc.formats.registry import all_formats
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 
@@ -83,7 +83,7 @@ def _run_folders(screen: Screen, before: str, after: str, how: DiffOptions) -> i
 
 def _files(folder: str) -> Iterator[str]:
     """The files in a folder that can be programs, by their paths in it."""
-    extensions = {extension for kind in FORMATS for extension in kind.extensions}
+    extensions = {extension for kind in all_formats() for extension in kind.extensions}
     for path in Path(folder).rglob("*"):
         if path.suffix.casefold() in extensions and path.is_file():
             yield path.relative_to(folder).as_posix()

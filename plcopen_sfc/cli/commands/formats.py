@@ -6,12 +6,12 @@ from typing import Any
 
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.formats.format_interface import Format
-from plcopen_sfc.formats.registry import FORMATS
+from plcopen_sfc.formats.registry import all_formats
 
 
 def run(screen: Screen) -> int:
     """Print the table of formats."""
-    formats = [_data(kind) for kind in FORMATS]
+    formats = [_data(kind) for kind in all_formats()]
     if screen.as_json:
         screen.json({"formats": formats})
         return 0

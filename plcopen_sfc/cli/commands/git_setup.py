@@ -11,7 +11,7 @@ from pathlib import Path
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.files import read_bytes, write_atomic
-from plcopen_sfc.formats.registry import FORMATS
+from plcopen_sfc.formats.registry import all_formats
 
 _NAME = "plcopen-sfc"
 _LINE = re.compile(rf"^\S+ diff={_NAME}\r?\n?$")
@@ -37,7 +37,7 @@ def run(screen: Screen, patterns: Sequence[str], *, undo: bool) -> int:
 
 
 def _known_patterns() -> list[str]:
-    extensions = dict.fromkeys(extension for kind in FORMATS for extension in kind.extensions if kind.tool)
+    extensions = dict.fromkeys(extension for kind in all_formats() for extension in kind.extensions if kind.tool)
     return [f"*{extension}" for extension in extensions]
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from plcopen_sfc.analysis.checks import RULES, Rule
+from plcopen_sfc.analysis.checks import Rule, all_rules
 from plcopen_sfc.analysis.checks.rule_table import catalogue, in_profiles, selected
 from plcopen_sfc.cli.screen import Screen, Table
 
 
 def run(screen: Screen, codes: Sequence[str], *, markdown: bool) -> int:
     """List all rules, or explain those with these codes."""
-    rules = selected(RULES, codes, ())
+    rules = selected(all_rules(), codes, ())
     if screen.as_json:
         screen.json({"rules": [_data(rule) for rule in rules]})
     elif markdown:
