@@ -11,6 +11,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.conversion import compare, executed, reporting
+from plcopen_sfc.conversion.adaptation import rule_tables
 from plcopen_sfc.model import (
     Action,
     ActionAssociation,
@@ -500,3 +501,8 @@ def test_an_action_of_codesys_comes_back_from_tia_portal_with_its_final_scan() -
     assert chart.step("S2").main_action is None
     assert [row.target for row in chart.step("S2").actions] == ["Work"]
     assert [item.what for item in report.losses if item.what == "final scan"] == ["final scan"]
+
+
+def test_the_page_has_the_tables_of_the_rules() -> None:
+    page = Path(__file__).parents[2] / "docs" / "conversion.md"
+    assert rule_tables() in page.read_text("utf-8")

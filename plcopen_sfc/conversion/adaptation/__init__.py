@@ -1,6 +1,7 @@
 """Adaptation of a project to what the target executes, before it is drawn and written.
 
-`project_rewriting`   projects, and the conditions of charts
+`project_rewriting`   the rules for projects
+`chart_rules`         the rules for charts, and conditions
 `step_rewriting`      rows and step actions as statements, with `step_checks` for interlocks, supervisions and events
 `sequencer_rewriting` what a block of S7-GRAPH does beside its steps
 `global_variables`    tags, data blocks and lists of global variables
@@ -12,6 +13,6 @@ The abilities of the target are those of its record (`formats.format_interface.C
 source beside it (`formats.plcopen.source_marks`).
 """
 
-from plcopen_sfc.conversion.adaptation.project_rewriting import is_rewritten, rewrite_project
+from plcopen_sfc.conversion.adaptation.project_rewriting import is_rewritten, rewrite_project, rule_tables
 
-__all__ = ["is_rewritten", "rewrite_project"]
+__all__ = ["is_rewritten", "rewrite_project", "rule_tables"]

@@ -6,19 +6,11 @@ and reported as not executed. The source is kept beside what was written (`sourc
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from functools import partial
-from itertools import chain
 
-from plcopen_sfc.conversion.adaptation.chart_rewriting import (
-    ChartRewriting,
-    as_term,
-    conjunction,
-    does_something,
-    is_network,
-    is_supervised,
-    taken_names,
-)
+from plcopen_sfc.conversion.adaptation.chart_rules import CHART_RULES, needs_rewriting, rewrite_charts
 from plcopen_sfc.conversion.adaptation.global_variables import (
     add_globals,
     declare_lists,
@@ -26,35 +18,23 @@ from plcopen_sfc.conversion.adaptation.global_variables import (
     has_lists,
     report_types,
 )
-from plcopen_sfc.conversion.adaptation.sequencer_rewriting import OperatingInputs, PermanentRewriter, ShownState
-from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChecks
-from plcopen_sfc.conversion.adaptation.step_rewriting import (
-    StepRewriter,
-    has_special_rows,
-    mixed_operands,
-    overwritten_rows,
-    timed_operands,
-)
 from plcopen_sfc.formats.format_interface import ChartHost, Format, Marks, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import (
     NO_RESULT_FIELD,
     REWRITTEN_FIELD,
     SYSTEM_DATA_FIELD,
     SourceMarks,
-    rewritten_transition,
 )
 from plcopen_sfc.formats.provenance import is_untouched
-from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
 from plcopen_sfc.languages.s7_programs import is_void
 from plcopen_sfc.languages.syntax_problems import embedded_code
-from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.conditions import BodyCondition
 from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import DerivedType, Variable
 from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -70,40 +50,167 @@ def rewrite_project(
     host = kind.charts
     if host is None:
         return project, {}
-    if host.is_codesys:
-        for where in embedded_code(project):
-            report.add(Outcome.NOT_EXECUTED, "code in C", where, f"{host.title} does not compile {{{{ .. }}}}")
-    if not options.same:
-        _adapt_coils(project, report)
-        if host.is_codesys:
-            _order_elements(project, report)
-        report_types(project, host, report)
-    if options.of_graph:
-        _report_memories(project, host, report)
-    if host.is_codesys and not options.of_codesys and not options.same:
-        _report_flags(project, report)
-    lists = has_lists(project) and not host.is_codesys
-    if (
-        not lists
-        and not any(_without_result(project))
-        and not any(_with_system_data(project))
-        and not has_globals(project)
-        and not any(needs_rewriting(chart, host, options) for chart in project.charts())
-    ):
-        return project, {}
-    copy = project.model_copy(deep=True)
-    marks: SourceMarks = {}
-    if lists:
-        declare_lists(copy, report, marks)
-    rewrite_charts(copy, project, host, options=options, report=report, marks=marks)
-    add_globals(copy, host, report, marks)
-    for interface in _without_result(copy):
+    adaptation = ProjectAdaptation(project, project, host, options, report)
+    for rule in RULES:
+        if not rule.keeps_source and rule.applies(adaptation):
+            rule.apply(adaptation)
+    needed = [rule for rule in RULES if rule.keeps_source and rule.applies(adaptation)]
+    if needed:
+        adaptation.project = project.model_copy(deep=True)
+    for rule in needed:
+        rule.apply(adaptation)
+    return adaptation.project, adaptation.marks
+
+
+@dataclass(slots=True)
+class ProjectAdaptation:
+    """A project on its way to the `host`: `project` is changed, `source` is what it was."""
+
+    project: Project
+    source: Project
+    host: ChartHost
+    options: WriteOptions
+    report: ConversionReport
+    marks: SourceMarks = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A rule of the adaptation: what it applies to in which target, and what it makes of that.
+
+    `of`, `where` and `makes` are for people. `keeps_source`: what was written keeps the source beside it, and a reader
+    puts that back; what other rules make is read as it is.
+    """
+
+    of: str
+    where: str
+    makes: str
+    applies: Callable[[ProjectAdaptation], bool]
+    apply: Callable[[ProjectAdaptation], None]
+    keeps_source: bool = False
+
+
+def _code_in_c(this: ProjectAdaptation) -> None:
+    for place in embedded_code(this.project):
+        this.report.add(Outcome.NOT_EXECUTED, "code in C", place, f"{this.host.title} does not compile {{{{ .. }}}}")
+
+
+def _has_foreign_lists(this: ProjectAdaptation) -> bool:
+    return has_lists(this.project) and not this.host.is_codesys
+
+
+def _lists(this: ProjectAdaptation) -> None:
+    declare_lists(this.project, this.report, this.marks)
+
+
+def _charts(this: ProjectAdaptation) -> None:
+    rewrite_charts(this.project, this.source, this.host, options=this.options, report=this.report, marks=this.marks)
+
+
+def _globals(this: ProjectAdaptation) -> None:
+    add_globals(this.project, this.host, this.report, this.marks)
+
+
+def _results(this: ProjectAdaptation) -> None:
+    for interface in _without_result(this.project):
         place, section = next((i, section) for i, section in enumerate(interface.sections) if is_void(section))
-        marks[id(interface)] = {NO_RESULT_FIELD: [place, section.model_dump(mode="json", exclude_none=True)]}
+        this.marks[id(interface)] = {NO_RESULT_FIELD: [place, section.model_dump(mode="json", exclude_none=True)]}
         interface.sections = [other for other in interface.sections if other is not section]
-    for pou in _with_system_data(copy):
-        _leave_out_system_data(pou, host, report, marks)
-    return copy, marks
+
+
+def _system_data(this: ProjectAdaptation) -> None:
+    for pou in _with_system_data(this.project):
+        _leave_out_system_data(pou, this.host, this.report, this.marks)
+
+
+RULES = (
+    Rule(
+        "code in C, `{{ .. }}`",
+        "CODESYS, TwinCAT, CoDeSys 2.3",
+        "not executed: they do not compile it",
+        lambda this: this.host.is_codesys,
+        _code_in_c,
+    ),
+    Rule(
+        "a coil in FBD, as TIA Portal draws it",
+        "all",
+        "an output variable",
+        lambda this: not this.options.same,
+        lambda this: _adapt_coils(this.project, this.report),
+    ),
+    Rule(
+        "places that give the order of execution in a network",
+        "CODESYS, TwinCAT, CoDeSys 2.3",
+        "numbers of the order",
+        lambda this: this.host.is_codesys and not this.options.same,
+        lambda this: _order_elements(this.project, this.report),
+    ),
+    Rule(
+        "a variable of a type that only S7 has, such as `S5TIME`",
+        "all",
+        "not executed: the declaration does not compile",
+        lambda this: not this.options.same,
+        lambda this: report_types(this.project, this.host, this.report),
+    ),
+    Rule(
+        "a box of S7 with the operand of its memory at a pin",
+        "all",
+        "not executed",
+        lambda this: this.options.of_graph,
+        lambda this: _report_memories(this.project, this.host, this.report),
+    ),
+    Rule(
+        "a variable that has the name of an SFC flag and is none",
+        "CODESYS, TwinCAT, CoDeSys 2.3",
+        "approximated: it controls the chart there",
+        lambda this: this.host.is_codesys and not this.options.of_codesys and not this.options.same,
+        lambda this: _report_flags(this.project, this.report),
+    ),
+    Rule(
+        "a list of global variables, `GVL_IO.x`",
+        "TC6",
+        "variables of the configuration, `x`",
+        _has_foreign_lists,
+        _lists,
+        keeps_source=True,
+    ),
+    Rule(
+        "a chart with something of the next table",
+        "all",
+        "a chart in the terms of the target",
+        lambda this: (
+            _has_foreign_lists(this)  # their names are in texts of charts
+            or any(needs_rewriting(chart, this.host, this.options) for chart in this.project.charts())
+        ),
+        _charts,
+        keeps_source=True,
+    ),
+    Rule(
+        "tags, data blocks, organization blocks",
+        "all",
+        "global variables at their addresses, lists or structures, programs of a task",
+        lambda this: has_globals(this.project),
+        _globals,
+        keeps_source=True,
+    ),
+    Rule(
+        "a function of S7 with the result `Void`",
+        "all",
+        "a function without result",
+        lambda this: any(_without_result(this.project)),
+        _results,
+        keeps_source=True,
+    ),
+    Rule(
+        "variables of TIA Portal for steps and transitions (`G7_StepPlus_V6`)",
+        "all",
+        "left out: the target has such data itself",
+        lambda this: any(_with_system_data(this.project)),
+        _system_data,
+        keeps_source=True,
+    ),
+)
+"""The rules for projects, in the order in which they are applied."""
 
 
 def _with_system_data(project: Project) -> Iterator[Pou]:
@@ -241,170 +348,12 @@ def _output(node: Node) -> Node:
     return OutputVariable.model_validate({**shared, "kind": "output", "expression": node.variable})
 
 
-def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> bool:
-    """True if `rewrite_charts` would change a chart, or report something of it."""
-    chart = place.chart
-    if has_special_rows(chart) or chart.graph_settings is not None or any(is_supervised(step) for step in chart.steps):
-        return True
-    if any(does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
-        return True
-    if any(row.qualifier is Qualifier.R0 for _, row in chart.associations()):
-        return True
-    if options.of_graph and (
-        mixed_operands(chart) or timed_operands(chart) or any(overwritten_rows(step) for step in chart.steps)
-    ):
-        return True
-    if host.is_codesys:
-        bodies: list[object] = [row.body for _, row in chart.associations()]
-        bodies += [action for s in chart.steps for action in (s.entry_action, s.main_action, s.exit_action)]
-        own = ("P1", "P0") if options.final_scan else ("P1", "P0", "P", "N", "None")
-        rows = any(row.negated or row.qualifier in own for _, row in chart.associations())
-        conditions = any(_is_foreign(transition.condition, host) for transition in chart.transitions)
-        return rows or conditions or any(isinstance(body, StBody) for body in bodies)
-    if any(step.main_action is not None or step.min_time or step.max_time for step in chart.steps):
-        return True
-    excluded = any(s.exclude for s in chart.steps) or any(t.exclude for t in chart.transitions)
-    if options.of_codesys and _flags_in_use(place):
-        return True
-    return excluded or chart.settings is not None or any(row.exclude for _, row in chart.associations())
-
-
-def _flags_in_use(place: Chart) -> frozenset[SfcFlag]:
-    project = place.pou.project
-    shared = [section.variables for section in project.global_sections()] if project is not None else []
-    declared = {variable.name.casefold() for variable in chain(place.pou.variables(), *shared)}
-    return place.chart.flags_in_use(lambda name: name.casefold() in declared)
-
-
-def _is_foreign(condition: Condition | None, host: ChartHost) -> bool:
-    """True if CODESYS has no such condition: it takes expressions and names of transition objects."""
-    is_il = isinstance(condition, BodyCondition) and isinstance(condition.body, IlBody) and not host.il_conditions
-    return condition is not None and (condition.negated or is_network(condition) or condition.kind == "wired" or is_il)
-
-
-def rewrite_charts(
-    copy: Project,
-    project: Project,
-    host: ChartHost,
-    *,
-    options: WriteOptions,
-    report: ConversionReport,
-    marks: SourceMarks,
-) -> None:
-    """Change the charts of `copy` into what `host` executes, and add to `marks` what to keep of `project` where."""
-    for chart, source in zip(list(copy.charts()), list(project.charts()), strict=True):
-        if needs_rewriting(chart, host, options) or chart.chart != source.chart:
-            taken = taken_names(copy, chart)
-            _ChartRewriter(ChartRewriting(chart, source.chart, host, options, report, marks, taken)).rewrite()
-
-
-class _ChartRewriter:
-    def __init__(self, rewriting: ChartRewriting) -> None:
-        self._rewriting = rewriting
-        self._host = rewriting.host
-        self._chart = rewriting.chart.chart
-        self._note = rewriting.note
-        self._checks = StepChecks(rewriting)
-
-    def rewrite(self) -> None:
-        """Change the chart. Conditions first: the supervisions that they need are those of the source."""
-        steps = {step.id: step for step in self._chart.steps}
-        for transition in self._chart.transitions:
-            self._transition(transition, [steps[i] for i in transition.sources if i in steps])
-        shown = ShownState(self._rewriting, self._checks)
-        rewriter = StepRewriter(self._rewriting, self._checks)
-        for step in self._chart.steps:
-            rewriter.rewrite(step)
-        OperatingInputs(self._rewriting, self._checks).execute()
-        PermanentRewriter(self._rewriting, rewriter, self._checks, shown).rewrite()
-        self._report_graph(shown.names)
-        if not self._host.is_codesys:
-            self._report_codesys()
-
-    def _transition(self, transition: Transition, sources: list[Step]) -> None:
-        source = self._rewriting.source_transitions[transition.id]
-        held = self._rewrite_condition(transition, sources)
-        if transition.condition != source.condition:
-            uses = [name for step, field in held if field == "supervision" for name in self._checks.names(step)]
-            self._rewriting.marks[id(transition)] = rewritten_transition(transition, source, uses, held)
-
-    def _rewrite_condition(self, transition: Transition, sources: list[Step]) -> list[tuple[int, str]]:
-        """Change a condition; the ids of steps and the fields of them that it executes now."""
-        condition = transition.condition
-        if not self._host.is_codesys and (transition.exclude or any(step.exclude for step in sources)):
-            transition.condition = Expression(text="FALSE")
-            place = f"transition {self._chart.label(transition)}"
-            self._note(
-                Outcome.TRANSLATED, "exclude", place, "the condition is FALSE: CODESYS leaves the transition out"
-            )
-            return []
-        supervised = [step for step in sources if is_supervised(step)]
-        timed = [step for step in sources if step.min_time] if not self._host.is_codesys else []
-        foreign = self._host.is_codesys and _is_foreign(condition, self._host)
-        if condition is None or not (supervised or timed or foreign):
-            return []
-        label = f"transition {self._chart.label(transition)}"
-        text = self._rewriting.text(condition)
-        if text is None:
-            text = self._rewriting.new_name(f"Condition_of_{self._chart.label(transition)}_is_missing")
-            why = f"it cannot be written as an expression; the undeclared name {text} is in its place"
-            self._note(
-                Outcome.NOT_EXECUTED, "condition", label, f"{why}, so that {self._host.title} does not compile it"
-            )
-        elif foreign:
-            what = "a network" if is_network(condition) else "logic drawn in the chart"
-            what = what if is_network(condition) or isinstance(condition, WiredCondition) else "a negated condition"
-            self._note(Outcome.TRANSLATED, "condition", label, f"{what} in the source, here the expression {text}")
-        if is_empty_network(condition) and not (supervised or timed):
-            text = "TRUE"
-        for step in supervised:
-            text = self._held(step, text)
-        for step in timed:
-            text = conjunction(text, f"{self._host.elapsed(step)} >= {step.min_time}")
-            why = f"the minimum time {step.min_time} of the step {step.name} is a part of the condition"
-            self._note(Outcome.TRANSLATED, "minimum time", label, why)
-        if supervised or timed:
-            self._note(Outcome.TRANSLATED, "condition", label, f"with what holds the step: {text}")
-        transition.condition = Expression(text=text)
-        return [*((step.id, "supervision") for step in supervised), *((step.id, "min_time") for step in timed)]
-
-    def _held(self, step: Step, text: str) -> str:
-        """Return the condition of a transition with the supervision of a step that it leaves."""
-        held = self._checks.held(step)
-        place = f"step {step.name}"
-        if held is None:
-            why = f"it does not hold the step in {self._host.title}: it cannot be written as an expression"
-            self._note(Outcome.NOT_EXECUTED, "supervision", place, why)
-            return text
-        self._note(Outcome.TRANSLATED, "supervision", place, f"NOT {as_term(held)} in the conditions that leave it")
-        return conjunction(text, f"NOT {as_term(held)}")
-
-    def _report_graph(self, shown: set[str]) -> None:
-        """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
-        chart, title = self._chart, self._host.title
-        for step in chart.steps:
-            if self._rewriting.interlock(step) not in (None, "TRUE"):
-                why = "rows and outputs that depend on it are statements; it does nothing else"
-                self._note(Outcome.TRANSLATED, "interlock", f"step {step.name}", why)
-        if chart.graph_settings is None:
-            return
-        if chart.graph_settings.skip_steps:
-            self._note(Outcome.NOT_EXECUTED, "skip steps", "", f"each step is active for a scan at least in {title}")
-        for variable in self._rewriting.chart.pou.variables():
-            if variable.name in ACKNOWLEDGING:
-                why = "statements compute its rising edges where something depends on them"
-                self._note(Outcome.TRANSLATED, "operating input", variable.name, why)
-        if shown:
-            why = f"{', '.join(sorted(shown))}: statements set them as in the automatic mode"
-            self._note(Outcome.TRANSLATED, "shown state", "", why)
-
-    def _report_codesys(self) -> None:
-        """Report what controls and watches a chart of CODESYS and has no counterpart in TC6."""
-        chart = self._chart
-        used = _flags_in_use(self._rewriting.chart)
-        for flag in sorted(used):
-            self._note(Outcome.NOT_EXECUTED, flag.variable, "", f"the flag has no effect in {self._host.title}")
-        if SfcFlag.ERROR in used:
-            for step in (step for step in chart.steps if step.max_time):
-                why = f"{step.max_time} is not watched in {self._host.title}: SFCError is never set"
-                self._note(Outcome.NOT_EXECUTED, "max time", f"step {step.name}", why)
+def rule_tables() -> str:
+    """Return the rules as tables in Markdown."""
+    rows = ["| what | in | becomes | the way back |", "|---|---|---|---|"]
+    for rule in RULES:
+        back = "the source" if rule.keeps_source else "as it was written"
+        rows.append(f"| {rule.of} | {rule.where} | {rule.makes} | {back} |")
+    rows += ["", "| what of a chart | becomes |", "|---|---|"]
+    rows += [f"| {each.of} | {each.makes} |" for each in CHART_RULES]
+    return "\n".join(rows)

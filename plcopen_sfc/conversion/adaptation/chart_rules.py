@@ -1,0 +1,269 @@
+"""The rules for charts of other tools: what a target has no element for becomes statements and conditions.
+
+What nothing stands for is left out and reported as not executed. The source is kept beside what was written
+(`source_marks`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import chain
+
+from plcopen_sfc.conversion.adaptation.chart_rewriting import (
+    ChartRewriting,
+    as_term,
+    conjunction,
+    does_something,
+    is_network,
+    is_supervised,
+    taken_names,
+)
+from plcopen_sfc.conversion.adaptation.sequencer_rewriting import OperatingInputs, PermanentRewriter, ShownState
+from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChecks
+from plcopen_sfc.conversion.adaptation.step_rewriting import (
+    StepRewriter,
+    has_special_rows,
+    mixed_operands,
+    overwritten_rows,
+    timed_operands,
+)
+from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
+from plcopen_sfc.formats.plcopen.source_marks import (
+    SourceMarks,
+    rewritten_transition,
+)
+from plcopen_sfc.languages.networks import is_empty_network
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.body import IlBody, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
+from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
+from plcopen_sfc.report import ConversionReport, Outcome
+
+
+def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> bool:
+    """True if `rewrite_charts` would change a chart, or report something of it."""
+    chart = place.chart
+    if has_special_rows(chart) or chart.graph_settings is not None or any(is_supervised(step) for step in chart.steps):
+        return True
+    if any(does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
+        return True
+    if any(row.qualifier is Qualifier.R0 for _, row in chart.associations()):
+        return True
+    if options.of_graph and (
+        mixed_operands(chart) or timed_operands(chart) or any(overwritten_rows(step) for step in chart.steps)
+    ):
+        return True
+    if host.is_codesys:
+        bodies: list[object] = [row.body for _, row in chart.associations()]
+        bodies += [action for s in chart.steps for action in (s.entry_action, s.main_action, s.exit_action)]
+        own = ("P1", "P0") if options.final_scan else ("P1", "P0", "P", "N", "None")
+        rows = any(row.negated or row.qualifier in own for _, row in chart.associations())
+        conditions = any(_is_foreign(transition.condition, host) for transition in chart.transitions)
+        return rows or conditions or any(isinstance(body, StBody) for body in bodies)
+    if any(step.main_action is not None or step.min_time or step.max_time for step in chart.steps):
+        return True
+    excluded = any(s.exclude for s in chart.steps) or any(t.exclude for t in chart.transitions)
+    if options.of_codesys and _flags_in_use(place):
+        return True
+    return excluded or chart.settings is not None or any(row.exclude for _, row in chart.associations())
+
+
+def _flags_in_use(place: Chart) -> frozenset[SfcFlag]:
+    project = place.pou.project
+    shared = [section.variables for section in project.global_sections()] if project is not None else []
+    declared = {variable.name.casefold() for variable in chain(place.pou.variables(), *shared)}
+    return place.chart.flags_in_use(lambda name: name.casefold() in declared)
+
+
+def _is_foreign(condition: Condition | None, host: ChartHost) -> bool:
+    """True if CODESYS has no such condition: it takes expressions and names of transition objects."""
+    is_il = isinstance(condition, BodyCondition) and isinstance(condition.body, IlBody) and not host.il_conditions
+    return condition is not None and (condition.negated or is_network(condition) or condition.kind == "wired" or is_il)
+
+
+def rewrite_charts(
+    copy: Project,
+    project: Project,
+    host: ChartHost,
+    *,
+    options: WriteOptions,
+    report: ConversionReport,
+    marks: SourceMarks,
+) -> None:
+    """Change the charts of `copy` into what `host` executes, and add to `marks` what to keep of `project` where."""
+    for chart, source in zip(list(copy.charts()), list(project.charts()), strict=True):
+        if needs_rewriting(chart, host, options) or chart.chart != source.chart:
+            taken = taken_names(copy, chart)
+            _ChartRewriter(ChartRewriting(chart, source.chart, host, options, report, marks, taken)).rewrite()
+
+
+class _ChartRewriter:
+    def __init__(self, rewriting: ChartRewriting) -> None:
+        self._rewriting = rewriting
+        self._host = rewriting.host
+        self._chart = rewriting.chart.chart
+        self._note = rewriting.note
+        self._checks = StepChecks(rewriting)
+
+    def rewrite(self) -> None:
+        """Change the chart, by `CHART_RULES`."""
+        for rule in CHART_RULES:
+            rule.apply(self)
+
+    def conditions(self) -> None:
+        """Rewrite the conditions, with the supervisions and minimum times of the steps that they leave."""
+        steps = {step.id: step for step in self._chart.steps}
+        for transition in self._chart.transitions:
+            self._transition(transition, [steps[i] for i in transition.sources if i in steps])
+        self._shown = ShownState(self._rewriting, self._checks)
+
+    def steps(self) -> None:
+        """Rewrite the rows and the actions of the steps."""
+        self._steps = StepRewriter(self._rewriting, self._checks)
+        for step in self._chart.steps:
+            self._steps.rewrite(step)
+
+    def operating_inputs(self) -> None:
+        """Add the transitions of INIT_SQ and OFF_SQ."""
+        OperatingInputs(self._rewriting, self._checks).execute()
+
+    def surroundings(self) -> None:
+        """Add the actions for permanent instructions, edges of inputs and outputs that show the state."""
+        PermanentRewriter(self._rewriting, self._steps, self._checks, self._shown).rewrite()
+
+    def losses(self) -> None:
+        """Report what has no counterpart."""
+        self._report_graph(self._shown.names)
+        if not self._host.is_codesys:
+            self._report_codesys()
+
+    def _transition(self, transition: Transition, sources: list[Step]) -> None:
+        source = self._rewriting.source_transitions[transition.id]
+        held = self._rewrite_condition(transition, sources)
+        if transition.condition != source.condition:
+            uses = [name for step, field in held if field == "supervision" for name in self._checks.names(step)]
+            self._rewriting.marks[id(transition)] = rewritten_transition(transition, source, uses, held)
+
+    def _rewrite_condition(self, transition: Transition, sources: list[Step]) -> list[tuple[int, str]]:
+        """Change a condition; the ids of steps and the fields of them that it executes now."""
+        condition = transition.condition
+        if not self._host.is_codesys and (transition.exclude or any(step.exclude for step in sources)):
+            transition.condition = Expression(text="FALSE")
+            place = f"transition {self._chart.label(transition)}"
+            self._note(
+                Outcome.TRANSLATED, "exclude", place, "the condition is FALSE: CODESYS leaves the transition out"
+            )
+            return []
+        supervised = [step for step in sources if is_supervised(step)]
+        timed = [step for step in sources if step.min_time] if not self._host.is_codesys else []
+        foreign = self._host.is_codesys and _is_foreign(condition, self._host)
+        if condition is None or not (supervised or timed or foreign):
+            return []
+        label = f"transition {self._chart.label(transition)}"
+        text = self._rewriting.text(condition)
+        if text is None:
+            text = self._rewriting.new_name(f"Condition_of_{self._chart.label(transition)}_is_missing")
+            why = f"it cannot be written as an expression; the undeclared name {text} is in its place"
+            self._note(
+                Outcome.NOT_EXECUTED, "condition", label, f"{why}, so that {self._host.title} does not compile it"
+            )
+        elif foreign:
+            what = "a network" if is_network(condition) else "logic drawn in the chart"
+            what = what if is_network(condition) or isinstance(condition, WiredCondition) else "a negated condition"
+            self._note(Outcome.TRANSLATED, "condition", label, f"{what} in the source, here the expression {text}")
+        if is_empty_network(condition) and not (supervised or timed):
+            text = "TRUE"
+        for step in supervised:
+            text = self._held(step, text)
+        for step in timed:
+            text = conjunction(text, f"{self._host.elapsed(step)} >= {step.min_time}")
+            why = f"the minimum time {step.min_time} of the step {step.name} is a part of the condition"
+            self._note(Outcome.TRANSLATED, "minimum time", label, why)
+        if supervised or timed:
+            self._note(Outcome.TRANSLATED, "condition", label, f"with what holds the step: {text}")
+        transition.condition = Expression(text=text)
+        return [*((step.id, "supervision") for step in supervised), *((step.id, "min_time") for step in timed)]
+
+    def _held(self, step: Step, text: str) -> str:
+        """Return the condition of a transition with the supervision of a step that it leaves."""
+        held = self._checks.held(step)
+        place = f"step {step.name}"
+        if held is None:
+            why = f"it does not hold the step in {self._host.title}: it cannot be written as an expression"
+            self._note(Outcome.NOT_EXECUTED, "supervision", place, why)
+            return text
+        self._note(Outcome.TRANSLATED, "supervision", place, f"NOT {as_term(held)} in the conditions that leave it")
+        return conjunction(text, f"NOT {as_term(held)}")
+
+    def _report_graph(self, shown: set[str]) -> None:
+        """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
+        chart, title = self._chart, self._host.title
+        for step in chart.steps:
+            if self._rewriting.interlock(step) not in (None, "TRUE"):
+                why = "rows and outputs that depend on it are statements; it does nothing else"
+                self._note(Outcome.TRANSLATED, "interlock", f"step {step.name}", why)
+        if chart.graph_settings is None:
+            return
+        if chart.graph_settings.skip_steps:
+            self._note(Outcome.NOT_EXECUTED, "skip steps", "", f"each step is active for a scan at least in {title}")
+        for variable in self._rewriting.chart.pou.variables():
+            if variable.name in ACKNOWLEDGING:
+                why = "statements compute its rising edges where something depends on them"
+                self._note(Outcome.TRANSLATED, "operating input", variable.name, why)
+        if shown:
+            why = f"{', '.join(sorted(shown))}: statements set them as in the automatic mode"
+            self._note(Outcome.TRANSLATED, "shown state", "", why)
+
+    def _report_codesys(self) -> None:
+        """Report what controls and watches a chart of CODESYS and has no counterpart in TC6."""
+        chart = self._chart
+        used = _flags_in_use(self._rewriting.chart)
+        for flag in sorted(used):
+            self._note(Outcome.NOT_EXECUTED, flag.variable, "", f"the flag has no effect in {self._host.title}")
+        if SfcFlag.ERROR in used:
+            for step in (step for step in chart.steps if step.max_time):
+                why = f"{step.max_time} is not watched in {self._host.title}: SFCError is never set"
+                self._note(Outcome.NOT_EXECUTED, "max time", f"step {step.name}", why)
+
+
+@dataclass(frozen=True)
+class ChartRule:
+    """A rule for charts: what it is about, and what it makes of that; see `Rule`."""
+
+    of: str
+    makes: str
+    apply: Callable[[_ChartRewriter], None]
+
+
+CHART_RULES = (
+    ChartRule(
+        "networks, wired and negated conditions in CODESYS; supervisions; minimum times in TC6; excluded elements",
+        "expressions, with `AND NOT <supervision>` and `AND <Step>.T >= <time>`; FALSE for what is excluded in TC6",
+        _ChartRewriter.conditions,
+    ),
+    ChartRule(
+        "rows with an event, an interlock, a value or a call; operands that S7-GRAPH writes in the order of its rows; "
+        "negated rows; main actions in TC6",
+        "statements in actions of the step: while it is active, once at its start, once when it was left; not executed "
+        "where no statement does the same",
+        _ChartRewriter.steps,
+    ),
+    ChartRule(
+        "INIT_SQ and OFF_SQ, where one step is active at a time",
+        "transitions that are tried before all others, to the initial step and to a step `Off`",
+        _ChartRewriter.operating_inputs,
+    ),
+    ChartRule(
+        "permanent instructions, `S_NO`, `S_ACTIVE`, `S_MORE`, `ERR_FLT`, edges of ACK_EF and REG_EF",
+        "actions that the initial step stores, named so that CODESYS executes them before or after all others",
+        _ChartRewriter.surroundings,
+    ),
+    ChartRule(
+        "SkipSteps; SFC flags and maximum times in TC6",
+        "not executed: the target has nothing of the kind",
+        _ChartRewriter.losses,
+    ),
+)
+"""The rules for charts. Conditions come first: the supervisions that they need are those of the source."""
