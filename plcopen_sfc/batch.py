@@ -31,7 +31,7 @@ from plcopen_sfc.documents.folder_projects import edited_files, files_below
 from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.documents.storage import load_project, refuse_mistakes, save_project
 from plcopen_sfc.errors import FileAccessError, FormatError, Location, ScriptError, SfcError, nearest
-from plcopen_sfc.files import read_bytes, write_all
+from plcopen_sfc.files import folder_exists, read_bytes, write_all
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import format_named
@@ -218,7 +218,7 @@ def project_files(paths: Iterable[str]) -> list[str]:
     """
     found: list[str] = []
     for path in paths:
-        found += _in_folder(path) if Path(path).is_dir() else [path]
+        found += _in_folder(path) if folder_exists(path) else [path]
     return list(dict.fromkeys(found))
 
 

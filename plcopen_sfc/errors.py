@@ -6,14 +6,13 @@ to do about it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.object_path import ObjectPath
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from plcopen_sfc.report import ConversionReport
 
 
@@ -182,6 +181,17 @@ def check_argument(value: object, types: type | tuple[type, ...], need: str, hin
 
 
 _REPR = 40
+
+
+def listed_names(values: Iterable[str] | str, need: str) -> list[str]:
+    """Return several names, or the one that a text is. Raises `ArgumentError` for anything else."""
+    if isinstance(values, str):
+        return [values]
+    check_argument(values, Iterable, need)
+    found = list(values)
+    for value in found:
+        check_argument(value, str, need)
+    return found
 
 
 class InputError(SfcError, ValueError):

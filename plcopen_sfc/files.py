@@ -37,6 +37,21 @@ _WRITE_REASONS = _READ_REASONS | {
 }
 
 
+def folder_exists(path: str | os.PathLike[str]) -> bool:
+    """True if there is a folder at `path`; False for a path that no system can have, as if nothing were there."""
+    return os.path.isdir(path)  # noqa: PTH112  # Path.is_dir raises OSError where a name is too long
+
+
+def file_exists(path: str | os.PathLike[str]) -> bool:
+    """Tell the same of a file."""
+    return os.path.isfile(path)  # noqa: PTH113
+
+
+def path_exists(path: str | os.PathLike[str]) -> bool:
+    """Tell the same of anything."""
+    return os.path.exists(path)  # noqa: PTH110
+
+
 def refuse_empty(path: str | os.PathLike[str]) -> None:
     """Raise `FileAccessError` for an empty path: the system would take it for the current folder, nobody means that."""
     if not os.fspath(path):

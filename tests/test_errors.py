@@ -522,3 +522,49 @@ def test_an_error_of_a_worker_process_reaches_its_user_whole(kind: type[errors.S
 def sfc_verdict() -> Verdict:
     pou = sfc.loads(b"PROGRAM Main VAR_INPUT a : BOOL; END_VAR VAR q : BOOL; END_VAR q := a; END_PROGRAM").pou("Main")
     return equivalent(pou, pou)
+
+
+def loop() -> sfc.Project:
+    chart = "INITIAL_STEP S: END_STEP TRANSITION FROM S TO S := x; END_TRANSITION"
+    return sfc.loads(f"PROGRAM P VAR_INPUT x : BOOL; END_VAR {chart} END_PROGRAM".encode(), format="iec-text")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        *({"scans": "x"}, {"scans": 1.5}, {"scan_time": []}, {"pou": 5}, {"initial": 5}, {"record": 5}),
+        *({"record": [5]}, {"functions": 5}, {"free_inputs": 5}, {"inputs": 5}, {"profile": 5}),
+    ],
+    ids=str,
+)
+def test_arguments_of_other_types_are_refused(options: dict[str, object]) -> None:
+    with pytest.raises(errors.ArgumentError):
+        sfc.simulate(loop(), **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("options", [{"init": 5}, {"flags": 5}, {"modes": 5}, {"at_rest": 5}, {"pou": 5}], ids=str)
+def test_options_of_other_types_are_refused_in_lowering(options: dict[str, object]) -> None:
+    with pytest.raises(errors.ArgumentError):
+        sfc.lower(loop(), verify=False, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("options", [{"tia": 5}, {"at_rest": 5}, {"format": 5}], ids=str)
+def test_options_of_other_types_are_refused_in_saving(options: dict[str, object]) -> None:
+    with pytest.raises(errors.ArgumentError):
+        sfc.dumps(sfc.load(BELT), **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("options", [{"select": 5}, {"ignore": 5}, {"select": [5]}], ids=str)
+def test_options_of_other_types_are_refused_in_checking(options: dict[str, object]) -> None:
+    with pytest.raises(errors.ArgumentError):
+        sfc.check(sfc.load(BELT), **options)  # type: ignore[arg-type]
+
+
+@POSIX
+def test_names_that_are_too_long_for_the_system(run: Run, tmp_path: Path) -> None:
+    name = tmp_path / f"{'a' * 300}.xml"
+    for deed in (lambda: sfc.load(name), lambda: sfc.save(sfc.load(BELT), name), lambda: sfc.load("a/" * 3000)):
+        with pytest.raises(errors.FileAccessError, match="too long"):
+            deed()
+    for command in COMMANDS:
+        assert "too long" in run(*command, name)[2]

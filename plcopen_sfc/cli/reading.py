@@ -15,6 +15,7 @@ from plcopen_sfc.api import load, loads
 from plcopen_sfc.cli.screen import UNREADABLE, Screen, describe_exhaustion
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import FileAccessError, Location, SfcError
+from plcopen_sfc.files import folder_exists, path_exists
 from plcopen_sfc.model.project import Project
 
 STANDARD_STREAM = "-"
@@ -39,7 +40,7 @@ def load_each(screen: Screen, names: Sequence[str], doing: str = "Reading") -> I
     for name in screen.progress(names, doing):
         try:
             screen.detail(f"reading {name}")
-            if Path(name).is_dir():
+            if folder_exists(name):
                 project = _load_folder(screen, name, doing, bars=len(names) == 1)
             else:
                 project = load_input(screen, name)
@@ -126,10 +127,10 @@ def expand(names: Iterable[str]) -> list[str]:
     """The files that `names` mean, each once. Raises `FileAccessError` where a pattern matches nothing."""
     found: list[str] = []
     for name in names:
-        if not glob.has_magic(name) or Path(name).exists():
+        if not glob.has_magic(name) or path_exists(name):
             found.append(name)
             continue
-        matching = sorted(match for match in glob.glob(name) if not Path(match).is_dir())  # noqa: PTH207  # any path
+        matching = sorted(match for match in glob.glob(name) if not folder_exists(match))  # noqa: PTH207  # any path
         if not matching:
             hint = "Check the pattern and the working folder."
             raise FileAccessError("no file matches this pattern", location=Location(name), hint=hint)

@@ -68,6 +68,7 @@ from plcopen_sfc.model.types import (
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.profile import Profile, default_profile
+from plcopen_sfc.whole_numbers import whole_number
 
 
 def executed(
@@ -594,7 +595,8 @@ def _values(project: Project, sections: Iterable[VariableSection]) -> dict[str, 
         number = -1
         for value in declaration.type.values if isinstance(declaration.type, EnumType) else ():
             given = (value.value or "").strip()
-            number = int(given) if given.lstrip("-").isdigit() else number + 1
+            size = whole_number(given.removeprefix("-"))
+            number = number + 1 if size is None else -size if given.startswith("-") else size
             for name in (f"{declaration.name}.{value.name}", f"{declaration.name}_{value.name}"):
                 found[name.casefold()] = str(number)
     constants = [[*section.variables] for section in sections if section.constant]

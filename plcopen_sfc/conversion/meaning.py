@@ -21,6 +21,7 @@ from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import DataType
+from plcopen_sfc.whole_numbers import whole_number
 
 _NOT_EXECUTED = frozenset(
     {"carried", "comment", "global_id", "title", "markup", "worksheet", "attributes", "position", "points"}
@@ -183,9 +184,9 @@ def address_meaning(address: str | None, dialect: Dialect) -> Meaning | None:
     area = {"E": "I", "A": "Q"}.get(area, area)
     size = rest[:1] if rest[:1].isalpha() else "X"
     places = rest.lstrip("XBWDL").split(".")
-    if not all(place.isdigit() for place in places):
+    numbers = [number for place in places if (number := whole_number(place)) is not None]
+    if len(numbers) < len(places):
         return Meaning.of(text, address)
-    numbers = [int(place) for place in places]
     if size == "X":
         bits: Hashable = numbers[0] * 8 + numbers[1] if len(numbers) == 2 else tuple(numbers)
     else:

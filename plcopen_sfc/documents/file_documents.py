@@ -4,14 +4,26 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
 from plcopen_sfc.collector import collecting_rarely
-from plcopen_sfc.diagnostics import DamagedSourceError, Severity
+from plcopen_sfc.diagnostics import DamagedSourceError, Diagnostic, Severity
 from plcopen_sfc.documents.sources import FileSource, FolderSource
-from plcopen_sfc.errors import FormatError, LossError, UnknownFormatError, nearest
+from plcopen_sfc.errors import (
+    EncodingError,
+    FormatError,
+    Location,
+    LossError,
+    ModelError,
+    StructureError,
+    UnknownFormatError,
+    UnsafeXmlError,
+    XmlSyntaxError,
+    nearest,
+)
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest, is_from, place_in_folder, remember_body
@@ -59,6 +71,29 @@ def read_document(data: bytes, *, format: str | None, path: str | None, as_tool:
     return project
 
 
+@contextmanager
+def writing(kind: Format) -> Iterator[None]:
+    """Raise `ModelError` where what is written cannot be read again.
+
+    Writers replace or refuse what their format does not have: the error is the last net under them.
+    """
+    try:
+        yield
+    except (StructureError, EncodingError, XmlSyntaxError, UnsafeXmlError) as error:
+        place = Location(None, error.location.line, error.location.column, error.location.path)
+        message = f"this project cannot be written as {kind.name}: the file could not be read again: {error.message}"
+        hint = "Nothing was written. The line is that in the new file. Change what is there, or choose another format."
+        raise ModelError(message, location=place, hint=hint) from error
+
+
+def read_back(data: bytes, kind: Format) -> Project:
+    """Return the project in the bytes that are to be written, with all that is in it read."""
+    with writing(kind):
+        project = kind.codec().read(data).project
+        project.read_all()
+    return project
+
+
 def as_tool_sees(data: bytes, kind: Format, path: str | None = None) -> bytes:
     """Return a file of the format `kind` without what writers of this package carry in it, which no other tool reads.
 
@@ -103,15 +138,18 @@ def encode(
     same = source is not None and source.format == kind.name and source.version == version and not flavour
     if not same:
         refuse_reading_errors(project, report)
+    elif kind.text:  # what was not understood of a text may be in its file only; the model keeps all of XML
+        report_reading_errors(project, report)
     content = source.content if source is not None and same else b""
     options = WriteOptions(version, flavour, same=same, source=content, at_rest=at_rest)
     from plcopen_sfc.documents.writer_preparation import prepared  # noqa: PLC0415  # loading needs no interpreter
 
     with collecting_rarely():
         copy, meant, options, behaviour = prepared(project, kind, options, report)
-        data = kind.codec().write(copy, options, report)
+        with writing(kind):
+            data = kind.codec().write(copy, options, report)
         if not (options.flavour and kind.text):  # what a flavour leaves out is for people, and not read back
-            verify(meant, kind, kind.codec().read(data).project, report)
+            verify(meant, kind, read_back(data, kind), report)
         called = names_in_the_source(project, copy)
     if behaviour is not None:
         seen = read_document(data, format=kind.name, path=None, as_tool=True)
@@ -231,9 +269,18 @@ def refuse_reading_errors(project: Project, report: ConversionReport) -> None:
         raise DamagedSourceError(errors)
     for path, error in folder.unreadable.items() if folder is not None else ():
         report.add(Outcome.NOT_EXECUTED, "file", path, f"it could not be read: {error.message}")
+    own = folder.own_diagnostics if folder is not None else ()
+    _report_errors(report, (found for found in errors if found not in own))
+
+
+def report_reading_errors(project: Project, report: ConversionReport) -> None:
+    """Report the errors that reading the source found: what was not understood may be missing in what is written."""
+    _report_errors(report, (found for found in project.diagnostics if found.severity is Severity.ERROR))
+
+
+def _report_errors(report: ConversionReport, errors: Iterable[Diagnostic]) -> None:
     for found in errors:
-        if folder is None or found not in folder.own_diagnostics:
-            report.add(Outcome.APPROXIMATED, "error", found.location.path or "", f"{found.code}: {found.message}")
+        report.add(Outcome.APPROXIMATED, "error", found.location.path or "", f"{found.code}: {found.message}")
 
 
 def refuse_losses(report: ConversionReport, *, strict: bool, partial: bool) -> None:
@@ -401,7 +448,7 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
     if recoded:
         why = f"{text.encoding} does not have all of its characters; the file is in UTF-8 now"
         report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)
-    back = codec.read(data).project
+    back = read_back(data, kind)
     meant = project if kind.ids else numbered_in_order(project)
     if not kind.ids:
         number_in_order(back)
@@ -413,6 +460,7 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
             source.path or "",
             "the edits did not fit into its text; written from the model",
         )
+        report_reading_errors(project, report)
         data = codec.write(project, options, ConversionReport())
-        verify(project, kind, codec.read(data).project, report)
+        verify(project, kind, read_back(data, kind), report)
     return data

@@ -44,7 +44,7 @@ from plcopen_sfc.errors import (
     UnknownFormatError,
     UnreadFormatError,
 )
-from plcopen_sfc.files import access_failure, read_bytes, write_all
+from plcopen_sfc.files import access_failure, file_exists, path_exists, read_bytes, write_all
 from plcopen_sfc.formats.file_recognition import named_like, recognised_as
 from plcopen_sfc.formats.format_interface import HEAD, Format, WriteOptions
 from plcopen_sfc.formats.provenance import place_in_folder, put_in_folder, take_provenance
@@ -188,7 +188,7 @@ def _read(source: FolderSource, kind: Format, name: str, *, as_tool: bool) -> li
 def _start(path: Path) -> bytes:
     """Return enough of a file to recognise it: a file of no document may have any size."""
     try:
-        if path.exists() and not path.is_file():
+        if path_exists(path) and not file_exists(path):
             return b""  # a pipe would wait for ever
         file: BinaryIO
         with path.open("rb") as file:
@@ -324,6 +324,7 @@ def save_folder(
         _refuse_if_changed(folder, {path: before[path] for path in [*gone, *changed] if path in before})
     else:
         changed = {path: data for path, data in contents.items() if _on_disk(Path(folder, path)) != data}
+    _refuse_links_out_of(folder, [*changed, *gone])
     write_all({Path(folder, path): data for path, data in changed.items()})
     for path in gone:
         Path(folder, path).unlink(missing_ok=True)
@@ -461,7 +462,20 @@ def _read_back(contents: dict[str, bytes], kind: Format, version: str, *, as_too
 
 def _on_disk(path: Path) -> bytes | None:
     """Return the bytes of a file; None where there is none."""
-    return read_bytes(path) if path.exists() else None
+    return read_bytes(path) if path_exists(path) else None
+
+
+def _refuse_links_out_of(folder: str, paths: Iterable[str]) -> None:
+    """Refuse to write through a link to a folder: reading does not follow it, and it may lead anywhere."""
+    top = Path(os.path.realpath(folder))
+    for path in paths:
+        place = Path(folder, path).parent
+        if not Path(os.path.realpath(place)).is_relative_to(top):
+            raise FileAccessError(
+                "the folder is a symbolic link that leads out of the folder of the project",
+                location=Location(str(place)),
+                hint="Nothing was written. Make it a folder, or save to another place.",
+            )
 
 
 def _refuse_if_changed(folder: str, expected: dict[str, bytes]) -> None:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from plcopen_sfc.documents.folder_documents import FileNames
 from plcopen_sfc.drawing.pictures import Theme, body_svg, chart_svg, dot_text, mermaid_text
 from plcopen_sfc.errors import ModelError, SfcError, check_argument, nearest
-from plcopen_sfc.files import refuse_empty, write_all
+from plcopen_sfc.files import folder_exists, refuse_empty, write_all
 from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
 from plcopen_sfc.model.pou import NamedBody
 from plcopen_sfc.model.project import Project
@@ -124,7 +124,7 @@ def drawn_bodies(project: Project, pou: str | None, kind: str = _DEFAULT) -> lis
 
 def _paths(charts: list[NamedBody], path: str, extension: str) -> list[Path]:
     """Return the file of each chart."""
-    if path.endswith(("/", os.sep)) or Path(path).is_dir():
+    if path.endswith(("/", os.sep)) or folder_exists(path):
         names = FileNames()
         return [Path(path, names.free("", each.name, extension)) for each in charts]
     if len(charts) > 1:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Protocol, TypedDict, run
 from plcopen_sfc.documents.file_documents import encode, normalized, read_document, refuse_losses
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.errors import FileAccessError, Location, ModelError, UnknownFormatError, check_argument
-from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
+from plcopen_sfc.files import file_exists, folder_exists, path_exists, read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.provenance import may_have_controls, texts_of
 from plcopen_sfc.formats.registry import TIA_FORMAT, all_formats, for_tia, format_named
@@ -223,7 +223,7 @@ def load_project(
     if isinstance(source, str | os.PathLike):
         path = os.fspath(source)
         refuse_empty(path)
-        if Path(path).is_dir():
+        if folder_exists(path):
             from plcopen_sfc.documents.folder_projects import load_folder  # noqa: PLC0415  # most projects are files
 
             return load_folder(path, format=format, progress=progress, as_tool=as_tool)
@@ -306,7 +306,7 @@ def _write_where_it_was(project: Project, path: str, data: bytes) -> None:
     if source is None or source.path is None or os.path.realpath(source.path) != os.path.realpath(path):
         write_atomic(path, data)
         return
-    if Path(path).is_file() and read_bytes(path) not in (source.content, source.saved):
+    if file_exists(path) and read_bytes(path) not in (source.content, source.saved):
         raise FileAccessError(
             "the file was changed since the project was read",
             location=Location(path),
@@ -344,8 +344,8 @@ def format_to_write(project: Project, format: str | None, tia: str = "", path: s
 
 def is_folder(path: str, project: Project, name: str) -> bool:
     """Return True if `path` is a folder, or is meant to become one, for `project` in the format `name`."""
-    if Path(path).exists():
-        return Path(path).is_dir()
+    if path_exists(path):
+        return folder_exists(path)
     if path.endswith(("/", os.sep)):
         return True
     folders = isinstance(project.source, FolderSource) and format_named(name)[0].folders

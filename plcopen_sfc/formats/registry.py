@@ -408,6 +408,7 @@ def for_tia(name: str, tia: str) -> str:
 
     Raises `UnknownFormatError` where the format has no such versions, `UnknownVersionError` for one that is not known.
     """
+    check_argument(tia, str, "tia is the version of TIA Portal: V16")
     kind, version = format_named(name)
     if kind.name != TIA_FORMAT:
         raise UnknownFormatError(f"a version of TIA Portal is for {TIA_FORMAT}, not for {name}")

@@ -20,6 +20,8 @@ from typing import Any, Final, Literal, TypeAlias, get_origin
 
 from pydantic import BaseModel
 
+from plcopen_sfc.whole_numbers import whole_number
+
 
 class Default:
     """The value of a field that a text does not state."""
@@ -131,9 +133,10 @@ class Scanner:
     def number(self) -> int:
         """Move over a whole number."""
         found = self._token("a number is expected here")
-        if not (found.group("number") or "").isdecimal():
+        number = whole_number(found.group("number"))
+        if number is None:
             raise NotationError("a number is expected here", found.start())
-        return int(found.group("number"))
+        return number
 
     def value(self, depth: int = 0) -> Any:
         """Move over a value."""

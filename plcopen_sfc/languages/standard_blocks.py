@@ -98,7 +98,7 @@ class StandardBlock:
         found = self._known(pin, self.inputs)
         if found is None and self.extensible:
             stem, first = _numbered(self.inputs[-1].name)
-            matched = re.fullmatch(rf"{stem}(\d+)", pin, re.IGNORECASE)
+            matched = re.fullmatch(rf"{stem}(\d{{1,9}})", pin, re.IGNORECASE)
             if matched and int(matched[1]) > first:
                 return f"{stem}{int(matched[1])}"
         return found
@@ -167,7 +167,7 @@ _TYPES = frozenset(
 
 
 def _numbered(name: str) -> tuple[str, int]:
-    matched = re.fullmatch(r"(\D*)(\d+)", name)
+    matched = re.fullmatch(r"(\D*)(\d{1,9})", name)
     return (matched[1], int(matched[2])) if matched else (name, 0)
 
 

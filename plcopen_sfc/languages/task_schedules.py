@@ -17,6 +17,7 @@ from typing import Any
 
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.model.project import Task, TaskSettings
+from plcopen_sfc.whole_numbers import whole_number
 
 CYCLIC = "Cyclic"
 EVENT = "Event"
@@ -102,9 +103,10 @@ def schedule_fields(task: Task) -> dict[str, Any]:
 def _with_unit(settings: TaskSettings) -> str | None:
     """Return the cycle in the settings of CODESYS, with its unit."""
     text = (settings.interval or "").strip()
-    if not text.isdigit():
+    count = whole_number(text)
+    if count is None:
         return text or None
-    return cycle_literal(int(text) * (1 if settings.interval_unit in ("us", "µs") else 1000))
+    return cycle_literal(count * (1 if settings.interval_unit in ("us", "µs") else 1000))
 
 
 def cycle_literal(microseconds: int) -> str:
@@ -118,10 +120,10 @@ def _none_of_zero(interval: str | None) -> str | None:
     return None if nanoseconds(interval) == 0 else interval or None
 
 
-_ISO_DURATION = re.compile(r"PT(?:(\d+)H)?(?:(\d+)M)?(?:(\d+)(?:\.(\d+))?S)?")
+_ISO_DURATION = re.compile(r"PT(?:(\d{1,9})H)?(?:(\d{1,9})M)?(?:(\d{1,9})(?:\.(\d+))?S)?")
 _WITHOUT_PREFIX = re.compile(r"(?:\d+(?:\.\d+)?(?:ms|us|ns|d|h|m|s)_?)+", re.IGNORECASE)
 """``10ms``, as an example of TC6 2.01 has it (iec-checker)."""
-_TIME_OF_DAY = re.compile(r"(\d+):(\d+):(\d+)(?:\.(\d+))?")
+_TIME_OF_DAY = re.compile(r"(\d{1,9}):(\d{1,9}):(\d{1,9})(?:\.(\d+))?")
 
 
 def duration_literal(interval: str | None) -> str | None:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar, Unpack
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.collector import collecting_rarely
-from plcopen_sfc.errors import Location, LoweringError, nearest
+from plcopen_sfc.errors import Location, LoweringError, check_argument, listed_names, nearest
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code_texts import TEXTS
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
@@ -171,6 +171,8 @@ def lower(
         _chosen(Style, str(style)),
         _chosen(Language, str(language).upper()) if language is not None else None,
     )
+    for name, value in {"init": init, "stop": stop, "flags": flags, "lang": lang}.items():
+        check_argument(value, (str, type(None)), f"{name} is a text")
     found = resolve(subject, pou)
     _chart_of(found)
     _refuse_what_was_not_read(found)
@@ -187,9 +189,9 @@ def lower(
         _chosen(States, str(states)) if states is not None else None,
         _chosen(ActionPlace, str(actions)),
         flags,
-        frozenset(_chosen(OperatingMode, str(mode)) for mode in modes),
+        frozenset(_chosen(OperatingMode, mode) for mode in listed_names(modes, "modes are named by texts")),
         without_version(target) if target is not None else None,
-        frozenset([at_rest] if isinstance(at_rest, str) else at_rest),
+        frozenset(listed_names(at_rest, "inputs at rest are named by texts")),
     )
     meant = as_executed(found, semantics)
     with collecting_rarely(), errors_of(found.project, found.pou, found.name):

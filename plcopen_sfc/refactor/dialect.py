@@ -60,6 +60,7 @@ from plcopen_sfc.model.types import (
     SubrangeType,
 )
 from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.whole_numbers import whole_number
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,8 +162,8 @@ def _say_starts(project: Project, source: Dialect, target: Dialect) -> Iterator[
                 why = f"{name} starts as {_FIRST_DAYS[name]} in S7, and as 1970-01-01 in CODESYS"
                 severity = Severity.WARNING
         if target is Dialect.SCL and isinstance(type_, StringType) and isinstance(start, SimpleValue):
-            length = type_.length or STRING_LENGTHS.get(source, "")
-            cut = _cut_text(start.text or "", int(length), target) if length.isdigit() else None
+            length = whole_number(type_.length or STRING_LENGTHS.get(source))
+            cut = _cut_text(start.text or "", length, target) if length is not None else None
             if cut is not None:
                 start.text = cut
                 why = f"its first value was cut off to {length} characters, as it is when it is assigned"

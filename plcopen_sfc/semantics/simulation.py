@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from datetime import timedelta
 from typing import Any
 
-from plcopen_sfc.errors import InputError, ModelError, check_argument, nearest
+from plcopen_sfc.errors import InputError, ModelError, check_argument, listed_names, nearest
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -67,6 +67,8 @@ def simulate(
     Raises `SimulationError` for what cannot be executed, with scan, POU and line; `InputError`, `ModelError` for
     names and values that do not fit.
     """
+    check_argument(scans, (int, type(None)), "scans is their number")
+    check_argument(initial, (Mapping, type(None)), "initial values are a mapping from variables to values")
     run = Simulation(
         resolve(subject, pou, project=project),
         profile=profile,
@@ -96,6 +98,7 @@ class Simulation:
         record: Iterable[str] | None = None,
         free_inputs: Iterable[str] | str = (),
     ) -> None:
+        check_argument(functions, (Mapping, type(None)), "functions are a mapping from their names")
         chosen = default_profile(subject.project) if profile is None else profile_named(profile)
         subject = as_executed(subject, chosen)
         self.subject = subject
@@ -106,7 +109,7 @@ class Simulation:
             chosen,
             functions=functions or {},
             chart_compiler=compile_chart,
-            free_inputs=[free_inputs] if isinstance(free_inputs, str) else free_inputs,
+            free_inputs=listed_names(free_inputs, "free inputs are named by texts"),
         )
         self.instance: Instance = self.controller.instance(subject.pou)
         self._watched = watched(self.instance)
@@ -121,7 +124,7 @@ class Simulation:
         )
         steps, self._marking = step_marking(self.instance)
         self.trace = Trace(
-            self._columns(self._watched if record is None else record),
+            self._columns(self._watched if record is None else listed_names(record, "variables to record are texts")),
             scan_time=self.scan_time,
             steps=steps,
             name=subject.name,
@@ -256,6 +259,7 @@ def nanoseconds(time: str | int | timedelta) -> int:
             raise InputError(f"{time!r} is no scan time", hint="Write it as 10ms or 1.5s.")
         found = literal.value
     else:
+        check_argument(time, int, "a scan time is a text such as 10ms, a timedelta, or nanoseconds")
         found = time
     if found <= 0:
         raise InputError(f"the scan time {time!r} is not greater than zero")

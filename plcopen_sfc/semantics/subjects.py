@@ -224,6 +224,7 @@ def resolve(subject: SfcNetwork | Pou | Project, pou: str | None = None, *, proj
     Raises `ModelError`.
     """
     check_argument(subject, (Project, Pou, SfcNetwork), "a chart, a POU or a project is needed")
+    check_argument(pou, (str, type(None)), "pou is the name of one")
     if isinstance(subject, Project):
         return _named(subject, pou) if pou is not None else _only(subject)
     if isinstance(subject, Pou):

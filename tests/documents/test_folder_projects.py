@@ -310,6 +310,19 @@ def test_links_that_lead_round_are_not_followed(tmp_path: Path) -> None:
 
 
 @posix_only
+def test_nothing_is_written_through_a_link_out_of_the_folder(tmp_path: Path) -> None:
+    project = sfc.load(export(tmp_path))
+    target, elsewhere = tmp_path / "target", tmp_path / "elsewhere"
+    target.mkdir()
+    elsewhere.mkdir()
+    (target / "Program blocks").symlink_to(elsewhere)
+    with pytest.raises(sfc.SfcError, match="symbolic link that leads out"):
+        sfc.save(project, target)
+    assert not [*elsewhere.iterdir()]
+    assert [path.name for path in target.iterdir()] == ["Program blocks"]
+
+
+@posix_only
 def test_pipes_are_not_waited_for(tmp_path: Path) -> None:
     folder = export(tmp_path)
     os.mkfifo(folder / "pipe.xml")

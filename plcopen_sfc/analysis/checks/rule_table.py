@@ -28,7 +28,7 @@ from plcopen_sfc.analysis.checks.checked_chart import (
     charts_of,
 )
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location, ModelError, PluginError, nearest
+from plcopen_sfc.errors import Location, ModelError, PluginError, listed_names, nearest
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.network import CommentBox
@@ -133,7 +133,7 @@ def selected(rules: Sequence[Rule], select: Iterable[str], ignore: Iterable[str]
 
 def known(rules: Sequence[Rule], codes: Iterable[str]) -> tuple[str, ...]:
     """The codes in capitals. Raises `ModelError` where no rule begins with one of them."""
-    found = tuple(code.strip().upper() for code in ([codes] if isinstance(codes, str) else codes))
+    found = tuple(code.strip().upper() for code in listed_names(codes, "rules are named by texts"))
     for code in found:
         if not code or not any(rule.code.startswith(code) for rule in rules):
             groups = sorted({rule.code[:3] for rule in rules})

@@ -20,7 +20,7 @@ from plcopen_sfc.cli.reading import LoadedFile, error_data, expand, finding_data
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, ModelError, SfcError
-from plcopen_sfc.files import read_bytes
+from plcopen_sfc.files import file_exists, folder_exists, read_bytes
 from plcopen_sfc.version import __version__
 
 _FILE = "pyproject.toml"
@@ -51,7 +51,7 @@ class Configurations:
     def of(self, file: str) -> CheckSettings:
         """The configuration for a file or folder. Raises `ConfigurationError`."""
         path = Path(file).absolute()
-        return self._of(path if path.is_dir() else path.parent)
+        return self._of(path if folder_exists(path) else path.parent)
 
     def _of(self, folder: Path) -> CheckSettings:
         found = self._of_folder.get(folder)
@@ -65,7 +65,7 @@ class Configurations:
 
 def _read(path: Path) -> CheckSettings | None:
     """The table in this file; None where there is no file or no table."""
-    if not path.is_file():
+    if not file_exists(path):
         return None
     try:
         content = tomllib.loads(read_bytes(path).decode("utf-8"))

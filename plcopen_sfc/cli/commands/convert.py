@@ -13,7 +13,7 @@ from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, 
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
 from plcopen_sfc.errors import LossError
-from plcopen_sfc.files import refuse_empty, refuse_unwritable, write_atomic
+from plcopen_sfc.files import folder_exists, refuse_empty, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
@@ -119,7 +119,7 @@ def _write_page(
 
 def _show_written(screen: Screen, target: str, report: ConversionReport) -> None:
     """Print what is new on the disk: the file, or how many files of a folder."""
-    if not Path(target).is_dir():
+    if not folder_exists(target):
         screen.line("written: ", (target, "bold"))
         return
     screen.line("written: ", (target, "bold"), f", {len(report.written)} files")
@@ -133,7 +133,7 @@ def _show_written(screen: Screen, target: str, report: ConversionReport) -> None
 
 def _beside(source: Path, format_name: str, extension: str) -> str:
     """A name next to `source` that is not its own, even where upper and lower case are the same."""
-    if source.is_dir():
+    if folder_exists(source):
         return str(source.resolve().with_name(f"{source.resolve().name}.{format_name}{extension}"))
     plain = source.with_suffix(extension)
     own = f".{format_name}" != extension or plain.name.casefold() == source.name.casefold()

@@ -13,7 +13,7 @@ from plcopen_sfc.cli.screen import UNREADABLE, Screen
 from plcopen_sfc.comparison import ChangeKind, ProjectDiff, diff
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import FormatError, InputError, SfcError
-from plcopen_sfc.files import refuse_unwritable, write_atomic
+from plcopen_sfc.files import file_exists, folder_exists, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.registry import all_formats
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -45,7 +45,7 @@ def run(screen: Screen, before: str, after: str, how: DiffOptions) -> int:
     try:
         found = _compared(screen, before, after, how)
     except FormatError:
-        if how.html is not None or not (Path(before).is_dir() and Path(after).is_dir()):
+        if how.html is not None or not (folder_exists(before) and folder_exists(after)):
             raise
         return _run_folders(screen, before, after, how)
     _show(screen, found)
@@ -59,7 +59,7 @@ def _run_folders(screen: Screen, before: str, after: str, how: DiffOptions) -> i
     results: list[dict[str, Any]] = []
     equal = True
     for name in screen.progress(names, "Comparing"):
-        paths = [path if path.is_file() else None for path in (Path(before, name), Path(after, name))]
+        paths = [path if file_exists(path) else None for path in (Path(before, name), Path(after, name))]
         if all(paths) and len({path.read_bytes() for path in paths if path is not None}) == 1:
             continue
         old, new = (os.devnull if path is None else str(path) for path in paths)

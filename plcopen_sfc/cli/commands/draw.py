@@ -7,6 +7,7 @@ from pathlib import Path
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.picture_files import PICTURE_FORMATS, draw, drawn_bodies
+from plcopen_sfc.files import folder_exists
 
 
 def run(
@@ -46,5 +47,5 @@ def run(
 
 def _beside(source: Path, extension: str, *, several: bool) -> str:
     """Return the name of a file next to `source`; of a folder if there are `several` charts."""
-    place = source.resolve() if source.is_dir() else source
+    place = source.resolve() if folder_exists(source) else source
     return f"{place.with_name(f'{place.stem}-charts')}/" if several else str(place.with_suffix(extension))

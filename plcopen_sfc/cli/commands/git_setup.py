@@ -10,7 +10,7 @@ from pathlib import Path
 
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.errors import SfcError
-from plcopen_sfc.files import read_bytes, write_atomic
+from plcopen_sfc.files import path_exists, read_bytes, write_atomic
 from plcopen_sfc.formats.registry import all_formats
 
 _NAME = "plcopen-sfc"
@@ -51,7 +51,7 @@ def _settings() -> dict[str, str]:
 
 def _write(path: Path, lines: Sequence[str]) -> bool:
     """Put our lines at the end of a file in place of those that it has; a file of nothing else is removed."""
-    before = read_bytes(path).decode("utf-8") if path.exists() else ""
+    before = read_bytes(path).decode("utf-8") if path_exists(path) else ""
     kept = "".join(line for line in before.splitlines(keepends=True) if not _LINE.match(line))
     end = "\r\n" if "\r\n" in before else "\n"
     separator = end if kept and lines and not kept.endswith("\n") else ""

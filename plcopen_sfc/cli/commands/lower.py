@@ -12,6 +12,7 @@ from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, exit_code_for, 
 from plcopen_sfc.cli.screen import INTERRUPTED, UNREADABLE, Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
 from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.files import folder_exists
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou
 from plcopen_sfc.lowering.project_lowering import LoweringOptions
@@ -128,6 +129,6 @@ def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: Co
 def _beside(source: Path, to: str) -> str:
     """Return a name next to `source`: a folder for a folder, if the format has them."""
     kind = format_named(to)[0]
-    extension = "" if source.is_dir() and kind.folders else kind.extensions[0]
-    place = source.resolve() if source.is_dir() else source
+    extension = "" if folder_exists(source) and kind.folders else kind.extensions[0]
+    place = source.resolve() if folder_exists(source) else source
     return str(place.with_name(f"{place.stem}-lowered{extension}"))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.files import refuse_empty, write_atomic
+from plcopen_sfc.files import folder_exists, refuse_empty, write_atomic
 from plcopen_sfc.pages import page
 
 
@@ -31,5 +31,5 @@ def run(screen: Screen, source: str, target: str | None, *, lang: str) -> int:
 
 
 def _beside(source: Path) -> Path:
-    place = source.resolve() if source.is_dir() else source
-    return place.with_name(f"{place.name}.html") if source.is_dir() else place.with_suffix(".html")
+    place = source.resolve() if folder_exists(source) else source
+    return place.with_name(f"{place.name}.html") if folder_exists(source) else place.with_suffix(".html")

@@ -61,6 +61,7 @@ from plcopen_sfc.model.drawing import CONVERGENCES, DIVERGENCES, STEPS, Symbol, 
 from plcopen_sfc.model.sfc import RuntimeLibrary, SfcFlag, SfcNetwork, SfcSettings, Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import Outcome
+from plcopen_sfc.whole_numbers import whole_number
 
 VARIABLE_NAME = "VariableName"
 """The name of the implicit variable of a transition, which is nothing in the model."""
@@ -451,7 +452,7 @@ class ChartWriter:
         if first is not None and last is not None and first <= last:
             inside = _Segment(segment.parts[first : last + 1])
             fields = {name: value for name, value in macro.items() if name in ("name", "comment")}
-            segment.parts[first : last + 1] = [_Macro(int(macro.get("id", "0")), fields, inside)]
+            segment.parts[first : last + 1] = [_Macro(whole_number(macro.get("id")) or 0, fields, inside)]
             return True
         inner = [one for part in segment.parts if isinstance(part, _Branch) for one in part.segments]
         inner += [part.segment for part in segment.parts if isinstance(part, _Macro)]

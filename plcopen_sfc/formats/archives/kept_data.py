@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from lxml import etree
 
-from plcopen_sfc.formats.xml.extension_data import markup
+from plcopen_sfc.formats.xml.extension_data import markup, parsed_markup
 from plcopen_sfc.model.base import Carried, ForeignData
 
 _NAME = "urn:plcopen-sfc:twincat"
@@ -31,6 +31,6 @@ def kept_in(carried: Carried | None) -> Kept:
     """Return what the extension data of an object keeps."""
     for data in carried.data if carried is not None else ():
         if data.name == _NAME:
-            holder = etree.fromstring(data.content)
+            holder = parsed_markup(data.content)
             return Kept({str(name): str(value) for name, value in holder.attrib.items()}, list(holder))
     return Kept({}, [])

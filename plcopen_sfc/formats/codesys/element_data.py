@@ -17,7 +17,7 @@ from lxml import etree
 from plcopen_sfc.formats.codesys import codesys_names as names
 from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, extension_data
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written
-from plcopen_sfc.formats.xml.extension_data import legal_text, markup
+from plcopen_sfc.formats.xml.extension_data import legal_text, markup, parsed_markup
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
 from plcopen_sfc.model.base import Carried, Model, UnknownDataRule
 from plcopen_sfc.model.body import SfcBody
@@ -159,10 +159,13 @@ _SYMBOLS = {SymbolAccess(value): str(i) for i, value in enumerate(names.SYMBOL_V
 _MONITORINGS = {Monitoring(value): str(i) for i, value in enumerate(names.MONITORING_VALUES)}
 
 
+_CORE_VERSION = re.compile(r"V?(\d{1,9})\.(\d{1,9})(?:\s+SP(\d{1,9}))?(?:\s+Patch\s+(\d{1,9}))?((?:\.\d{1,9})*)")
+
+
 @lru_cache(maxsize=32)
 def core_version(product_version: str) -> tuple[int, ...]:
     """Return the version of the CODESYS core: (3, 5, 14, 1) for ``CODESYS V3.5 SP14 Patch 1``."""
-    match = re.search(r"V?(\d+)\.(\d+)(?:\s+SP(\d+))?(?:\s+Patch\s+(\d+))?((?:\.\d+)*)", product_version)
+    match = _CORE_VERSION.search(product_version)
     if match is None:
         return ()
     major, minor, pack, patch, rest = match.groups()
@@ -183,7 +186,7 @@ def _attribute_table(carried: Carried | None, pairs: list[tuple[str, str | None]
     kept: dict[str, str] = {}
     for data in carried.data if carried is not None else ():
         if data.name == names.SFC_ELEMENT:
-            for attribute in etree.fromstring(data.content):
+            for attribute in parsed_markup(data.content):
                 kept[attribute.get("guid", "")] = attribute.text or ""
     table = etree.Element("attributes", nsmap={None: ""})  # type: ignore[dict-item]
     for guid, value in pairs:

@@ -39,6 +39,7 @@ from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.whole_numbers import whole_number
 
 SOURCE = "codesys23"
 """Source of the bodies that are kept as they are."""
@@ -218,14 +219,16 @@ class _ChartReader:
         places.append((("end", ""), end, ()))
         position = end[1]
         others: list[str] = []
+        said: dict[str, str] = {}
         while (pragma := _STEP_PRAGMA.match(self.text, position, following)) is not None:
             place, value = _STEP_PRAGMAS.get(pragma[2].upper()), plain_lines(pragma[3])
             if place is None:
                 others.append(pragma[1])
             elif value:
-                setattr(step, place, value)
+                said[place] = value
             places.append((("pragma", pragma[2].upper()), pragma.span(1), ()))
             position = pragma.end(1)
+        step = step.model_copy(update=said)  # no assignment: files may have times that are none
         step.carried = keep({"pragmas": "\n".join(others)} if others else {})
         for ending, attribute in ((ENTRY, "entry_action"), (EXIT, "exit_action")):
             own = f"{name}{ending}"
@@ -261,7 +264,7 @@ class _ChartReader:
             self.note("EXP103", message, start)
             return end[1]
         transition = Transition(id=self._number(), name=header[1] or "")
-        transition.priority = int(header[2]) if header[2] else None
+        transition.priority = whole_number(header[2])
         inside = _condition_core(self.text, (header.end(), end[0]))
         transition.condition = _read_condition(self.text, inside)
         sides = (re.findall(r"\w+", header[3]), re.findall(r"\w+", header[4]))

@@ -22,8 +22,10 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, SfcNetwork, Step, Transition
+from plcopen_sfc.model.times import objection
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.whole_numbers import whole_number
 
 TABLES = {"INPUTS": SectionKind.INPUT, "OUTPUTS": SectionKind.OUTPUT, "INTERNALS": SectionKind.LOCAL}
 """Heads of variable tables."""
@@ -289,7 +291,9 @@ class _Reader:
         if name.casefold() in chart.ids:
             raise self._wrong(f"there is a step {name} in this chart already")
         step = Step(id=chart.new_id(), name=name, initial=found["initial"] is not None)
-        step.number = int(found["number"]) if found["number"] else None
+        step.number = whole_number(found["number"])
+        if found["number"] and step.number is None:
+            raise self._wrong(f"the number of the step {name} has more digits than any tool takes")
         if found["macro"] is not None:
             step.macro = Macro(expansion=found["expansion"] or name)
         elif found["expansion"] is not None:
@@ -324,9 +328,8 @@ class _Reader:
         condition = (found["condition"] or "").strip()
         transition = Transition(id=chart.new_id(), comment=said)
         designation = (found["name"] or "").strip()
-        if designation.isdecimal():
-            transition.number = int(designation)
-        else:
+        transition.number = whole_number(designation)
+        if transition.number is None:
             transition.name = designation
         transition.condition = Expression(text=condition) if condition else None
         sources, targets = _names(found["sources"]), _names(found["targets"])
@@ -355,7 +358,10 @@ class _Reader:
             action.kind = ActionKind.CONDITIONAL if found["condition"] else ActionKind.CONTINUOUS
             if found["kind"]:
                 action.kind = ActionKind.DELAYED if found["kind"] == "AFTER" else ActionKind.LIMITED
-                action.duration = _literal(found["duration"])
+                duration = _literal(found["duration"])
+                if why := objection(duration):
+                    raise self._wrong(f"the time of {content!r} is wrong: {why}", _ACTIONS)
+                action.duration = duration
             if found["condition"]:
                 action.condition = Expression(text=found["condition"])
             self._done(action, found["done"])

@@ -28,6 +28,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.whole_numbers import whole_number
 
 SECTIONS = {"input": SectionKind.INPUT, "output": SectionKind.OUTPUT, "internal": SectionKind.LOCAL}
 TYPES = {"Bool": Elementary.BOOL, "Integer": Elementary.INT}
@@ -199,8 +200,8 @@ class XmiReader:
         for element in part.element.findall("transitions"):
             self._ids += 1
             number = element.get("id", "")
-            transition = Transition(id=self._ids, number=int(number) if number.isdecimal() else None)
-            transition.name = "" if number.isdecimal() else number
+            transition = Transition(id=self._ids, number=whole_number(number))
+            transition.name = number if transition.number is None else ""
             bars: list[etree._Element] = []
             transition.sources = [part.steps[each].id for each in self._reached(part, into, element, bars)]
             joins = len(bars)
@@ -320,7 +321,8 @@ class XmiReader:
         timed = {"timeDelayed": ActionKind.DELAYED, "timeLimited": ActionKind.LIMITED}
         if (kind_of_time := element.get("timeConditionType", "none")) in timed:
             action.kind = timed[kind_of_time]
-            action.duration = f"T#{element.get('delayTime', '0')}{'ms' if element.get('unit') == 'ms' else 's'}"
+            duration = f"T#{element.get('delayTime', '0')}{'ms' if element.get('unit') == 'ms' else 's'}"
+            action = action.model_copy(update={"duration": duration})  # no assignment: a file may have any text
         return action
 
     def _step(self, reference: str, element: etree._Element) -> Step:
@@ -334,7 +336,7 @@ class XmiReader:
         """Return the element that a reference leads to: ``//@partialGrafcets.1/@steps.0``."""
         found = self._root
         for segment in reference.removeprefix("//").split("/"):
-            parts = re.fullmatch(r"@?(\w+)(?:\.(\d+))?", segment, re.ASCII)
+            parts = re.fullmatch(r"@?(\w+)(?:\.(\d{1,9}))?", segment, re.ASCII)
             children = found.findall(parts[1]) if parts is not None else []
             index = int(parts[2] or 0) if parts is not None else 0
             if index >= len(children):

@@ -15,6 +15,7 @@ from plcopen_sfc.languages.il import is_il
 from plcopen_sfc.languages.pragmas import Fields, PathError, RemainderEntry, StaleError, apply, format_path
 from plcopen_sfc.languages.st.lexer import Token
 from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.whole_numbers import whole_number
 
 STEP_ACTIONS = ("entry", "main", "exit")
 _QUALIFIERS = {q.value.upper(): q.value for q in Qualifier if q is not Qualifier.NONE}
@@ -209,9 +210,11 @@ class _Header:
         return self.tokens[self.at - 1].value
 
     def _priority(self) -> None:
-        if self._type(2) == "ASSIGN" and self._type(4) == "RPAR" and self.tokens[self.at + 3].value.isdecimal():
-            self.fields["priority"] = int(self.tokens[self.at + 3].value)
-            self.at += 5
+        if self._type(2) == "ASSIGN" and self._type(4) == "RPAR":
+            number = whole_number(self.tokens[self.at + 3].value)
+            if number is not None:
+                self.fields["priority"] = number
+                self.at += 5
 
     def _names(self) -> list[str]:
         if not self._is("LPAR"):

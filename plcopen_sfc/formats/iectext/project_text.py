@@ -45,6 +45,7 @@ from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resou
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.model.variables import ConfigSection, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.whole_numbers import whole_number
 
 CONFIG_NAME = "Config"
 ON_PLACE = "on"
@@ -183,8 +184,8 @@ def _task(src: TextSource, tokens: list[Token], annotations: Annotations, place:
         if token is None or token.type == "COMMA" or token is tokens[-1]:
             if keyword and value:
                 text = newlines(src.text[value[0].span[0] : value[-1].span[1]])
-                if keyword == "PRIORITY" and text.isdecimal():
-                    fields |= {"priority": int(text)} if int(text) else {}
+                if keyword == "PRIORITY" and (number := whole_number(text)) is not None:
+                    fields |= {"priority": number} if number else {}
                 elif keyword in ("SINGLE", "INTERVAL"):
                     fields[keyword.lower()] = text
                 else:
@@ -398,8 +399,9 @@ def read_project(text: str, file: str | None) -> tuple[Project, TextSource]:
 
 
 def _read_unit(src: TextSource, part: TextPart, gap: tuple[int, int], fields: Fields) -> None:
-    if part.kind is PartKind.TYPE:
-        fields.setdefault("data_types", []).extend(_read_types(src, part, gap))
+    types = _read_types(src, part, gap) if part.kind is PartKind.TYPE else []
+    if types:
+        fields.setdefault("data_types", []).extend(types)
     elif part.kind is PartKind.VAR and part.keyword == "VAR_CONFIG":
         for section in read_listing(src, part, gap, ""):
             known = fields.setdefault("config_variables", section)

@@ -25,6 +25,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import ElementaryType, SimpleValue
 from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.whole_numbers import whole_number
 
 Idle = Callable[[], str]
 """Gives the name of a BOOL that may be written where a list of statements would be empty."""
@@ -154,7 +155,7 @@ def _number(node: n.Expression | None) -> int | None:
     if isinstance(bare, n.Unary) and bare.operator is n.Operator.NEGATE:
         value = _number(bare.operand)
         return None if value is None else -value
-    return int(bare.text) if isinstance(bare, n.Literal) and bare.text.isdecimal() else None
+    return whole_number(bare.text) if isinstance(bare, n.Literal) else None
 
 
 def _obstacle(loop: n.For) -> str:

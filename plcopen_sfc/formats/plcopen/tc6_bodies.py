@@ -7,7 +7,6 @@ from typing import Any
 from lxml import etree
 from pydantic import ValidationError
 
-from plcopen_sfc.errors import Location, StructureError
 from plcopen_sfc.formats.plcopen.source_marks import (
     added_parts,
     added_variables,
@@ -41,7 +40,7 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
     xhtml_child,
 )
 from plcopen_sfc.formats.provenance import read_later
-from plcopen_sfc.formats.xml.extension_data import add_markup, fields_left
+from plcopen_sfc.formats.xml.extension_data import add_markup, fields_left, misfit
 from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.drawing import Places
@@ -81,7 +80,8 @@ def _read_chart(unread: UnreadChart) -> SfcNetwork:
         unread.executed = restore_chart(chart, marks, unread.edited, unread.warn_of_edit)
         return chart
     except ValidationError as error:
-        raise unfit_data(error, unread.ctx.file) from error
+        ctx = unread.ctx
+        raise misfit(error, fields, unread.element, file=ctx.file, lines=ctx.lines, place=unread.place) from error
 
 
 def _chart_fields(unread: UnreadChart) -> Fields:
@@ -91,13 +91,6 @@ def _chart_fields(unread: UnreadChart) -> Fields:
     ctx.place = outer
     merge_fields(fields, unread.late)
     return fields
-
-
-def unfit_data(error: ValidationError, file: str | None) -> StructureError:
-    """Return the error of extension data, which may have been edited, that do not fit the model."""
-    first = error.errors()[0]
-    path = ".".join(map(str, first["loc"]))
-    return StructureError(f"extension data do not fit the model at {path}: {first['msg']}", location=Location(file))
 
 
 def read_body(ctx: Tc6ReadContext, element: etree._Element) -> Fields:

@@ -100,7 +100,7 @@ class DrawnChart:
         symbol_of = {symbol["id"]: symbol for symbol in self.symbols}
         for transition in self.transitions:
             condition = transition.get("condition")
-            if condition is None or condition["kind"] != "wired":
+            if condition is None or condition.get("kind") != "wired":
                 continue
             connections = condition["input"].get("connections", ())
             for connection in connections:

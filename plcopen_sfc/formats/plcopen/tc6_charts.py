@@ -553,8 +553,10 @@ class Tc6ChartWriter:
         pin = condition.input if isinstance(condition, WiredCondition) else symbol.condition
         if pin is None or not self.ctx.version.first_generation:
             return {}
-        left = fields_left(pin, frozenset({"connections"}))
-        return {"condition": {"input": left}} if left else {}
+        left: dict[str, Any] = {"input": fields_left(pin, frozenset({"connections"}))}
+        if isinstance(condition, WiredCondition) and not pin.connections:  # nothing below <condition> tells its kind
+            left |= {"kind": condition.kind, "negated": condition.negated}
+        return {"condition": left} if left["input"] or len(left) > 1 else {}
 
     def write_condition(self, parent: etree._Element, symbol: Symbol, condition: Condition) -> None:
         """Write ``condition`` in the form in which it is drawn."""

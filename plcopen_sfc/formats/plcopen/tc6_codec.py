@@ -20,7 +20,7 @@ from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_project import fit_project
 from plcopen_sfc.formats.plcopen.source_marks import is_added_configuration
-from plcopen_sfc.formats.plcopen.tc6_bodies import read_pou, unfit_data, write_pou
+from plcopen_sfc.formats.plcopen.tc6_bodies import read_pou, write_pou
 from plcopen_sfc.formats.plcopen.tc6_configurations import read_configuration, write_configuration
 from plcopen_sfc.formats.plcopen.tc6_declarations import read_data_type_declaration, write_data_type_declaration
 from plcopen_sfc.formats.plcopen.tc6_networks import TAGS
@@ -59,6 +59,7 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
     given_attributes,
     write_text,
 )
+from plcopen_sfc.formats.xml.extension_data import misfit
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.s7_boxes import put_logic
@@ -94,7 +95,7 @@ def load_tc6(
         try:
             project = Project.model_validate(fields)
         except ValidationError as error:
-            raise unfit_data(error, file) from error
+            raise misfit(error, fields, root, file=file, lines=ctx.lines) from error
     return ReadResult(project, ctx.diagnostics, version.name)
 
 

@@ -18,7 +18,16 @@ from lxml import etree
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.tc6_reading import FIELDS_DATA, NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML, Tc6Version
-from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, Markup, add_markup, fields_left, legal_text, markup_of
+from plcopen_sfc.formats.xml.extension_data import (
+    COMMENT_MARK,
+    Markup,
+    add_markup,
+    fields_left,
+    legal_text,
+    markup_of,
+    parsed_markup,
+    set_attributes,
+)
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
@@ -151,7 +160,7 @@ def write_code(ctx: Tc6WriteContext, parent: etree._Element, text: str, markup: 
 
 
 def _text_of(markup: str) -> str:
-    return "".join(map(str, etree.fromstring(f"<x>{markup}</x>").itertext()))
+    return "".join(map(str, parsed_markup(f"<x>{markup}</x>").itertext()))
 
 
 def decimal(value: float) -> str:
@@ -173,9 +182,7 @@ def add_unknown(ctx: Tc6WriteContext, element: etree._Element, carried: Carried 
     """Write back the attributes and child elements that the reader did not know. Before ``addData``."""
     if carried is None:
         return
-    for name, value in carried.attributes.items():
-        if name not in element.attrib:
-            element.set(name, value)
+    set_attributes(element, carried.attributes)
     for markup in carried.elements:
         add_markup(element, markup.replace(f'"{NEUTRAL}"', f'"{ctx.version.namespace}"'))
 

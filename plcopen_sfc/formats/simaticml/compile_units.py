@@ -9,9 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from lxml import etree
-from pydantic import ValidationError
 
-from plcopen_sfc.errors import Location, StructureError
 from plcopen_sfc.formats.provenance import read_later
 from plcopen_sfc.formats.simaticml.coils_and_contacts import lacks_power, put_assignments, put_in_series
 from plcopen_sfc.formats.simaticml.element_reader import (
@@ -279,10 +277,3 @@ def _chart(ctx: DocumentReading, element: etree._Element, own: Fields, late: Fie
         return chart
 
     return SfcBody.model_validate({**own, "chart": read_later(SfcNetwork, {}, read)})
-
-
-def misfit(error: ValidationError, file: str | None) -> StructureError:
-    """Return the warning for carried data that does not fit the model, as it may have been edited."""
-    first = error.errors()[0]
-    path = ".".join(map(str, first["loc"]))
-    return StructureError(f"carried data does not fit the model at {path}: {first['msg']}", location=Location(file))

@@ -16,9 +16,9 @@ from lxml import etree
 from pydantic import ValidationError
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location, StructureError
+from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, neutral, schema_of
-from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, markup
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, markup, misfit
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.object_path import ObjectPath
@@ -273,22 +273,22 @@ def read_model(
     except (ValidationError, TypeError, KeyError, AttributeError) as error:
         comments = (comment.text or "" for comment in element.iter(etree.Comment))
         if not any(text.startswith(COMMENT_MARK) for text in comments):
-            raise _misfit(ctx, error) from error
+            raise _misfit(ctx, element, error) from error
         ctx.place = place
         ctx.warn("XML208", f"carried fields do not fit the model: {first_line(error)}", element)
     ctx.trusting = False
     try:
         return model.model_validate(read(ctx, element))
     except ValidationError as error:
-        raise _misfit(ctx, error) from error
+        raise _misfit(ctx, element, error) from error
     finally:
         ctx.trusting = True
 
 
-def _misfit(ctx: DocumentReading, error: Exception) -> Exception:
+def _misfit(ctx: DocumentReading, element: etree._Element, error: Exception) -> Exception:
     if not isinstance(error, ValidationError):
         return error
-    return StructureError(f"the document does not fit the model at {first_line(error)}", location=Location(ctx.file))
+    return misfit(error, {}, element, file=ctx.file, lines=ctx.lines, place=ctx.place)
 
 
 def merge_fields(fields: Fields, found: Fields) -> None:

@@ -14,7 +14,7 @@ from plcopen_sfc.formats.simaticml.action_functions import ActionFunctions
 from plcopen_sfc.formats.simaticml.declaration_spelling import LAYOUT
 from plcopen_sfc.formats.simaticml.element_reader import VERBATIM, N
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, concrete, namespace
-from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, add_markup, fields_left, legal_text
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, add_markup, fields_left, legal_text, parsed_markup
 from plcopen_sfc.languages.s7_globals import called_actions
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import Carried, Model
@@ -151,12 +151,8 @@ def verbatim(ctx: DocumentWriting, carried: Carried | None) -> etree._Element | 
     """Return the element as it was in the file that an object was read from, if it was kept."""
     for data in carried.data if carried is not None else ():
         if data.name == VERBATIM:
-            return etree.fromstring(concrete(data.content, ctx.schemas), _parser())
+            return parsed_markup(concrete(data.content, ctx.schemas))
     return None
-
-
-def _parser() -> etree.XMLParser:
-    return etree.XMLParser(resolve_entities=False, huge_tree=True)
 
 
 def add_element(ctx: DocumentWriting, parent: etree._Element, content: str) -> None:

@@ -34,6 +34,7 @@ from plcopen_sfc.formats.simaticml.network_boxes import (
 )
 from plcopen_sfc.formats.simaticml.network_operands import read_operand, read_path
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
+from plcopen_sfc.whole_numbers import whole_number
 
 _LADDER = frozenset({"Contact", *COILS, *RESULTS})
 _PARAMETER_SECTIONS = {"Input": "inputs", "InOut": "in_outs", "Output": "outputs", "Return": "outputs"}
@@ -112,7 +113,7 @@ class _Network:
             raise NotUnderstoodError(f"an element {local(element)}")
         number = element.get("UId", "")
         known = number in self.operands or number in self.targets or number in self.parts
-        if known or not (number.isascii() and number.isdigit()):
+        if known or whole_number(number) is None:
             raise DamagedError(f"two elements have the number {number!r}, or one has none")
         if local(element) == "Access" and element.get("Scope") == "Label":
             self.targets[number] = _label_name(element)
@@ -125,7 +126,7 @@ class _Network:
 def _label(element: XmlNode) -> Fields:
     """Read ``LabelDeclaration``: the label of a network, to which jumps of the same block lead."""
     number = element.get("UId", "")
-    if local(element) != "LabelDeclaration" or len(element.attrib) != 1 or not number.isdigit():
+    if local(element) != "LabelDeclaration" or len(element.attrib) != 1 or whole_number(number) is None:
         raise NotUnderstoodError("a label")
     return {"kind": "label", "id": int(number), "label": _label_name(element)}
 

@@ -58,7 +58,7 @@ _WORD_BOXES = {"AND": "And", "OR": "Or", "XOR": "Xor"}
 _COMPARING = frozenset({"GT", "GE", "EQ", "LE", "LT", "NE"})
 _COUNTED = frozenset({"ADD", "MUL"})
 _COMPUTING = frozenset({"ADD", "MUL", "SUB", "DIV", "MOD"})
-_NUMBER = re.compile(r"\d[\d_]*")
+_NUMBER = re.compile(r"\d[\d_]{0,400}")
 _STEP_DATA = {".t": "Time", ".u": "Time", ".x": "Bool"}
 
 

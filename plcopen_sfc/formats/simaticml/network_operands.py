@@ -24,6 +24,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
 from plcopen_sfc.formats.simaticml.element_writer import sub
 from plcopen_sfc.formats.simaticml.tia_versions import schema_of
 from plcopen_sfc.formats.xml.extension_data import legal_text
+from plcopen_sfc.whole_numbers import whole_number
 
 _PLAIN = re.compile(r"[^\W\d]\w*")
 _VARIABLES = {"LocalVariable": "#", "GlobalVariable": ""}
@@ -98,17 +99,17 @@ _WIDTHS = {"": "Bool", "X": "Bool", "B": "Byte", "W": "Word", "D": "DWord", "L":
 def read_address(element: XmlNode) -> str:
     """Return the text of an absolute address: ``%I0.1``. Raises `NotUnderstoodError`."""
     area, kind = element.get("Area", ""), element.get("Type", "")
-    offset = element.get("BitOffset", "")
+    offset = whole_number(element.get("BitOffset"))
     width = {name: letter for letter, name in _WIDTHS.items() if letter != "X"}.get(kind)
     if (
         not set(element.attrib) <= {"Area", "Type", "BitOffset", "UId"}
         or area not in _LETTERS
         or width is None
-        or not offset.isdigit()
+        or offset is None
         or len(element)
     ):
         raise NotUnderstoodError
-    byte, bit = divmod(int(offset), 8)
+    byte, bit = divmod(offset, 8)
     return f"%{_LETTERS[area]}{width}{byte}" + (f".{bit}" if kind == "Bool" else "")
 
 

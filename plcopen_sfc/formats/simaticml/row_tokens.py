@@ -25,6 +25,7 @@ from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.whole_numbers import whole_number
 
 _CALL_STATEMENT = re.compile(r'("[^"]+"|#?\w+(?:\.\w+)*)\((.*)\);?', re.DOTALL)
 _ARGUMENT = re.compile(r"([^\W\d]\w*) (:=|=>) (.*)", re.DOTALL)
@@ -49,7 +50,7 @@ NEAREST = {
 """Substitutes for qualifiers that GRAPH does not have; only R0 means the same."""
 AS_EVENTS = {Qualifier.P1: ActionEvent.S1, Qualifier.P: ActionEvent.S1, Qualifier.P0: ActionEvent.S0}
 """Qualifiers of IEC 61131-3 that GRAPH expresses with an event: once at activation (P1, P), or at deactivation (P0)."""
-_WIDE = 4
+_WIDEST = 999
 _LEXEMES = re.compile(
     r"""\n|[ \t]+|'(?:[^'$]|\$.)*'|:=|=>|<=|>=|<>|\*\*
     |(?:\#?"[^"]*"|\#?[^\W\d]\w*(?:\#[\w.+-]+)?)(?:\.(?:"[^"]*"|%?\w+)|\[[^\[\]\n]*\])*|\d[\w.\#]*|%\w+(?:\.\d)?|.""",
@@ -120,10 +121,10 @@ def layout_of(row: etree._Element) -> str | None:
 def _laid_out(tokens: list[str], layout: str) -> list[str]:
     """Tokens with the blanks between them that the row had, if it has the same number of tokens."""
     words = [token for token in tokens if token.strip()]
-    widths = layout.split()
-    if len(widths) != len(words) or not all(width.isdigit() and len(width) < _WIDE for width in widths):
+    widths = [width for text in layout.split() if (width := whole_number(text)) is not None and width <= _WIDEST]
+    if len(widths) != len(words):
         return tokens
-    return [part for word, width in zip(words, widths, strict=True) for part in (word, " " * int(width)) if part]
+    return [part for word, width in zip(words, widths, strict=True) for part in (word, " " * width) if part]
 
 
 def row_fields(element: etree._Element) -> Fields:

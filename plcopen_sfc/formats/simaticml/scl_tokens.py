@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 
 from lxml import etree
 
+from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.simaticml.element_reader import (
     Fields,
     NotUnderstoodError,
@@ -36,11 +37,12 @@ from plcopen_sfc.formats.simaticml.program_comparison import (
     shortened,
 )
 from plcopen_sfc.formats.simaticml.tia_versions import concrete, neutral
-from plcopen_sfc.formats.xml.extension_data import legal_text, markup
+from plcopen_sfc.formats.xml.extension_data import legal_text, markup, parsed_markup
 from plcopen_sfc.languages.st.lexer import Comment, Token, tokenize
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.report import Outcome
+from plcopen_sfc.whole_numbers import whole_number
 
 
 def scl_text(element: XmlNode) -> str:
@@ -132,10 +134,10 @@ def _path(element: XmlNode, scope: str | None) -> str:
 
 def _repeated(letter: str) -> Callable[[XmlNode], str]:
     def write(element: XmlNode) -> str:
-        count = element.get("Num", "1")
-        if not count.isdigit() or int(count) > _MOST_BLANKS:
+        count = whole_number(element.get("Num", "1"))
+        if count is None or count > _MOST_BLANKS:
             raise NotUnderstoodError("blanks")
-        return letter * int(count)
+        return letter * count
 
     return write
 
@@ -288,8 +290,8 @@ def _own_attributes(element: XmlNode) -> dict[str, str]:
 
 def _text_of(ctx: DocumentWriting, markup: str) -> str | None:
     try:
-        return scl_text(etree.fromstring(concrete(markup, ctx.schemas)))
-    except (NotUnderstoodError, etree.XMLSyntaxError):
+        return scl_text(parsed_markup(concrete(markup, ctx.schemas)))
+    except (NotUnderstoodError, ModelError):
         return None
 
 

@@ -14,6 +14,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError, children, local
 from plcopen_sfc.formats.simaticml.element_writer import sub
+from plcopen_sfc.whole_numbers import whole_number
 
 _LETTERS = {"StepRef": "S", "TransitionRef": "T", "BranchRef": "B"}
 _NAMES = {letter: name for name, letter in _LETTERS.items()}
@@ -69,11 +70,11 @@ def _node(element: etree._Element, side: str) -> ElementRef | None:
     if len(found) == 1 and local(found[0]) == "EndConnection" and not found[0].attrib and not len(found[0]):
         return None
     letter = _LETTERS.get(local(found[0]), "") if len(found) == 1 else ""
-    number, path = (found[0].get("Number", ""), found[0].get(side)) if letter else ("", None)
+    number, path = (whole_number(found[0].get("Number")), whole_number(found[0].get(side))) if letter else (None, None)
     usual = {"Number", side} if path is not None else {"Number"}
-    if not number.isdigit() or (path is not None and not path.isdigit()) or set(found[0].attrib) != usual:
+    if number is None or set(found[0].attrib) != usual:
         raise NotUnderstoodError("a node of a connection")
-    return ElementRef(letter, int(number), int(path) if path is not None else None)
+    return ElementRef(letter, number, path)
 
 
 def write_link(parent: etree._Element, link: SequenceLink) -> None:

@@ -30,6 +30,7 @@ from plcopen_sfc.formats.simaticml.sequence_rules import (
 from plcopen_sfc.model.drawing import CONVERGENCES, STEPS, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.wiring import trace
+from plcopen_sfc.whole_numbers import whole_number as digits
 
 BRANCHES = {
     "AltBegin": SymbolKind.SELECTION_DIVERGENCE,
@@ -122,16 +123,16 @@ class TopologyReader:
 
     def branch(self, element: etree._Element) -> None:
         """Read ``Branch``. Raises `NotUnderstoodError`."""
-        number, count = element.get("Number", ""), element.get("Cardinality", "")
+        number, count = digits(element.get("Number")), digits(element.get("Cardinality"))
         kind = BRANCHES.get(element.get("Type", ""))
-        ref = ElementRef("B", int(number)) if number.isdigit() else None
-        if kind is None or ref is None or not count.isdigit() or len(element.attrib) > _BRANCH or len(element):
+        ref = ElementRef("B", number) if number is not None else None
+        if kind is None or ref is None or count is None or len(element.attrib) > _BRANCH or len(element):
             raise NotUnderstoodError("branch")
         if ref in self.found.symbols:
             raise NotUnderstoodError("two branches of one number")
         fields: Fields = {"id": self.new_id(), "kind": kind, "inputs": [], "name": str(ref.number)}
         self.found.symbols[ref] = fields
-        self.counts.append((fields, int(count), element))
+        self.counts.append((fields, count, element))
 
     def connections(self, element: etree._Element) -> list[SequenceLink]:
         """Read ``Connections``. Raises `NotUnderstoodError` where one of them cannot be expressed."""
@@ -226,13 +227,13 @@ class TopologyWriter:
 
     def _branch_numbers(self) -> dict[int, int]:
         branches = [symbol for symbol in self.symbols.values() if symbol.kind in _TYPES]
-        given = [int(symbol.name) for symbol in branches if symbol.name and symbol.name.isdigit()]
-        unique = len(set(given)) == len(given)
+        named = {symbol.id: number for symbol in branches if (number := digits(symbol.name)) is not None}
+        unique = len({*named.values()}) == len(named)
         numbers: dict[int, int] = {}
-        following = max(given, default=0) + 1 if unique else 1
+        following = max(named.values(), default=0) + 1 if unique else 1
         for symbol in branches:
-            if unique and symbol.name and symbol.name.isdigit():
-                numbers[symbol.id] = int(symbol.name)
+            if unique and symbol.id in named:
+                numbers[symbol.id] = named[symbol.id]
             else:
                 numbers[symbol.id] = following
                 following += 1
@@ -245,7 +246,8 @@ class TopologyWriter:
             for pin in symbol.inputs:
                 for wire in pin.connections:
                     if wire.source == branch.id:
-                        drawn = int(wire.pin) if wire.pin is not None and wire.pin.isdigit() else place
+                        number = digits(wire.pin)
+                        drawn = place if number is None else number
                         priority = self.priorities.get(symbol.id)
                         found.append((priority is None, priority or 0, drawn, symbol.id))
         if branch.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE:  # its consumers are steps, which have no priority

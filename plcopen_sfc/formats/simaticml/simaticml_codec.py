@@ -18,7 +18,6 @@ from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.simaticml.action_rows import action_functions
 from plcopen_sfc.formats.simaticml.added_elements import mark_added, seal_marks
-from plcopen_sfc.formats.simaticml.compile_units import misfit
 from plcopen_sfc.formats.simaticml.document_reader import IDS, PRODUCT, SCHEMA, find_version, read_project
 from plcopen_sfc.formats.simaticml.element_reader import local
 from plcopen_sfc.formats.simaticml.element_writer import ID, DocumentWriting, add_element, finish, sub
@@ -35,7 +34,7 @@ from plcopen_sfc.formats.simaticml.openness_objects import (
 from plcopen_sfc.formats.simaticml.openness_schemas import fit_alarms, refuse_older
 from plcopen_sfc.formats.simaticml.tia_adaptation import adapt
 from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT, TiaVersion, version_like
-from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup, markup_of
+from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup, markup_of, misfit
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.s7_boxes import put_boxes
@@ -348,7 +347,8 @@ class SimaticmlCodec(FolderCodec):
             try:
                 project = Project.model_validate(fields)
             except ValidationError as error:
-                raise misfit(error, file) from error
+                lines = SourceLines(root, data)
+                raise misfit(error, fields, root, file=file, lines=lines) from error
             exchange_markup(project, Markup.SIMATICML, markup_of(project))
         return ReadResult(project, diagnostics, version.name)
 

@@ -28,6 +28,7 @@ from plcopen_sfc.languages.task_schedules import FREEWHEELING, cycle_literal, na
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import PouInstance, Project, Resource, Task
 from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.whole_numbers import whole_number
 
 TASK = "Task"
 _APPLICATION = "PLC"
@@ -43,11 +44,10 @@ def task_document(*tasks: Task) -> Project:
 
 def read_task(element: etree._Element) -> Project:
     """Read ``Task``."""
-    priority = (element.findtext("Priority") or "").strip()
-    cycle = (element.findtext("CycleTime") or "").strip()
+    cycle = whole_number((element.findtext("CycleTime") or "").strip())
     task = Task(name=element.get("Name", ""))
-    task.priority = int(priority) if priority.isdecimal() else 0
-    task.interval = cycle_literal(int(cycle)) if cycle.isdecimal() else None
+    task.priority = whole_number((element.findtext("Priority") or "").strip()) or 0
+    task.interval = cycle_literal(cycle) if cycle is not None else None
     programs = (name.text or "" for name in element.iterfind("PouCall/Name"))
     task.instances = [PouInstance(name=name.strip(), type_name="") for name in programs]
     return task_document(task)

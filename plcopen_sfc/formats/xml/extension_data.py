@@ -10,16 +10,18 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from functools import cache
-from typing import Any
+from typing import Any, cast
 from xml.sax.saxutils import escape
 
 from lxml import etree
 from pydantic import ValidationError
 
+from plcopen_sfc.errors import Location, ModelError, StructureError
 from plcopen_sfc.formats.format_interface import TIA_PORTAL
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 from plcopen_sfc.model.base import Carried, ForeignData, Model
 from plcopen_sfc.model.project import Project
 
@@ -46,6 +48,39 @@ def canonical_form(
     return form
 
 
+def misfit(
+    error: ValidationError,
+    fields: Mapping[str, Any],
+    element: etree._Element,
+    *,
+    file: str | None,
+    lines: SourceLines | None,
+    place: Sequence[str] = (),
+) -> StructureError:
+    """Return the error of an object whose fields do not fit the model: those in extension data may have been edited.
+
+    `element` and `place` are those of the object. Its line is that of the innermost element whose name is on the way.
+    """
+    first = error.errors()[0]
+    holder: Any = fields
+    names = [*place]
+    for key in first["loc"]:  # which has kinds of objects between the names of fields
+        if isinstance(holder, Mapping):
+            holder = holder.get(key, holder)
+        elif isinstance(holder, list) and isinstance(key, int):
+            holder = holder[key]
+        name = holder.get("name") if isinstance(holder, Mapping) else getattr(holder, "name", None)
+        if isinstance(name, str) and name and names[-1:] != [name]:
+            names.append(name)
+            named = (each for each in element.iter(etree.Element) if name in (each.get("name"), each.get("Name")))
+            element = next(named, element)
+    line = lines.line(element) if lines is not None else cast("int | None", element.sourceline)
+    path = ".".join(map(str, first["loc"]))
+    message = f"the file does not fit the model at {path}: {first['msg']}"
+    hint = "Data of plcopen_sfc in it were edited, or are damaged. Restore them, or remove them."
+    return StructureError(message, location=Location(file, line, None, " / ".join(names) or None), hint=hint)
+
+
 COMMENT_MARK = "plcopen_sfc "
 """XML comments of this package begin with it: they hold fields that the format has no place for, as JSON."""
 OWN_DATA = "urn:plcopen-sfc:"
@@ -57,6 +92,8 @@ def markup(element: etree._Element) -> str:
 
     The form is canonical, so that the same content is the same text in every place: its indentation is left out.
     """
+    if not isinstance(element.tag, str):  # a comment or a processing instruction
+        return etree.tostring(element, encoding="unicode", with_tail=False)
     element = copy.deepcopy(element)
     for node in _INDENTED(element):
         node.text = None
@@ -91,12 +128,41 @@ def _escaped(text: str | None) -> str:
 
 
 def add_markup(parent: etree._Element, markup: str) -> None:
-    """Append markup that was carried as text."""
-    holder = etree.fromstring(f"<x>{markup}</x>", etree.XMLParser(resolve_entities=False, huge_tree=True))
+    """Append markup that was carried as text. Raises `ModelError` where it is no markup."""
+    holder = parsed_markup(f"<x>{markup}</x>")
     if holder.text and holder.text.strip():
         parent.text = (parent.text or "") + holder.text
     for child in list(holder):
         parent.append(child)
+
+
+def parsed_markup(markup: str) -> etree._Element:
+    """Return the element that extension data are. Raises `ModelError` where they are none, as scripts can have it."""
+    try:
+        return etree.fromstring(markup, etree.XMLParser(resolve_entities=False, huge_tree=True))
+    except (
+        etree.XMLSyntaxError,
+        ValueError,
+    ) as error:  # ValueError: it has control characters, or declares an encoding
+        shown = markup if len(markup) <= _SHOWN else f"{markup[:_SHOWN]}.."
+        hint = "Nothing was written. Mend the extension data (`carried`) of the object that has them, or remove them."
+        raise ModelError(f"extension data are no well-formed XML: {error}: {shown}", hint=hint) from error
+
+
+_SHOWN = 80
+
+
+def set_attributes(element: etree._Element, kept: Mapping[str, str]) -> None:
+    """Write attributes back that were kept of an element. Raises `ModelError` for what can be none."""
+    for name, value in kept.items():
+        if name not in element.attrib:
+            try:
+                element.set(name, value)
+            except ValueError as error:
+                hint = "Nothing was written. Mend the extension data (`carried`) of the object, or remove them."
+                raise ModelError(
+                    f"extension data have an attribute that XML cannot have: {error}", hint=hint
+                ) from error
 
 
 def legal_text(text: str) -> str:
@@ -184,6 +250,6 @@ def _kept_as_data(carried: Carried, own: Markup) -> ForeignData:
 def _restored(data: ForeignData) -> Carried | None:
     """Return the markup that was kept as data; None where it is damaged."""
     try:
-        return Carried.model_validate_json(etree.fromstring(data.content).text or "")
-    except (etree.XMLSyntaxError, ValidationError):
+        return Carried.model_validate_json(parsed_markup(data.content).text or "")
+    except (ModelError, ValidationError):
         return None

@@ -83,7 +83,7 @@ TIME = ElementaryType(name=Elementary.TIME)
 _LARGEST_INT = 32_767
 
 LOCAL = "local"
-_FIRST = re.compile(r"%?MX?(\d+)\.([0-7])", re.IGNORECASE)
+_FIRST = re.compile(r"%?MX?(\d{1,9})\.([0-7])", re.IGNORECASE)
 _ADDRESS = re.compile(r"%?M([XBWDL]?)(\d{1,9})(?:\.(\d{1,9}))?", re.IGNORECASE)
 _WIDTHS = {"": 1, "X": 1, "B": 8, "W": 16, "D": 32, "L": 64}
 _BYTE = 8

@@ -103,7 +103,8 @@ class ChartProgram:
             (Owner(s.path, s.bit, self._steps.since[s.index], s.step.negated), s.step.actions) for s in self.net.steps
         ]
         for macro in self.net.macros:
-            since = next(n.since for n in self._steps.names if n.steps == macro.steps)
+            name = macro.step.name.casefold()
+            since = next(n.since for n in self._steps.names if n.name.casefold() == name)
             owners.append((Owner(macro.path, macro.steps, since, macro.step.negated), macro.step.actions))
         return [(owner, model) for owner, models in owners for model in models if not model.exclude]
 

@@ -88,17 +88,21 @@ def free_token(key: str, plain: str, asking: str) -> str:
 @lru_cache(maxsize=4096)  # a comparison translates the same program several times, with the same names
 def _code(source: str) -> CodeType:
     """Return the code of the function that `source` defines."""
-    scratch: dict[str, Any] = {}
+    scratch: dict[str, Any] = {"__builtins__": {}}
     # what runs here was generated from a syntax tree; names and texts of the project never reach it as code
     exec(compile(source, "<plc>", "exec"), scratch)  # noqa: S102
     return next(value for value in scratch.values() if isinstance(value, FunctionType)).__code__
+
+
+_FUNCTIONS = {each.__name__: each for each in (abs, bool, float, int, len, max, min, range, round, str)}
+"""What generated code has of Python: nothing that opens, imports or looks into an object."""
 
 
 class Linker:
     """All functions of a controller: they share one namespace, so that they can call each other."""
 
     def __init__(self) -> None:
-        self.namespace: dict[str, Any] = {"__builtins__": __builtins__}
+        self.namespace: dict[str, Any] = {"__builtins__": {}, **_FUNCTIONS}
         self._names = 0
         self._known: dict[int, str] = {}
         self._waiting: list[_Draft] = []

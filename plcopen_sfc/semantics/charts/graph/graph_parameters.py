@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, listed_names
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, Frame
@@ -61,7 +61,7 @@ def operating_inputs(wanted: Iterable[str]) -> frozenset[str]:
 
     Raises `ModelError` for a name that no such input has.
     """
-    names = {name.upper() for name in ([wanted] if isinstance(wanted, str) else wanted)}
+    names = {name.upper() for name in listed_names(wanted, "inputs at rest are named by texts")}
     unknown = sorted(names - {*ALL_INPUTS, "ALL"})
     if unknown:
         hint = f"These do: {', '.join(ALL_INPUTS)}."

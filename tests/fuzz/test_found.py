@@ -1,0 +1,62 @@
+"""What mutants found once, in a minimal form: the files in `fixtures/broken`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from tests.fuzz.mutation import Mutant
+from tests.fuzz.trial import faults
+from tests.samples import FIXTURES, UNREADABLE
+
+FORMATS = {
+    **{".st": "iec-text", ".json": "json", ".exp": "codesys23", ".gct": "grafcet-text", ".grafcet": "grafcet"},
+    ".xml": "plcopen",
+}
+BROKEN = FIXTURES / "broken"
+
+
+@pytest.mark.parametrize(
+    "path", sorted(path for path in BROKEN.iterdir() if path.name not in UNREADABLE), ids=lambda path: path.name
+)
+def test_nothing_but_own_errors_comes_of_a_broken_file_and_nothing_is_lost(path: Path) -> None:
+    mutant = Mutant(FORMATS[path.suffix.casefold()], path.name, path.read_bytes())
+    assert [fault for seed in range(9) for fault in faults(mutant, seed)] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "place"),
+    [
+        ("value_of_another_kind.json", 13, "pous.0.bodies.0.SFC.chart.steps.1.name"),
+        ("delay_that_is_no_time.gct", 7, None),
+    ],
+)
+def test_what_does_not_fit_the_model_has_its_line(name: str, line: int, place: str | None) -> None:
+    with pytest.raises(sfc.FormatError) as caught:
+        sfc.load(BROKEN / name)
+    location = caught.value.location
+    assert (location.file, location.line, location.path) == (str(BROKEN / name), line, place)
+
+
+def test_a_type_without_its_end_is_kept_and_told() -> None:
+    project = sfc.load(BROKEN / "type_without_its_end.st")
+    converted = sfc.convert(project, fresh=True)
+    assert b"Recipe : STRUCT amount : INT" in converted.data
+    assert [item.what for item in converted.report.losses] == ["error"]
+    with pytest.raises(sfc.LossError):
+        sfc.dumps(project, fresh=True, strict=True)
+
+
+def test_times_that_are_none_are_read_as_they_are() -> None:
+    project = sfc.load(BROKEN / "step_times_that_are_none.EXP")
+    step = next(project.charts()).chart.steps[0]
+    assert (step.max_time, step.min_time) == ("after lunch", "5 s")
+
+
+def test_a_condition_without_wires_comes_back_through_every_version() -> None:
+    project = sfc.load(BROKEN / "condition_without_wires.xml")
+    project.accept_errors()
+    back = sfc.loads(sfc.dumps(project, format="plcopen-1.01", partial=True))
+    assert next(back.charts()).chart.transitions[0].condition == next(project.charts()).chart.transitions[0].condition
