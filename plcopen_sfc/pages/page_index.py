@@ -38,6 +38,10 @@ class PlacedBody(NamedTuple):
     path: str
 
 
+_TEXTS = ("text", "name", "target", "value", "duration", "indicator", "entry_action", "main_action", "exit_action")
+"""The fields of conditions, associations, steps and bodies that pictures show."""
+
+
 class PageIndex:
     """Anchors of the objects of a project. `prefix` begins them where a page has several projects.
 
@@ -98,6 +102,18 @@ class PageIndex:
                         return self.anchor(step)
         return ""
 
+    def anchors_of(self, chart: str, kind: str, name: str) -> list[str]:
+        """Return the anchors of the steps, or transitions, of a POU or action that a verdict calls `name`."""
+        found = []
+        for part in self._charts.get(chart.casefold(), []):
+            labels = part.chart.labels()
+            things = part.chart.steps if kind == "step" else part.chart.transitions
+            for thing in things:
+                own = thing.name if kind == "step" else labels[thing.id]
+                if name in (own, thing.name) or name.endswith(f".{own}"):
+                    found.append(self.anchor(thing))
+        return found
+
     def linked(self, holder: Any, key: str) -> Html:
         """Return the text in the field `key` of `holder`, with links for the names in it."""
         text: str = getattr(holder, key) or ""
@@ -108,6 +124,27 @@ class PageIndex:
                 pieces += [text[done:start], link(anchor, text[start:end])]
                 done = end
         return joined(*pieces, text[done:])
+
+    def names(self, prefix: str) -> dict[str, dict[str, str]]:
+        """Return the names in the texts of each step and transition of a chart, in lower case, with their anchors."""
+        found: dict[str, dict[str, str]] = {}
+        for part in self.parts[prefix]:
+            for transition in part.chart.transitions:
+                found[self.anchor(transition)] = self._names_in(transition.condition)
+            for step in part.chart.steps:
+                told = [each for row in step.actions for each in (row, row.condition, row.body)]
+                actions = (step.entry_action, step.main_action, step.exit_action)
+                supervised = (each.condition for each in (step.interlock, step.supervision) if each is not None)
+                found[self.anchor(step)] = self._names_in(step, *told, *actions, *supervised)
+        return found
+
+    def _names_in(self, *holders: Any) -> dict[str, str]:
+        found: dict[str, str] = {}
+        for holder in holders:
+            for key in _TEXTS:
+                for start, end, anchor in self._links.get((id(holder), key), ()):
+                    found.setdefault(getattr(holder, key)[start:end].strip('"#').casefold(), anchor)
+        return found
 
     def uses(self, anchor: str) -> list[str]:
         """Return the paths of the places that name the object at an anchor."""

@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePath
 
+from plcopen_sfc.analysis.coverage import Coverage, Unreached
+from plcopen_sfc.analysis.verdict import Verdict
 from plcopen_sfc.checking import check
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.drawing.pictures import body_figure, chart_figure
@@ -33,19 +35,29 @@ _SEVERITIES = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 _CAMEL = re.compile("(?<=[a-z])(?=[A-Z])")
 
 
-def page(project: Project, *, lang: str = "en", trace: Trace | None = None) -> str:
+def page(
+    project: Project, *, lang: str = "en", trace: Trace | None = None, verdict: Verdict | None = None, side: int = 0
+) -> str:
     """Return a project as the text of one HTML file in ASCII, which loads nothing from elsewhere.
 
     It has the tree of the project, a picture of each chart with a table of its steps, declarations, program text whose
     names are links, the places that use each object, and the findings of `check` and of the reader at their places.
-    A `trace` of it is shown with its timing diagram and can be played on the chart. `lang` is the language of its
+    A `trace` of it is shown with its timing diagram and can be played on the chart. Of a `verdict` of `equivalent`
+    the steps and transitions that it did not reach are marked and listed; `side` 1: the project is the second of the
+    two. `lang` is the language of its
     headings, ``en`` or ``de``. The same project gives the same text in every run. What
     is in the project is text there: nothing of it is executed. Raises `ModelError` for another language.
     """
     check_argument(project, Project, "page needs a project", "Load the file first.")
     words = Words(lang)
-    content = _ProjectContent(PageIndex(project), words)
+    index, coverage = PageIndex(project), None
+    if verdict is not None:
+        check_argument(verdict, Verdict, "the verdict of a page is what equivalent returned")
+        coverage = verdict.coverage[side] if side in range(len(verdict.coverage)) else None
+    content = _ProjectContent(index, words, coverage)
     overview, *sections = content.sections()
+    if verdict is not None and coverage is not None:
+        sections.insert(0, content.coverage_section(verdict, coverage))
     if trace is not None:
         check_argument(trace, Trace, "the trace of a page is what simulate returned")
         sections.insert(0, trace_section(trace, content.index, words))
@@ -66,8 +78,13 @@ def file_name_of(project: Project) -> str:
 class _ProjectContent:
     """The parts of the page of one project."""
 
-    def __init__(self, index: PageIndex, words: Words) -> None:
+    def __init__(self, index: PageIndex, words: Words, coverage: Coverage | None) -> None:
         self.index = index
+        self._unreached: list[tuple[Unreached, list[str]]] = []
+        for each in coverage.unreached if coverage is not None else ():
+            drawn = each.kind in ("step", "transition")
+            anchors = index.anchors_of(coverage.name, each.kind, each.name) if drawn and coverage is not None else []
+            self._unreached.append((each, anchors))
         self.project = index.project
         self.words = words
         found = [*index.project.diagnostics, *check(index.project)]
@@ -77,6 +94,22 @@ class _ProjectContent:
         self._found_at: dict[str, list[Diagnostic]] = {}
         for finding in self.findings:
             self._found_at.setdefault(index.anchor_at(finding.location.path or ""), []).append(finding)
+
+    def coverage_section(self, verdict: Verdict, coverage: Coverage) -> Html:
+        """Return the verdict of a comparison with what it did not reach."""
+        items = []
+        for each, anchors in self._unreached:
+            kind = self.words("never possible" if each.impossible else "not reached")
+            name = link(anchors[0], each.name) if anchors else each.name
+            items.append(element("li", element("b", kind), f" {self.words(each.kind)} ", name, f": {each.why}"))
+        return element(
+            "section",
+            element("h2", self.words("Verdict")),
+            element("p", str(verdict).splitlines()[0]),
+            element("p", f"{coverage.name}: {coverage}"),
+            element("ul", *items) if items else Html(""),
+            id="coverage",
+        )
 
     # -- the tree
 
@@ -195,7 +228,10 @@ class _ProjectContent:
 
     def _chart(self, body: SfcBody, prefix: str) -> Html:
         marks = {anchor: f"found-{found[0].severity}" for anchor, found in self._found_at.items()}
-        picture = Html(chart_figure(body.chart, prefix, marks))
+        for each, anchors in self._unreached:
+            kind = "impossible" if each.impossible else "unreached"
+            marks |= {anchor: f"{marks.get(anchor, '')} {kind}".strip() for anchor in anchors}
+        picture = Html(chart_figure(body.chart, prefix, marks, self.index.names(prefix)))
         wide = element("button", self.words("the whole width"), type="button", class_="fit", hidden=True)
         figure = element("figure", wide, element("div", picture, class_="scroll", tabindex="0"))
         parts = self.index.parts[prefix]

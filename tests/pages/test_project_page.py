@@ -210,5 +210,30 @@ class TestInChromium:
             browser.evaluate(
                 f"document.body.replaceChildren({picture}); document.body.style.cssText = 'margin:0;display:block'"
             )
+            # a text that is divided by links is shaped in pieces, some pixels of which may differ
+            whole = "for (const a of document.querySelectorAll('svg text a')) a.replaceWith(a.textContent);"
+            browser.evaluate(f"{whole} document.querySelectorAll('svg text').forEach(text => text.normalize())")
             shots.append(browser.screenshot())
         assert shots[0] == shots[1]
+
+
+def test_names_in_a_picture_are_links(conveyor: str) -> None:
+    tree = parse(conveyor)
+    (variable,) = tree.xpath("//section[@data-name='FB_Pusher']//tr[@data-name='xExtend']/@id")
+    links = tree.xpath(f"//svg//text/a[@href='#{variable}']")
+    assert {each.text for each in links} == {"xExtend"}
+    assert not tree.xpath("//svg//text[@class='remark']/a | //svg//text[@class='name']/a")
+
+
+def test_what_a_comparison_did_not_reach_is_marked() -> None:
+    project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    pusher = project.pou("FB_Pusher")
+    verdict = sfc.equivalent(pusher, pusher, runs=1, scans=5, cap=10)
+    missing = {each.name for each in verdict.coverage[0].unreached if each.kind == "step"}
+    assert missing == {"Release"}
+    tree = parse(sfc.page(project, verdict=verdict, lang="de"))
+    marked = tree.xpath("//*[contains(@class, 'step') and contains(@class, 'unreached')]/title")
+    assert [each.text.splitlines()[0] for each in marked] == ["Step Release"]
+    (section,) = tree.xpath("//section[@id='coverage']")
+    assert "nicht erreicht Schritt Release: needs `xQuit`, never reached" in words_of(section)
+    assert not parse(sfc.page(project)).xpath("//*[contains(@class, 'unreached')]")

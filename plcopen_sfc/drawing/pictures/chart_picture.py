@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from types import MappingProxyType
 from typing import TypeVar
 
 from plcopen_sfc.collector import collecting_rarely
@@ -24,6 +25,7 @@ _GAP = 40
 _FRAME = 18
 _HEADING = 30
 _LONGEST_ROW = 1600
+_NO_NAMES: Mapping[str, Mapping[str, str]] = MappingProxyType({})
 
 Choice = TypeVar("Choice", bound=StrEnum)
 
@@ -36,18 +38,20 @@ def chart_svg(chart: SfcNetwork, style: str | None = None, theme: str = Theme.LI
     """
     colours = chosen_theme(theme)
     look = _choice(PictureStyle, style, "style") if style is not None else usual_style(chart)
-    return _picture(chart, look, colours, "", {})
+    return _picture(chart, look, colours, "", Canvas())
 
 
-def chart_figure(chart: SfcNetwork, prefix: str, marks: Mapping[str, str]) -> str:
+def chart_figure(
+    chart: SfcNetwork, prefix: str, marks: Mapping[str, str], names: Mapping[str, Mapping[str, str]] = _NO_NAMES
+) -> str:
     """Return a picture of `chart` as a part of a page with several: all ids in it begin with `prefix`.
 
-    It has no colours of its own, see `Canvas.document`. `marks` are further classes of elements, by their ids.
+    It has no colours of its own, see `Canvas.document`. `marks` and `names` are those of `Canvas`.
     """
-    return _picture(chart, usual_style(chart), None, prefix, marks)
+    return _picture(chart, usual_style(chart), None, prefix, Canvas(marks, names))
 
 
-def _picture(chart: SfcNetwork, look: PictureStyle, theme: Theme | None, prefix: str, marks: Mapping[str, str]) -> str:
+def _picture(chart: SfcNetwork, look: PictureStyle, theme: Theme | None, prefix: str, canvas: Canvas) -> str:
     dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
     parts = list(charts_in(chart))
     activated = {
@@ -56,7 +60,6 @@ def _picture(chart: SfcNetwork, look: PictureStyle, theme: Theme | None, prefix:
         for step in part.chart.steps
         for enclosure in step.encloses or ()
     }
-    canvas = Canvas(marks)
     with collecting_rarely():
         for number, part in enumerate(parts):
             starred = activated.get(part.name, frozenset()) if number else frozenset()

@@ -208,6 +208,7 @@ _COLOURS = {
 _RULES = {
     "text": f"font-family:{_FONTS};fill:{{ink}}",
     "a:hover text": "text-decoration:underline",
+    "text a:hover": "text-decoration:underline",
     ".paper": "fill:{paper}",
     ".wire": "fill:none;stroke:{ink};stroke-width:1.5",
     ".thin": "fill:none;stroke:{rule};stroke-width:1",
@@ -233,6 +234,11 @@ _RULES = {
 }
 
 
+_PROGRAM = frozenset({"plain", "small"})
+"""Kinds of texts that are program text."""
+_WORD = re.compile(r"\w+")
+
+
 def escape(text: str) -> str:
     """Return `text` as characters that mean themselves in XML, in content and in attributes."""
     if _HARMLESS.fullmatch(text):  # most texts, and pictures have many
@@ -250,11 +256,17 @@ def style_rules(theme: Theme, scope: str) -> str:
 class Canvas:
     """Shapes of a picture. Wires lie below the elements, so that an element covers what ends behind it.
 
-    `marks` are further classes of elements, by their ids.
+    `marks` are further classes of elements, by their ids. `names` are the names in the texts of an element that are
+    links, in lower case, with the ids that they lead to; by the id of the element.
     """
 
-    def __init__(self, marks: Mapping[str, str] = MappingProxyType({})) -> None:
-        self._marks = marks
+    def __init__(
+        self,
+        marks: Mapping[str, str] = MappingProxyType({}),
+        names: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
+    ) -> None:
+        self._marks, self._names = marks, names
+        self._linked: Mapping[str, str] = {}
         self._wires: list[str] = []
         self._elements: list[str] = []
 
@@ -276,7 +288,10 @@ class Canvas:
         if identifier in self._marks:
             kind = f"{kind} {self._marks[identifier]}"
         self._elements.append(f'<g{label} class="{escape(kind)}" data-area="{place}"><title>{escape(title)}</title>')
+        around = self._linked
+        self._linked = self._names.get(identifier, around)  # rows of a table are inside of their step
         yield
+        self._linked = around
         self._elements.append("</g>")
 
     def star(self, x: int, y: int) -> None:
@@ -302,8 +317,19 @@ class Canvas:
         placed = "" if anchor == "start" else f' text-anchor="{anchor}"'
         # leading and repeated blanks, which XML readers join, are kept as no-break spaces
         shown = re.sub("^ +| {2,}", lambda blanks: "\u00a0" * len(blanks[0]), text)
-        written = f'<text class="{kind}" x="{x}" y="{y}"{placed}>{escape(shown)}</text>'
+        content = self._with_links(shown) if self._linked and kind in _PROGRAM and not link else escape(shown)
+        written = f'<text class="{kind}" x="{x}" y="{y}"{placed}>{content}</text>'
         self._elements.append(f'<a href="#{escape(link)}">{written}</a>' if link else written)
+
+    def _with_links(self, text: str) -> str:
+        """Return a text in which the names that are known are links."""
+        parts, done = [], 0
+        for word in _WORD.finditer(text):
+            target = self._linked.get(word[0].casefold())
+            if target is not None:
+                parts += [escape(text[done : word.start()]), f'<a href="#{escape(target)}">{escape(word[0])}</a>']
+                done = word.end()
+        return "".join([*parts, escape(text[done:])])
 
     def lines(self, kind: str, x: int, y: int, lines: Sequence[str], pitch: int, *, anchor: str = "start") -> None:
         """Write lines of text below each other, the first with its base line at `y`."""
