@@ -52,6 +52,8 @@ _PROVIDERS = {
     "find_declared": "refactor.queries",
     "find_uses": "languages.binding",
     "cross_references": "refactor.queries",
+    "edit": "refactor.editor",
+    "diff": "comparison",
     "add_sequence": "refactor.builder",
     "declare_named": "refactor.builder",
     "chart_records": "refactor.queries",

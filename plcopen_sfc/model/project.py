@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.diagnostics import Diagnostic
     from plcopen_sfc.languages.binding import Declaration
     from plcopen_sfc.model.sfc import Step
+    from plcopen_sfc.refactor.editor import Editor
     from plcopen_sfc.report import RenameResult, Use
 
 
@@ -311,6 +312,15 @@ class Project(Owned, Element):
             self.pous.remove(pou)
             raise
         return pou
+
+    def edit(self, *, clean: bool = False, prove: bool = False, limit: float | str | None = None) -> Editor:
+        """The editor of the project: edits that are made whole or not at all, and can be undone.
+
+        `clean`: remove what an edit leaves without a use. `prove`: refuse an edit that changes what charts do, after
+        running them for at most `limit` each. See `plcopen_sfc.refactor.editor.Editor`.
+        """
+        editor: Editor = provided("edit")(self, clean=clean, prove=prove, limit=limit)
+        return editor
 
     def rename(self, path: str, new: str) -> RenameResult:
         """Give a thing another name; every use of it in every body and declaration follows.

@@ -133,6 +133,16 @@ def add_sequence(
         declare_named(chart, chart.steps[steps:], chart.transitions[transitions:], building.codes)
 
 
+def append_branch(chart: SfcNetwork, parts: Sequence[Any]) -> tuple[int, tuple[int, ...]]:
+    """Append a branch of simultaneous sequences; give the ids of its first step and of its last steps."""
+    building = _Building(chart)
+    steps, transitions = len(chart.steps), len(chart.transitions)
+    ends = building.branch(parts)
+    building.resolve_jumps()
+    declare_named(chart, chart.steps[steps:], chart.transitions[transitions:], building.codes)
+    return ends
+
+
 @dataclass(frozen=True, slots=True)
 class _Ends:
     """Open ends of a sequence: the steps that the next transition leaves, or the transitions to the next step."""
@@ -174,7 +184,7 @@ class _Building:
             case SimultaneousPart():
                 if not ends.transitions:
                     raise ModelError(f"{part} need a condition before them")
-                found = [self._branch(branch) for branch in part.branches]
+                found = [self.branch(branch) for branch in part.branches]
                 self._enter(ends, [first for first, _ in found])
                 return _Ends(tuple(last for _, lasts in found for last in lasts))
             case JumpPart():
@@ -206,7 +216,7 @@ class _Building:
             transitions += last.transitions
         return _Ends(transitions=tuple(transitions)) if transitions else _CLOSED
 
-    def _branch(self, branch: Sequence[Any]) -> tuple[int, tuple[int, ...]]:
+    def branch(self, branch: Sequence[Any]) -> tuple[int, tuple[int, ...]]:
         if not branch or not isinstance(branch[0], StepPart):
             raise ModelError("a branch of simultaneous sequences begins with a step")
         first = self._step(branch[0])

@@ -44,7 +44,7 @@ def find_steps(
     found: list[Step] = []
     for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
         ids = _reached(chart, reachable_from, leading_to)
-        pou, dialect = pou_of(chart), _dialect(chart)
+        pou, dialect = pou_of(chart), dialect_in(chart)
         for step in chart.steps:
             if step.id not in ids or not all(_fits(getattr(step, name), value) for name, value in fields.items()):
                 continue
@@ -72,7 +72,8 @@ def pou_of(thing: Owned) -> Pou | None:
     return owner
 
 
-def _dialect(chart: SfcNetwork) -> Dialect:
+def dialect_in(chart: SfcNetwork) -> Dialect:
+    """The dialect of the texts of a chart."""
     return dialect_of(chart.project) if chart.project is not None else Dialect.CODESYS
 
 
@@ -150,7 +151,7 @@ def find_declared(project: Project, pattern: str, kind: str | None = None) -> li
 
 def chart_records(chart: SfcNetwork) -> list[dict[str, Any]]:
     """The rows of `SfcNetwork.to_records`."""
-    pou, dialect = pou_of(chart), _dialect(chart)
+    pou, dialect = pou_of(chart), dialect_in(chart)
     names = {step.id: step.name for step in chart.steps}
 
     def condition(transition: Transition) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import html
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from plcopen_sfc.errors import Location, ModelError, check_argument
@@ -26,6 +26,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
+from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.report import RenameResult, Undecided
 
 Wanted = Mapping[Declaration, str]
@@ -108,12 +109,12 @@ def _is_hidden(declaration: Declaration, other: Declaration) -> bool:
 _SHOWN = 10
 
 
-def rename(project: Project, what: Declaration | Model | str, new: str) -> RenameResult:
+def rename(project: Project, what: Declaration | Model | str, new: str, journal: Journal | None = None) -> RenameResult:
     """Give what is declared as `what` the name `new`, wherever the project names it.
 
     `what` is a path such as ``Main.S3``, ``Main``, ``GVL.x``, ``Type.member``, or an object of the model. Raises
     `ModelError` where there is no such thing, `new` is no name, or it would mean something else in a place that it
-    comes to or is in already; then nothing is changed.
+    comes to or is in already; then nothing is changed. A `journal` can take the rename back.
     """
     check_argument(project, Project, "rename needs a project")
     check_argument(what, (str, Model, Declaration), 'what to rename is a path ("Main.S3") or an object of the model')
@@ -121,10 +122,12 @@ def rename(project: Project, what: Declaration | Model | str, new: str) -> Renam
     names = Names(project)
     if isinstance(what, Model):
         what = names.declaration_of(what)
-    return _rename(names, {_original(names, what): new})[0]
+    return _rename(names, {_original(names, what): new}, journal)[0]
 
 
-def rename_many(project: Project, table: Mapping[Declaration | str, str]) -> list[RenameResult]:
+def rename_many(
+    project: Project, table: Mapping[Declaration | str, str], journal: Journal | None = None
+) -> list[RenameResult]:
     """Give several things new names in one pass; all of them, or none.
 
     `table` has the new name for each path or declaration, such as those of `names_by_pattern`. Names may be exchanged:
@@ -145,7 +148,7 @@ def rename_many(project: Project, table: Mapping[Declaration | str, str]) -> lis
         if declaration in wanted:
             raise ModelError(f"the {declaration} is in the table twice", hint="Give each thing one new name.")
         wanted[declaration] = new
-    return _rename(names, wanted)
+    return _rename(names, wanted, journal)
 
 
 def names_by_pattern(project: Project, kind: Kind, pattern: str, new: str) -> dict[Declaration, str]:
@@ -184,7 +187,7 @@ def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:
     return rename(project, step, new)
 
 
-def _rename(names: Names, table: Wanted) -> list[RenameResult]:
+def _rename(names: Names, table: Wanted, journal: Journal | None) -> list[RenameResult]:
     """Rename the keys of `table`, which are originals, or raise `ModelError` and change nothing."""
     wanted = {declaration: new for declaration, new in table.items() if new != declaration.name}
     for declaration, new in wanted.items():
@@ -194,7 +197,7 @@ def _rename(names: Names, table: Wanted) -> list[RenameResult]:
     for occurrence in found:
         by_name.setdefault(occurrence.reference.name.casefold(), []).append(occurrence)
     results: list[RenameResult] = []
-    changes: list[_Change] = []
+    changes: list[Change] = []
     for declaration, new in table.items():
         own = by_name.get(declaration.name.casefold(), []) if declaration in wanted else []
         uses = [occurrence for occurrence in own if occurrence.refers_to(declaration)]
@@ -206,17 +209,18 @@ def _rename(names: Names, table: Wanted) -> list[RenameResult]:
         results.append(RenameResult(declaration.path, declaration.name, new, changed, undecided))
         if declaration in wanted:
             holders = (*declaration.holders, *names.resolver.repeated(declaration))
-            changes += [_Change(holder, "name", holder.name, new) for holder in holders]
+            changes += [(holder, "name", new) for holder in holders]
     old_names = {declaration.name.casefold() for declaration in wanted}
     for text in _by_piece(o for o in found if o.reference.name.casefold() in old_names):
         if any(occurrence.meaning.declaration in wanted for occurrence in text):
             changes += _text_changes(text, wanted, names.dialect)
+    journal = Journal() if journal is None else journal
+    start = len(journal)
     for change in changes:
-        change.make()
+        journal.put(*change)
     after = list(names.after_edits().occurrences(*old_names, *wanted.values()))
     if wanted and any(changed_meanings(wanted, found, after)):
-        for change in changes:
-            change.take_back()
+        journal.take_back(start)
         reasons = list(changed_meanings(wanted, found, after))  # worded with the names as they are again
         culprit = reasons[0][0]
         _refuse(culprit, wanted[culprit], (reason for _, reason in reasons))
@@ -254,26 +258,8 @@ def _refuse(declaration: Declaration, new: str, reasons: Iterable[str]) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class _Change:
-    """Another text in a field, or at an index of a list."""
-
-    holder: Any
-    key: str | int
-    old: str | None
-    new: str | None
-
-    def make(self) -> None:
-        self._put(self.new)
-
-    def take_back(self) -> None:
-        self._put(self.old)
-
-    def _put(self, text: str | None) -> None:
-        if isinstance(self.key, int):
-            self.holder[self.key] = text
-        else:
-            setattr(self.holder, self.key, text)
+Change = tuple[Any, str | int, str | None]
+"""Another text in a field of an object, or at an index of a list."""
 
 
 def _by_piece(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
@@ -284,7 +270,7 @@ def _by_piece(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
     return [sorted(own, key=lambda occurrence: occurrence.reference.span) for own in text_sites.values()]
 
 
-def _text_changes(found: list[Occurrence], wanted: Wanted, dialect: Dialect) -> Iterator[_Change]:
+def _text_changes(found: list[Occurrence], wanted: Wanted, dialect: Dialect) -> Iterator[Change]:
     """The changes of a text in which `found` are all places that have one of the old names."""
     text_site = found[0].text_site
     new_names = [wanted.get(o.meaning.declaration) if o.meaning.declaration else None for o in found]
@@ -293,13 +279,13 @@ def _text_changes(found: list[Occurrence], wanted: Wanted, dialect: Dialect) -> 
         for o, new in zip(found, new_names, strict=True)
         if new is not None
     ]
-    yield _Change(text_site.holder, text_site.key, text_site.text, apply_edits(text_site.text, edits))
+    yield text_site.holder, text_site.key, apply_edits(text_site.text, edits)
     markup: str | None = getattr(text_site.holder, "markup", None)
     if markup is not None and is_tokens(markup):
         old_names = {declaration.name.casefold() for declaration in wanted}
-        yield _Change(text_site.holder, "markup", markup, edit_tokens(markup, old_names, new_names))
+        yield text_site.holder, "markup", edit_tokens(markup, old_names, new_names)
     elif markup is not None:
-        yield _Change(text_site.holder, "markup", markup, edit_markup(markup, text_site.text, edits))
+        yield text_site.holder, "markup", edit_markup(markup, text_site.text, edits)
 
 
 def _spelt(new: str, reference: Reference, text_site: TextSite, dialect: Dialect) -> str:

@@ -1,0 +1,364 @@
+"""Edits of what a project declares: variables, actions, named conditions; `plcopen_sfc.refactor.editor` has them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.languages.binding import Declaration, Kind, Names
+from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, the_one
+from plcopen_sfc.languages.binding.text_sites import Role, TextSite
+from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, parse_statements
+from plcopen_sfc.languages.words import needs_quotes, objection
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.body import Body, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.refactor.chart_edits import refused
+from plcopen_sfc.refactor.journal import Journal
+from plcopen_sfc.refactor.queries import dialect_in, pou_of
+from plcopen_sfc.refactor.rename import edit_markup, is_tokens, rename_many
+from plcopen_sfc.report import Use
+
+STEP_ACTIONS = ("entry_action", "main_action", "exit_action")
+
+
+# -- variables
+
+
+def replace_variable(journal: Journal, project: Project, old: str, new: str) -> list[str]:
+    """Let every use of a variable be one of another, which must be of the same type and visible there.
+
+    Gives the paths of the changed texts.
+    """
+    names = Names(project)
+    was, will = (names.resolver.original(the_one(names, path)) for path in (old, new))
+    what = f"{was.path} cannot be replaced by {will.path}"
+    for each in (was, will):
+        if each.kind is not Kind.VARIABLE:
+            raise refused(what, f"{each} is no variable")
+    types = [names.resolver.type_of_declaration(each) for each in (was, will)]
+    if types[0] != types[1]:
+        shown = " and ".join(str(getattr(each.holder, "type", "?")) for each in (was, will))
+        raise refused(what, f"their types differ: {shown}")
+    found = names.uses(was)
+    inside = [use.use for use in found if use.reference.declares or use.reference.role in (Role.HEAD, Role.OBJECT)]
+    texts: dict[tuple[int, str | int], list[tuple[TextSite, Edit]]] = {}
+    problems: list[str] = []
+    for use in (each for each in found if each.use not in inside):
+        edit = _named_there(names, use, will)
+        if edit is None:
+            problems.append(f"{use.use} does not see {will.path}")
+        else:
+            site = use.text_site
+            texts.setdefault((id(site.holder), site.key), []).append((site, edit))
+    if problems:
+        raise refused(what, problems)
+    changed: list[str] = []
+    for edits in texts.values():
+        site = edits[0][0]
+        changed.append(site.path)
+        markup: str | None = getattr(site.holder, "markup", None)
+        if markup is not None:
+            tokens = is_tokens(markup)
+            journal.put(
+                site.holder, "markup", None if tokens else edit_markup(markup, site.text, [e for _, e in edits])
+            )
+        journal.put(site.holder, site.key, apply_edits(site.text, [edit for _, edit in edits]))
+    return changed
+
+
+def _named_there(names: Names, use: Occurrence, declaration: Declaration) -> Edit | None:
+    """The edit that names another variable in a place; None where no name of it means it there."""
+    reference, dialect = use.reference, names.project.dialect
+    start = reference.span[0]
+    if reference.callee is not None:
+        return None  # a parameter belongs to what is called
+    if reference.base is not None:
+        if not isinstance(reference.base, n.Name) or reference.base.span is None:
+            return None
+        start = reference.base.span[0]
+    for text in (declaration.name, declaration.path):
+        bare = parse_condition(text, names.dialect).tree
+        alone = replace(reference, name=declaration.name, base=None)
+        if isinstance(bare, n.Member):
+            owner = names.resolver.type_of(bare.base, use.text_site.site)
+            if isinstance(owner, Pou) and owner.kind is PouKind.FUNCTION_BLOCK:
+                continue  # only its instances have the variable
+            meaning = names.resolver.member(owner, declaration.name)
+        else:
+            meaning = names.resolver.lookup(alone, use.text_site.site)
+        if meaning.declaration is not None and names.resolver.original(meaning.declaration) == declaration:
+            quoted = dialect is Dialect.SCL and isinstance(bare, n.Name)
+            if quoted and reference.quoting:
+                return Edit(*reference.span, text)
+            return Edit(start, reference.span[1], f'"{text}"' if quoted and needs_quotes(text) else text)
+    return None
+
+
+# -- conditions
+
+
+def check_free(names: Names, pou: Pou, name: str) -> None:
+    """Raise `ModelError` where a POU cannot declare something of this name."""
+    problem = objection(name, names.project.dialect)
+    if problem:
+        raise ModelError(f"{name!r} cannot be a name: {problem}")
+    beside = names.resolver.scopes.pou(pou).named(name)
+    if beside:
+        raise ModelError(f"{name!r} is taken: there is a {beside[0]} already")
+    if any(True for _ in names.occurrences(name)):
+        raise ModelError(f"{name!r} is named already, and would mean something else", hint="Take another name.")
+
+
+def extract_condition(journal: Journal, chart: SfcNetwork, link: Transition, name: str) -> NamedTransition:
+    """Make the condition of a transition a named transition of the POU, which other conditions can name too.
+
+    One of this name with the same body is used as it is.
+    """
+    what, pou = f"the condition of {chart.label(link)} cannot be extracted", _pou(chart)
+    if dialect_in(chart) is Dialect.SCL:
+        raise refused(what, "blocks of S7-GRAPH have no named transitions")
+    condition = link.condition
+    body: Body | None = None
+    if isinstance(condition, Expression):
+        body = StBody(text=condition.text)
+    elif isinstance(condition, BodyCondition):
+        body = condition.body
+    if condition is None or body is None:
+        raise refused(what, "it is named already, drawn in the chart, or there is none")
+    known = next((each for each in pou.transitions if each.name.casefold() == name.casefold()), None)
+    if known is None or known.body != body:
+        check_free(Names(_project(chart)), pou, name)
+        known = NamedTransition(name=name, body=body)
+        journal.put(pou, "transitions", [*pou.transitions, known])
+    journal.put(link, "condition", NamedCondition(name=known.name, negated=condition.negated))
+    return known
+
+
+def inline_condition(journal: Journal, chart: SfcNetwork, link: Transition) -> Condition:
+    """Put what a named condition names in its place."""
+    what = f"the condition of {chart.label(link)} cannot be inlined"
+    condition = link.condition
+    if not isinstance(condition, NamedCondition):
+        raise refused(what, "it names no transition of the POU")
+    found = [t for t in _pou(chart).transitions if t.name.casefold() == condition.name.casefold()]
+    if not found or found[0].body is None:
+        raise refused(what, f"the POU has no transition {condition.name!r} with a body")
+    body, made = found[0].body, None
+    if isinstance(body, StBody):
+        text = _value(body.text, condition.name, dialect_in(chart))
+        made = Expression(text=text, negated=condition.negated) if text is not None else None
+    put = made or BodyCondition(body=body.model_copy(deep=True), negated=condition.negated)
+    journal.put(link, "condition", put)
+    return put
+
+
+def _value(text: str, name: str, dialect: Dialect) -> str | None:
+    """The expression that the body of a named transition is: alone, or assigned to its name."""
+    if not parse_condition(text, dialect).problems:
+        return text.strip().removesuffix(";").rstrip()
+    parsed = parse_statements(text, dialect)
+    match parsed.tree.statements:
+        case [n.Assignment(target=n.Name(identifier=target), value=value)] if value.span is not None:
+            return text[slice(*value.span)].strip() if target.casefold() == name.casefold() else None
+    return None
+
+
+# -- actions
+
+
+def extract_action(journal: Journal, step: Step, name: str, at: str | int) -> Action:
+    """Make code in place of a step an action of the POU: of an association by its number, or of a step action."""
+    chart = step.chart
+    what = f"the action of the step {step.name!r} cannot be extracted"
+    if chart is None:
+        raise refused(what, "the step is in no chart")
+    pou = _pou(chart)
+    holder, field = _code_of(step, at, what)
+    body = getattr(holder, field)
+    if body is None or isinstance(body, str):
+        raise refused(what, "there is no code in place")
+    if isinstance(holder, ActionAssociation) and holder.target:
+        raise refused(what, f"it names {holder.target!r} too")
+    check_free(Names(_project(chart)), pou, name)
+    action = Action(name=name, body=body)
+    journal.put(pou, "actions", [*pou.actions, action])
+    journal.put(holder, field, None)
+    journal.put(holder, "target" if isinstance(holder, ActionAssociation) else field, name)
+    return action
+
+
+def _code_of(step: Step, at: str | int, what: str) -> tuple[Any, str]:
+    if isinstance(at, str):
+        if at not in STEP_ACTIONS:
+            raise refused(what, f"{at!r} is none of {', '.join(STEP_ACTIONS)}")
+        return step, at
+    if not 0 <= at < len(step.actions):
+        raise refused(what, f"it has no action number {at}", "The first is 0.")
+    return step.actions[at], "body"
+
+
+def inline_action(journal: Journal, project: Project, action: Action) -> None:
+    """Put the code of an action into the one step that executes it, and remove the action.
+
+    Refused where several associations name it, as they share one action control (IEC 61131-3, 6.7.4.6), or where
+    other code calls it.
+    """
+    what = f"the action {action.name!r} cannot be inlined"
+    pou = pou_of(action)
+    if pou is None or action.body is None:
+        raise refused(what, "it has no code, or is in no POU")
+    names = Names(project)
+    uses = [use for use in names.uses(names.declaration_of(action)) if use.reference.role is not Role.OBJECT]
+    holders = [use.text_site.holder for use in uses]
+    others = [str(use.use) for use in uses if not isinstance(use.text_site.holder, ActionAssociation | Step)]
+    if others:
+        raise refused(what, (f"{each} calls it" for each in others))
+    if len(holders) != 1:
+        raise refused(what, f"{len(holders)} places name it")
+    holder, key = holders[0], uses[0].text_site.key
+    body = action.body.model_copy(deep=True)
+    if isinstance(holder, ActionAssociation):
+        if holder.body is not None:
+            raise refused(what, "the association has code in place too")
+        journal.put(holder, "target", None)
+        journal.put(holder, "body", body)
+    else:
+        journal.put(holder, str(key), body)
+    remove_declared(journal, project, [names.declaration_of(action)])
+
+
+def change_association(journal: Journal, association: ActionAssociation, fields: Mapping[str, Any]) -> None:
+    """Give an association another qualifier, duration, target ..; a timed qualifier needs a duration."""
+    for name, value in fields.items():
+        journal.put(association, name, value)
+    qualifier = Qualifier(association.qualifier)
+    if qualifier.needs_duration and not association.duration and association.kind is None:
+        raise refused(f"{association.text!r} cannot be an action", f"{qualifier} needs a duration", 'duration="T#2s"')
+
+
+def _pou(chart: SfcNetwork) -> Pou:
+    pou = pou_of(chart)
+    if pou is None:
+        raise ModelError("the chart is in no POU", hint="Put it into a POU of a project first.")
+    return pou
+
+
+def _project(chart: SfcNetwork) -> Project:
+    return chart.project or Project(pous=[_pou(chart)])
+
+
+# -- what nothing uses
+
+
+def unused(project: Project) -> list[Declaration]:
+    """The actions, named transitions and local variables that nothing in the project names, as far as can be told.
+
+    A name of which it is not known what it means counts for everything of this name.
+    """
+    names = Names(project)
+    used: set[Declaration] = set()
+    doubtful: set[str] = set()
+    for each in names.everything():
+        if each.reference.declares or each.reference.role in (Role.HEAD, Role.OBJECT):
+            continue
+        if each.meaning.declaration is not None:
+            used.add(each.meaning.declaration)
+        elif each.meaning.doubt:
+            doubtful.add(each.reference.name.casefold())
+    return [
+        each
+        for each in names.declarations()
+        if _may_go(each, names) and each not in used and each.name.casefold() not in doubtful
+    ]
+
+
+def _may_go(declaration: Declaration, names: Names) -> bool:
+    pou = declaration.pou
+    if pou is None or names.resolver.scopes.step_of(declaration) is not None:
+        return False
+    if declaration.kind in (Kind.ACTION, Kind.TRANSITION):
+        return id(declaration.holder) in {id(each) for each in (*pou.actions, *pou.transitions)}
+    local = [*pou.variables(SectionKind.LOCAL), *pou.variables(SectionKind.TEMP)]
+    return declaration.kind is Kind.VARIABLE and any(declaration.holder is each for each in local)
+
+
+def undeclared(names: Names, words: Iterable[str]) -> list[Use]:
+    """The places of some names that mean nothing that the project declares, and where that is certain."""
+    found = (each for each in names.occurrences(*words) if each.reference.role is not Role.OBJECT)
+    return [each.use for each in found if each.meaning.declaration is None and not each.meaning.doubt]
+
+
+def remove_declared(journal: Journal, project: Project, declared: Iterable[Declaration]) -> None:
+    """Take actions, named transitions and variables out of what declares them, and out of the tree of the tool."""
+    gone = {*declared}
+    if project.tree:
+        found = Names(project).occurrences(*(each.name for each in gone))
+        nodes = [o.text_site.holder for o in found if o.reference.role is Role.OBJECT and o.meaning.declaration in gone]
+        waiting: list[tuple[Any, str]] = [(project, "tree")]
+        while nodes and waiting:
+            owner, field = waiting.pop()
+            children = getattr(owner, field)
+            if any(child is node for child in children for node in nodes):
+                journal.put(owner, field, [c for c in children if not any(c is node for node in nodes)])
+            waiting += [(child, "children") for child in children]
+    remove_objects(journal, project, [each.holder for each in gone])
+
+
+def remove_objects(journal: Journal, project: Project, objects: Iterable[object]) -> None:
+    """Take objects out of the lists of POUs and interfaces."""
+    gone = {id(each) for each in objects}
+    lists: list[tuple[Any, str]] = [(pou, field) for pou in project.pous for field in ("actions", "transitions")]
+    interfaces = [pou.interface for pou in project.pous] + [block.interface for block in project.data_blocks]
+    lists += [(section, "variables") for each in interfaces if each is not None for section in each.sections]
+    for owner, field in lists if gone else ():
+        own = getattr(owner, field)
+        if any(id(each) in gone for each in own):
+            journal.put(owner, field, [each for each in own if id(each) not in gone])
+
+
+# -- copies
+
+
+def copy_pou(journal: Journal, project: Project, name: str, target: Project, names: Mapping[str, str]) -> Pou:
+    """Put a copy of a POU into another project, with other names for what it and its project declare.
+
+    Everything that it names must be there under its (new) name already. Gives the copy.
+    """
+    what = f"{name!r} cannot be copied"
+    if dialect_of(project) is not dialect_of(target):
+        raise refused(what, "the projects are in different dialects", "Convert the source first.")
+    copy = project.model_copy(deep=True)
+    source = Names(copy)
+    table = {source.resolver.original(the_one(source, path)): new for path, new in names.items()}
+    pou = copy.pou(name)
+    rename_many(copy, table)  # type: ignore[arg-type]  # declarations are keys too
+    if any(each.name.casefold() == pou.name.casefold() for each in target.pous):
+        raise refused(what, f"the project has a POU {pou.name!r} already", 'Give it another name: {"Main": "Main2"}.')
+    before = [(use.reference.name, use.meaning.declaration) for use in _uses_in(Names(copy), pou)]
+    journal.keep(copy, "pous")
+    copy.pous = [each for each in copy.pous if each is not pou]
+    pou.place = target.pous[0].place if target.pous else ""
+    journal.put(target, "pous", [*target.pous, pou])
+    after = [use.meaning.declaration for use in _uses_in(Names(target), pou)]
+    missing = [
+        f"the project has no {was}"
+        for (_, was), now in zip(before, after, strict=True)
+        if was is not None and (now is None or now.kind is not was.kind)
+    ]
+    if missing:
+        raise refused(what, missing, "Copy what is missing first, or give it the name of what is there.")
+    return pou
+
+
+def _uses_in(names: Names, pou: Pou) -> Iterator[Occurrence]:
+    return (each for each in names.everything() if each.text_site.site.pou is pou)

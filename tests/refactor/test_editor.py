@@ -1,0 +1,426 @@
+"""Edits: what they do, what they refuse, and that all or nothing of them happens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import jump, selection, simultaneous, step
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.refactor.editor import Editor
+from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
+
+
+def plant() -> sfc.Project:
+    project = sfc.Project(name="Plant")
+    pou = project.add_program(
+        "Main",
+        step("Wait", initial=True),
+        "Start",
+        step("Fill", actions=["N Valve", ("N Pour", "Pump := NOT Empty;")]),
+        selection(
+            [
+                "Full OR Stop",
+                simultaneous([step("Heat"), "Hot", step("Keep")], [step("Mix", actions=["N Mixer"])]),
+                "Done",
+            ],
+            ["Fault", step("Alarm", actions=["N Horn"]), "Ack"],
+        ),
+        step("Drain", actions=["N Outlet"]),
+        "Empty AND Drain.T > T#2s",
+        jump("Wait"),
+    )
+    for name in ("Pump", "Spare"):
+        pou.add_variable(name)
+    return project
+
+
+def labels(project: sfc.Project) -> list[str]:
+    chart = project.pou("Main").chart
+    assert chart is not None
+    texts = {t.id: getattr(t.condition, "text", getattr(t.condition, "name", "?")) for t in chart.transitions}
+    return [f"{label}: {texts[number]}" for number, label in chart.labels().items()]
+
+
+def link(project: sfc.Project, label: str) -> sfc.Transition:
+    chart = project.pou("Main").chart
+    assert chart is not None
+    return chart.transition(label)
+
+
+def find(project: sfc.Project, name: str) -> sfc.Step:
+    return next(each for each in project.steps(name=name))
+
+
+WHOLE = [
+    "Wait -> Fill: Start",
+    "Fill -> Heat+Mix: Full OR Stop",
+    "Heat -> Keep: Hot",
+    "Keep+Mix -> Drain: Done",
+    "Fill -> Alarm: Fault",
+    "Alarm -> Drain: Ack",
+    "Drain -> Wait: Empty AND Drain.T > T#2s",
+]
+
+EDITS: dict[str, tuple[Callable[[Editor, sfc.Project], Any], dict[str, list[str]]]] = {
+    "insert behind": (
+        lambda e, p: e.insert_step("Rest", link(p, "Wait -> Fill"), "Go", actions=["N Lamp"]),
+        {"Wait -> Fill: Start": ["Wait -> Rest: Start", "Rest -> Fill: Go"]},
+    ),
+    "insert before": (
+        lambda e, p: e.insert_step("Rest", link(p, "Fill -> Alarm"), before=True),
+        {"Fill -> Alarm: Fault": ["Fill -> Rest: TRUE", "Rest -> Alarm: Fault"]},
+    ),
+    "insert behind a divergence": (
+        lambda e, p: e.insert_step("Rest", link(p, "Fill -> Heat+Mix"), "Go"),
+        {"Fill -> Heat+Mix: Full OR Stop": ["Fill -> Rest: Full OR Stop", "Rest -> Heat+Mix: Go"]},
+    ),
+    "delete, incoming": (
+        lambda e, p: e.delete_step("Main.Alarm", "incoming"),
+        {"Fill -> Alarm: Fault": ["Fill -> Drain: Fault"], "Alarm -> Drain: Ack": []},
+    ),
+    "delete, both": (
+        lambda e, p: e.delete_step("Main.Heat", "both"),
+        {"Fill -> Heat+Mix: Full OR Stop": ["Fill -> Keep+Mix: (Full OR Stop) AND Hot"], "Heat -> Keep: Hot": []},
+    ),
+    "delete before a join": (
+        lambda e, p: e.delete_step("Main.Keep", "outgoing"),
+        {"Heat -> Keep: Hot": [], "Keep+Mix -> Drain: Done": ["Heat+Mix -> Drain: Done"]},
+    ),
+    "split": (
+        lambda e, p: e.split_transition(link(p, "Fill -> Heat+Mix")),
+        {"Fill -> Heat+Mix: Full OR Stop": ["Fill -> Heat+Mix: Full", "Fill -> Heat+Mix: Stop"]},
+    ),
+    "retarget": (
+        lambda e, p: e.retarget("Main.Drain", "Main.Wait", [link(p, "Alarm -> Drain")]),
+        {"Alarm -> Drain: Ack": ["Alarm -> Wait: Ack"]},
+    ),
+    "remove a branch of a selection": (
+        lambda e, p: e.remove_branch(link(p, "Fill -> Alarm")),
+        {"Fill -> Alarm: Fault": [], "Alarm -> Drain: Ack": []},
+    ),
+    "remove simultaneous sequences": (
+        lambda e, p: e.remove_branch(link(p, "Fill -> Heat+Mix")),
+        {"Fill -> Heat+Mix: Full OR Stop": [], "Heat -> Keep: Hot": [], "Keep+Mix -> Drain: Done": []},
+    ),
+    "remove a simultaneous branch": (
+        lambda e, p: e.remove_branch("Main.Heat"),
+        {
+            "Fill -> Heat+Mix: Full OR Stop": ["Fill -> Mix: Full OR Stop"],
+            "Heat -> Keep: Hot": [],
+            "Keep+Mix -> Drain: Done": ["Mix -> Drain: Done"],
+        },
+    ),
+    "extract a condition": (
+        lambda e, p: e.extract_condition(link(p, "Drain -> Wait"), "IsEmpty"),
+        {"Drain -> Wait: Empty AND Drain.T > T#2s": ["Drain -> Wait: IsEmpty"]},
+    ),
+    "rename": (
+        lambda e, p: e.rename("Main.Drain", "Out"),
+        {
+            "Keep+Mix -> Drain: Done": ["Keep+Mix -> Out: Done"],
+            "Alarm -> Drain: Ack": ["Alarm -> Out: Ack"],
+            "Drain -> Wait: Empty AND Drain.T > T#2s": ["Out -> Wait: Empty AND Out.T > T#2s"],
+        },
+    ),
+    "replace a variable": (
+        lambda e, p: e.replace_variable("Main.Full", "Main.Hot"),
+        {"Fill -> Heat+Mix: Full OR Stop": ["Fill -> Heat+Mix: Hot OR Stop"]},
+    ),
+    "move to a macro-step": (
+        lambda e, p: e.move_to_macro([find(p, "Heat"), find(p, "Keep")], "Warm"),
+        {
+            "Fill -> Heat+Mix: Full OR Stop": ["Fill -> Warm+Mix: Full OR Stop"],
+            "Heat -> Keep: Hot": [],
+            "Keep+Mix -> Drain: Done": ["Warm+Mix -> Drain: Done"],
+        },
+    ),
+    "number the names": (lambda e, p: e.renumber(10, 10, names="S{number}"), {}),
+    "set times": (lambda e, p: e.set(p.steps(drives="*Valve*"), max_time="T#30s"), {}),
+}
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_an_edit_changes_what_it_is_for_and_can_be_undone(name: str) -> None:
+    project = plant()
+    assert labels(project) == WHOLE
+    before, steps = project.model_dump(), list(project.steps())
+    edit = project.edit()
+    do, changed = EDITS[name]
+    do(edit, project)
+    if changed:
+        assert labels(project) == [line for old in WHOLE for line in changed.get(old, [old])]
+    assert project.model_dump() != before
+    edit.undo()
+    assert project.model_dump() == before
+    assert all(one is other for one, other in zip(project.steps(), steps, strict=True))
+    assert all(each.chart is project.pou("Main").chart for each in steps)
+    with pytest.raises(ModelError, match="nothing to undo"):
+        edit.undo()
+
+
+REFUSED: list[tuple[Callable[[Editor, sfc.Project], Any], str]] = [
+    (lambda e, p: e.insert_step("fill", link(p, "Wait -> Fill")), "has a step 'fill' already"),
+    (lambda e, p: e.insert_step("Rest", link(p, "Wait -> Fill"), maxtime="T#1s"), "did you mean 'max_time'"),
+    (lambda e, p: e.delete_step("Main.Alarm"), "is between other steps"),
+    (lambda e, p: e.delete_step("Main.Wait", "both"), "it is the initial step"),
+    (lambda e, p: e.delete_step("Main.Drain", "both"), "named in Main / transition .*Drain.T"),
+    (lambda e, p: e.delete_step("Main.Alarm", "all"), "none of incoming, outgoing and both"),
+    (lambda e, p: e.delete_step("Main.Keep", "incoming"), "waits for other steps too"),
+    (lambda e, p: e.delete_step("Main.Alrm", "both"), "declares no 'Main.Alrm'"),
+    (lambda e, p: e.split_transition(link(p, "Wait -> Fill")), "has no OR"),
+    (lambda e, p: e.join_transitions([link(p, "Wait -> Fill"), link(p, "Fill -> Alarm")]), "between the same steps"),
+    (lambda e, p: e.retarget("Main.Drain", "Main.Wait", [link(p, "Wait -> Fill")]), "does not lead to 'Drain'"),
+    (lambda e, p: e.remove_branch(link(p, "Wait -> Fill")), "no other transition leaves"),
+    (lambda e, p: e.remove_branch("Main.Drain"), "does not begin simultaneous sequences"),
+    (lambda e, p: e.extract_condition(link(p, "Wait -> Fill"), "Valve"), "there is a variable Main.Valve already"),
+    (lambda e, p: e.extract_condition(link(p, "Wait -> Fill"), "IF"), "cannot be a name"),
+    (lambda e, p: e.inline_condition(link(p, "Wait -> Fill")), "names no transition"),
+    (lambda e, p: e.extract_action("Main.Fill", "Do", 0), "no code in place"),
+    (lambda e, p: e.replace_variable("Main.Full", "Main.Fill"), "step Main.Fill is no variable"),
+    (lambda e, p: e.set(p.steps(), name="X"), "Use rename"),
+    (lambda e, p: e.set(p.steps(), max_time="5 s"), "cannot be '5 s'"),
+    (lambda e, p: e.set(p.steps(), maxtime="T#5s"), "did you mean 'max_time'"),
+    (lambda e, p: e.set(find(p, "Fill").actions, qualifier="D"), "D needs a duration"),
+    (lambda e, p: e.move_to_macro([find(p, "Wait"), find(p, "Fill")], "M"), "initial step is among them"),
+    (lambda e, p: e.move_to_macro([find(p, "Heat"), find(p, "Alarm")], "M"), "entered at 2 steps"),
+    (lambda e, p: e.move_to_macro([find(p, "Fill"), find(p, "Alarm")], "M"), "left at 2"),
+    (lambda e, p: e.dissolve_macro("Main.Fill"), "no chart of its own"),
+    (lambda e, p: e.renumber(charts=[p.pou("Main").chart]), "have no numbers"),  # type: ignore[list-item]
+    (lambda e, p: e.renumber(names="S"), "gets this name too"),
+    (lambda e, p: e.add_branch(find(p, "Fill"), "x", step("New"), "y"), "ends with a step or a jump"),
+    (lambda e, p: e.copy_pou(plant(), "Main"), "has a POU 'Main' already"),
+    (lambda e, p: e.set(sfc.Step(id=1, name="A"), targets=[1]), "Use retarget"),
+    (lambda e, p: e.delete_step(sfc.Step(id=1, name="A")), "is not in this project"),
+]
+
+
+@pytest.mark.parametrize("number", range(len(REFUSED)))
+def test_a_refused_edit_changes_nothing(number: int) -> None:
+    do, message = REFUSED[number]
+    project = plant()
+    before = project.model_dump()
+    with pytest.raises(ModelError, match=message):
+        do(project.edit(), project)
+    assert project.model_dump() == before
+
+
+def test_a_block_of_edits_is_one_transaction() -> None:
+    project = plant()
+    before = project.model_dump()
+    with project.edit() as edit:
+        edit.rename("Main.Fill", "Pouring")
+        edit.insert_step("Rest", link(project, "Wait -> Pouring"))
+        with pytest.raises(ModelError):
+            edit.delete_step("Main.Wait")
+    assert "Rest -> Pouring: TRUE" in labels(project)
+    edit.undo()
+    assert project.model_dump() == before
+
+    def fail() -> None:
+        with project.edit() as edit:
+            edit.rename("Main.Fill", "Pouring")
+            edit.delete_step("Main.Wait")
+
+    with pytest.raises(ModelError, match="it is the initial step"):
+        fail()
+    assert project.model_dump() == before
+
+
+def test_transactions_are_undone_one_by_one() -> None:
+    project = plant()
+    edit = project.edit()
+    states = [project.model_dump()]
+    for do in (EDITS["insert behind"][0], EDITS["split"][0], EDITS["rename"][0]):
+        do(edit, project)
+        states.append(project.model_dump())
+    for state in reversed(states[:-1]):
+        edit.undo()
+        assert project.model_dump() == state
+
+
+def test_what_an_edit_orphans_is_removed_on_request() -> None:
+    project = plant()
+    edit = project.edit(clean=True)
+    edit.set(find(project, "Fill"), actions=[])
+    pou = project.pou("Main")
+    assert edit.removed == ["Main.Pour", "Main.Pump"]  # Spare was not used before
+    assert [action.name for action in pou.actions] == []
+    assert "Spare" in [variable.name for variable in pou.variables()]
+    assert edit.remove_unused() == ["Main.Spare"]
+    edit.undo()
+    edit.undo()
+    assert [action.name for action in pou.actions] == ["Pour"]
+
+
+def equal(project: sfc.Project, other: sfc.Project) -> bool:
+    return sfc.equivalent(project.pou("Main"), other.pou("Main"), free_inputs=ALL_FREE).equal
+
+
+def test_edits_that_keep_behaviour_are_proven() -> None:
+    project = plant()
+    edit = project.edit(prove=True)
+    edit.split_transition(link(project, "Fill -> Heat+Mix"))
+    assert [proof.verdict.equal for proof in edit.proofs] == [True]
+    edit.extract_condition(link(project, "Drain -> Wait"), "IsEmpty")
+    edit.move_to_macro([find(project, "Heat"), find(project, "Keep")], "Warm")
+    edit.rename("Main.Mix", "Stir")
+    assert equal(plant(), project)
+    before = project.model_dump()
+    with pytest.raises(ModelError, match="would change what the charts do") as caught:
+        edit.insert_step("Rest", link(project, "Wait -> Fill"))
+    assert "POU Main: different after 1 scan" in caught.value.message
+    assert project.model_dump() == before
+
+
+def test_split_and_join_are_inverse() -> None:
+    project = plant()
+    edit = project.edit(prove=True)
+    links = edit.split_transition(link(project, "Fill -> Heat+Mix"))
+    edit.join_transitions(links[::-1])
+    assert labels(project) == WHOLE
+
+
+def test_priorities_stay_in_order_when_a_transition_is_split() -> None:
+    project = plant()
+    chart = project.pou("Main").chart
+    assert chart is not None
+    for number, each in enumerate(chart.outgoing(chart.step("Fill")), 1):
+        each.priority = number
+    project.edit().split_transition(link(project, "Fill -> Heat+Mix"))
+    assert [(each.condition.text, each.priority) for each in chart.outgoing(chart.step("Fill"))] == [  # type: ignore[union-attr]
+        ("Full", 1),
+        ("Stop", 2),
+        ("Fault", 3),
+    ]
+
+
+def test_a_transition_that_is_tried_between_them_keeps_others_apart() -> None:
+    project = sfc.Project()
+    chart = project.add_program("Main", step("A", initial=True), "x", step("B"), "u", step("C")).chart
+    assert chart is not None
+    chart.add_transition("A", "C", "y")
+    chart.add_transition("A", "B", "z")
+    links = [chart.transitions[0], chart.transitions[3]]
+    with pytest.raises(ModelError, match="tried between them"):
+        project.edit().join_transitions(links)
+
+
+def test_a_macro_step_and_back() -> None:
+    project = plant()
+    edit = project.edit()
+    macro = edit.move_to_macro([find(project, "Heat"), find(project, "Keep")], "Warm")
+    inner = macro.macro.body.chart  # type: ignore[union-attr]
+    assert [each.name for each in inner.steps] == ["Heat", "Keep"]
+    assert find(project, "Heat").chart is inner
+    assert equal(plant(), project)
+    edit.dissolve_macro(macro)
+    assert sorted(labels(project)) == sorted(WHOLE)
+    assert find(project, "Heat").chart is project.pou("Main").chart
+    edit.undo()
+    edit.undo()
+    assert find(project, "Heat").chart is project.pou("Main").chart
+    assert labels(project) == WHOLE
+
+
+def test_conditions_are_extracted_once_and_inlined() -> None:
+    project = plant()
+    edit = project.edit(clean=True)
+    edit.set(link(project, "Alarm -> Drain"), condition="Fault")
+    for label in ("Alarm -> Drain", "Fill -> Alarm"):
+        edit.extract_condition(link(project, label), "IsFaulty")
+    pou = project.pou("Main")
+    assert [(each.name, each.body) for each in pou.transitions] == [("IsFaulty", sfc.StBody(text="Fault"))]
+    edit.inline_condition(link(project, "Alarm -> Drain"))
+    assert len(pou.transitions) == 1
+    edit.inline_condition(link(project, "Fill -> Alarm"))
+    assert pou.transitions == []
+    assert edit.removed == ["Main.IsFaulty"]
+
+
+def test_actions_are_inlined_and_extracted() -> None:
+    project = plant()
+    edit = project.edit()
+    pou, fill = project.pou("Main"), find(project, "Fill")
+    edit.inline_action(pou.action("Pour"))
+    assert (fill.actions[1].target, fill.actions[1].body) == (None, sfc.StBody(text="Pump := NOT Empty;"))
+    assert pou.actions == []
+    edit.extract_action(fill, "Dose", 1)
+    assert (fill.actions[1].target, pou.action("Dose").body) == ("Dose", sfc.StBody(text="Pump := NOT Empty;"))
+    find(project, "Drain").actions.append(sfc.ActionAssociation.parse("N Dose", 900))
+    with pytest.raises(ModelError, match="2 places name it"):
+        edit.inline_action(pou.action("Dose"))
+
+
+def test_branches_are_added() -> None:
+    project = plant()
+    edit = project.edit()
+    edit.add_branch("Main.Fill", "Abort", step("Flush", actions=["N Rinse"]), "Clean", jump("Wait"))
+    assert labels(project)[-2:] == ["Fill -> Flush: Abort", "Flush -> Wait: Clean"]
+    assert "Rinse" in [variable.name for variable in project.pou("Main").variables()]
+    edit.add_branch(link(project, "Fill -> Heat+Mix"), step("Log"), end=link(project, "Keep+Mix -> Drain"))
+    assert labels(project)[1] == "Fill -> Heat+Mix+Log: Full OR Stop"
+    assert labels(project)[3] == "Keep+Mix+Log -> Drain: Done"
+    edit.remove_branch("Main.Log")
+    assert edit.remove_branch(link(project, "Fill -> Flush")) == ["Flush"]
+    assert labels(project) == WHOLE
+
+
+def test_steps_are_numbered_along_the_flow() -> None:
+    project = plant()
+    chart = project.pou("Main").chart
+    assert chart is not None
+    for each in chart.steps:
+        each.number = 1
+    chart.steps.reverse()
+    project.edit().renumber(10, 10)
+    ordered = sorted(chart.steps, key=lambda each: each.number or 0)
+    assert [each.name for each in ordered] == ["Wait", "Fill", "Heat", "Keep", "Mix", "Alarm", "Drain"]
+    assert [each.number for each in ordered] == list(range(10, 80, 10))
+    project.edit().renumber(1, names="S{number:02}_{name}")
+    assert labels(project)[-1] == "S07_Drain -> S01_Wait: Empty AND S07_Drain.T > T#2s"
+
+
+def test_a_variable_is_replaced_in_all_bodies() -> None:
+    project = plant()
+    variables = [sfc.Variable(name="Go", type="BOOL"), sfc.Variable(name="N", type="INT")]
+    project.global_variables.append(sfc.VariableSection(name="GVL", variables=variables))
+    edit = project.edit(clean=True)
+    edit.replace_variable("Main.Pump", "GVL.Go")
+    assert project.pou("Main").action("Pour").body.text == "Go := NOT Empty;"  # type: ignore[union-attr]
+    assert edit.removed == ["Main.Pump"]
+    edit.replace_variable("GVL.Go", "Main.Spare")
+    assert project.pou("Main").action("Pour").body.text == "Spare := NOT Empty;"  # type: ignore[union-attr]
+    with pytest.raises(ModelError, match="their types differ"):
+        edit.replace_variable("Main.Spare", "GVL.N")
+    project.pous.append(
+        sfc.Pou(name="Other", kind=sfc.PouKind.PROGRAM, bodies=[sfc.StBody(text="GVL.Go := Main.Spare;")])
+    )
+    edit.replace_variable("Main.Spare", "GVL.Go")
+    assert project.pou("Other").body.text == "GVL.Go := Go;"  # type: ignore[union-attr]
+    block = project.add_function_block("Block", step("S", initial=True, actions=["N Inner"]))
+    assert block.chart is not None
+    with pytest.raises(ModelError, match=r"does not see Block\.Inner"):
+        edit.replace_variable("GVL.Go", "Block.Inner")
+
+
+def test_a_pou_is_copied_into_another_project() -> None:
+    target = sfc.Project(name="Other")
+    edit = target.edit()
+    copy = edit.copy_pou(plant(), "Main", {"Main": "Line2", "Main.Valve": "Valve2"})
+    assert copy is target.pou("Line2")
+    assert copy.chart is not None
+    assert copy.chart.step("Fill").actions[0].target == "Valve2"
+    edit.undo()
+    assert target.pous == []
+    source = plant()
+    source.global_variables.append(sfc.VariableSection(variables=[sfc.Variable(name="Light", type="BOOL")]))
+    find(source, "Fill").actions.append(sfc.ActionAssociation.parse("N Light", 900))
+    with pytest.raises(ModelError, match="the project has no variable Light"):
+        edit.copy_pou(source, "Main")
+    assert target.pous == []
+    target.global_variables.append(sfc.VariableSection(variables=[sfc.Variable(name="Lamp2", type="BOOL")]))
+    assert edit.copy_pou(source, "Main", {"Light": "Lamp2"}).chart is not None
