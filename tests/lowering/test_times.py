@@ -93,3 +93,23 @@ def test_a_time_that_changes_while_it_runs(
         )
         for name in ("q", "p"):
             assert list(first[name]) == list(second[name]), f"{name}, seed {seed}"
+
+
+SHARED = """FUNCTION_BLOCK Main
+VAR_INPUT a, b : BOOL; END_VAR
+VAR q : BOOL; END_VAR
+INITIAL_STEP S0: Act(N); END_STEP
+TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+STEP S1: q({qualifier}, T#50ms); END_STEP
+TRANSITION FROM S1 TO S2 := b; END_TRANSITION
+STEP S2: q(N); END_STEP
+TRANSITION FROM S2 TO S0 := a; END_TRANSITION
+ACTION Act: q := b; END_ACTION
+END_FUNCTION_BLOCK"""
+
+
+@pytest.mark.parametrize("qualifier", ["SL", "SD", "DS"])
+def test_a_stored_time_of_an_output_that_others_write_too(qualifier: str) -> None:
+    """Code for matiec calls the timer twice in a scan: what it put out the first time is another value."""
+    project = sfc.loads(SHARED.format(qualifier=qualifier).encode(), format="iec-text")
+    assert sfc.lower(project.pou("Main"), "bits", profile="matiec").proof.proven

@@ -23,7 +23,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     is_constant,
     negation,
 )
-from plcopen_sfc.lowering.code.code_declarations import TIME
+from plcopen_sfc.lowering.code.code_declarations import BOOL, TIME
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.code_texts import Suffix
@@ -374,9 +374,9 @@ class SequentialControlCode:
         # the first call asks if the time is over, the second one starts it in the scan of the activation: one call
         # alone would begin a scan late
         into.append(call(timer, IN=running, PT=time))
-        ended = self._memory.named(
-            self._suffixed(name, "over"), disjunction([n.Member(timer, n.Name("Q")), also]), into
-        )
+        # a variable: the second call changes the output of the timer
+        ended = self._memory.variable(self._suffixed(name, "over"), BOOL)
+        into.append(assignment(ended, disjunction([n.Member(timer, n.Name("Q")), also])))
         goes_on: Expression = running
         starts: list[Expression] = []
         for use, duration in zip(uses, times, strict=True):
