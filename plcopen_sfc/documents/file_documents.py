@@ -131,10 +131,9 @@ def encode(
         if not fresh and fingerprint(project) == source.fingerprint:
             report.unchanged = True
             return source.content, report
-        if not fresh and kind.xml:
-            return _patched(project, source, kind, report), report
-        if not fresh and kind.text:
-            return _patched_text(project, source, kind, report), report
+        if not fresh and (kind.xml or kind.text):
+            with collecting_rarely():
+                return (_patched if kind.xml else _patched_text)(project, source, kind, report), report
     same = source is not None and source.format == kind.name and source.version == version and not flavour
     if not same:
         refuse_reading_errors(project, report)
@@ -404,7 +403,7 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
             source.path or "",
             "the edits did not fit into its text; written from the model",
         )
-        options = WriteOptions(source.version, same=True, baseline=before)
+        options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
         if is_rewritten(project, source.content, kind):
             project, marks = rewrite_project(project, kind, options, ConversionReport())
             options = replace(options, marks=marks)
@@ -440,7 +439,7 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
 
     codec = cast("TextCodec", kind.codec())
     before = codec.read(source.content).project
-    options = WriteOptions(source.version, same=True, baseline=before)
+    options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
     text, spans = codec.spans(source.content)
     after, known = codec.to_blocks(project, options, report), ConversionReport()
     data, recoded = text.encode(patch_text(text, spans, codec.to_blocks(before, options, known), after))

@@ -15,7 +15,7 @@ from __future__ import annotations
 import codecs
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -24,6 +24,7 @@ from plcopen_sfc.formats.codesys23.chart_text import ChartNames, body_text, char
 from plcopen_sfc.formats.codesys23.exp_outline import OWN_LINE
 from plcopen_sfc.formats.codesys23.exp_reader import CODE_PAGE, DIVIDER, HEADER, KINDS, footer_of, read_export
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
+from plcopen_sfc.formats.provenance import content_digest
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
@@ -141,19 +142,28 @@ def write_export(project: Project, meant: Project, report: ConversionReport) -> 
     return write_blocks(project, meant, report, page).whole(), page
 
 
-def write_blocks(project: Project, meant: Project, report: ConversionReport, page: str = "") -> WrittenBlock:
+def write_blocks(
+    project: Project,
+    meant: Project,
+    report: ConversionReport,
+    page: str = "",
+    baseline: Project | None = None,
+) -> WrittenBlock:
     """Return the text of a project, in the blocks that an edit replaces.
 
     `meant` comes back from it: the project itself, or what it was before it was put into the terms of the tool.
-    `page`: characters that this code page does not have are replaced, and are in comments.
+    `page`: characters that this code page does not have are replaced, and are in comments. `baseline` is what was read
+    from a text without such comments, so that what is as it was there needs none.
     """
     blocks = [_in_page(block, page) if page else block for block in numbered_blocks(_objects(project, report))]
-    written = WrittenBlock(("file", ""), blocks=tuple(blocks))
-    # the text is read back, and whatever differs goes into comments: no list of what it lacks can be incomplete
-    back = read_export(SourceText(written.whole() + "\n", USUAL)).project
-    meant = meant.model_copy(deep=True)
-    take_ids(meant, back)
-    left = list(changes(plain_fields(back), plain_fields(meant), guarded=True))
+    if baseline is None:
+        meant, left = _missing(blocks, meant)
+    else:
+        edited, before = _others(project, baseline), _others(baseline, project)
+        # what a file says in its own way would come back otherwise from our text, and stays as it is
+        known = {str(change) for change in _missing(_written(before), before)[1]}
+        meant, left = _missing(_written(edited), edited)
+        left = [change for change in left if str(change) not in known]
     for change in left:
         path = path_of(meant, keys_of(meant, change))
         report.add(Outcome.EXTENSION_DATA, _field(change), path, "CoDeSys 2.3 cannot express it; it is in a comment")
@@ -163,6 +173,34 @@ def write_blocks(project: Project, meant: Project, report: ConversionReport, pag
         rest = "\n".join(f"(* {_ascii(f'{{plcopen_sfc {change}}}')} *)" for change in left)
         blocks.append(WrittenBlock(("rest", ""), rest, apart=True))
     return WrittenBlock(("file", ""), blocks=tuple(blocks))
+
+
+def _missing(blocks: Sequence[WrittenBlock], meant: Project) -> tuple[Project, list[RemainderEntry]]:
+    """Return what `meant` has and the text in `blocks` has not, beside a copy of it with the ids of the text.
+
+    The text is read back: no list of what it lacks can be incomplete.
+    """
+    text = WrittenBlock(("file", ""), blocks=tuple(blocks)).whole()
+    back = read_export(SourceText(text + "\n", USUAL)).project
+    meant = meant.model_copy(deep=True)
+    take_ids(meant, back)
+    return meant, list(changes(plain_fields(back), plain_fields(meant), guarded=True))
+
+
+def _written(project: Project) -> list[WrittenBlock]:
+    return list(numbered_blocks(_objects(project, ConversionReport())))
+
+
+def _others(project: Project, known: Project) -> Project:
+    """Return a project without the POUs and types that are as in `known`; the reader of a POU asks for the rest."""
+    digests = {thing.report_path: content_digest(thing) for thing in (*known.pous, *known.data_types)}
+
+    def is_other(thing: Pou | DataTypeDeclaration) -> bool:
+        return digests.get(thing.report_path) != content_digest(thing)
+
+    pous = [pou for pou in project.pous if is_other(pou)]
+    types = [declared for declared in project.data_types if is_other(declared)]
+    return project.model_copy(update={"pous": pous, "data_types": types})
 
 
 def _field(change: RemainderEntry) -> str:
@@ -524,7 +562,9 @@ class ExpCodec(TextCodec):
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the text of a project, in the blocks that an edit replaces."""
-        return write_blocks(project, project, report)
+        # in comments of this package an object may be named with its neighbours
+        known = options.baseline if not OWN_LINE.search(self.decode(options.source).text) else None
+        return write_blocks(project, project, report, baseline=known)
 
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
         """Return the text of a file, and the place of each object in it."""
