@@ -324,17 +324,37 @@ def save_folder(
         _refuse_if_changed(folder, {path: before[path] for path in [*gone, *changed] if path in before})
     else:
         changed = {path: data for path, data in contents.items() if _on_disk(Path(folder, path)) != data}
-    _refuse_links_out_of(folder, [*changed, *gone])
-    write_all({Path(folder, path): data for path, data in changed.items()})
+    lists = _relisted(folder, kind, [path for path in changed if path not in before], gone) if is_own else {}
+    _refuse_links_out_of(folder, [*changed, *lists, *gone])
+    write_all({Path(folder, path): data for path, data in {**changed, **lists}.items()})
     for path in gone:
         Path(folder, path).unlink(missing_ok=True)
     report.unchanged = not changed and not gone if is_own else report.unchanged
-    report.written += [str(Path(folder, path)) for path in changed]
+    report.written += [str(Path(folder, path)) for path in (*changed, *lists)]
     report.removed += [str(Path(folder, path)) for path in gone]
-    report.left_alone += [str(Path(folder, path)) for path in files_below(folder) if path not in contents]
+    report.left_alone += [str(Path(folder, path)) for path in files_below(folder) if path not in {**contents, **lists}]
     if is_own and source is not None:
         _remember(project, source, planned, changed, gone)
     return report
+
+
+def _relisted(folder: str, kind: Format, added: Sequence[str], gone: Sequence[str]) -> dict[str, bytes]:
+    """Return the files that list the documents of the project (``.plcproj``), where others are there now."""
+    lists = [
+        path for path in files_below(folder) if kind.list_extension and path.casefold().endswith(kind.list_extension)
+    ]
+    found: dict[str, bytes] = {}
+    for path in lists if added or gone else ():
+        top = PurePosixPath(path).parent
+        inside = [
+            [str(PurePosixPath(each).relative_to(top)) for each in names if PurePosixPath(each).is_relative_to(top)]
+            for names in (added, gone)
+        ]
+        data = read_bytes(Path(folder, path))
+        after = cast("FolderCodec", kind.codec()).relisted(data, *inside)
+        if after != data:
+            found[path] = after
+    return found
 
 
 def edited_files(project: Project, path: str) -> Iterator[tuple[str, bytes, bytes]]:

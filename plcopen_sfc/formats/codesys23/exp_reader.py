@@ -40,7 +40,7 @@ from plcopen_sfc.formats.text_patch import (
     plain_lines,
     section_places,
 )
-from plcopen_sfc.languages.declarations import Declared, read_declarations, read_interface
+from plcopen_sfc.languages.declarations import Declared, Head, read_declarations, read_interface
 from plcopen_sfc.languages.declarations.declaration_comments import said
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.problems import Lines
@@ -51,6 +51,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Elementary, ElementaryType
+from plcopen_sfc.model.variables import VariableSection
 
 KINDS = {
     "PROGRAM": PouKind.PROGRAM,
@@ -269,6 +270,11 @@ class _Reader:
         declared = read_declarations(self.text[start:end], Dialect.CODESYS)
         for problem in declared.problems[:_MANY]:
             self._note("EXP111", Severity.ERROR, problem.message, start + problem.span[0])
+        for item in declared.items:
+            if not isinstance(item.thing, Head | VariableSection | None):
+                word = self.text[start + item.span[0] : end].split(maxsplit=1)[0].upper()
+                message = f"{word} is not allowed in a POU or a list of variables, and is no part of the model"
+                self._note("EXP111", Severity.ERROR, message, start + item.span[0])
         return declared
 
     def _header(self, one: ExpObject) -> dict[str, str]:

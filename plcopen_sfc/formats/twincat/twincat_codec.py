@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import copy
+from collections.abc import Sequence
+from pathlib import PurePosixPath
+
 from lxml import etree
 
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.twincat.object_files import adapted_task, read_object, task_document, write_object
+from plcopen_sfc.formats.xml.source_patch import patch_xml
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 from plcopen_sfc.languages.s7_boxes import put_logic
@@ -51,8 +56,33 @@ class TwincatCodec(FolderCodec):
 
     def listed(self, data: bytes, *, file: str | None = None) -> list[str]:
         """Return the files that a ``.plcproj`` compiles."""
-        found = parse_xml(data, file=file).iterfind("{*}ItemGroup/{*}Compile")
-        return [str(each.get("Include", "")).replace("\\", "/") for each in found]
+        return [_path_in(each) for each in parse_xml(data, file=file).iterfind("{*}ItemGroup/{*}Compile")]
+
+    def relisted(self, data: bytes, added: Sequence[str], gone: Sequence[str]) -> bytes:
+        """Return a ``.plcproj`` that compiles other files, and lists their folders."""
+        before = parse_xml(data)
+        after = copy.deepcopy(before)
+        space = str(after.tag)[: str(after.tag).rfind("}") + 1]
+        compiled = list(after.iterfind("{*}ItemGroup/{*}Compile"))
+        group = compiled[-1].getparent() if compiled else None
+        without = {name.casefold() for name in gone}
+        for each in compiled:
+            holder = each.getparent()
+            if _path_in(each).casefold() in without and holder is not None:
+                holder.remove(each)
+        if group is None:
+            group = etree.SubElement(after, f"{space}ItemGroup")
+        for name in added:
+            entry = etree.SubElement(group, f"{space}Compile", Include=name.replace("/", "\\"))
+            etree.SubElement(entry, f"{space}SubType").text = "Code"
+        folders = list(after.iterfind("{*}ItemGroup/{*}Folder"))
+        known = {_path_in(each).casefold() for each in folders}
+        wanted = {str(PurePosixPath(name).parent) for name in added} - {"."}
+        for name in sorted(folder for folder in wanted if folder.casefold() not in known):
+            holder = folders[-1].getparent() if folders else etree.SubElement(after, f"{space}ItemGroup")
+            if holder is not None:
+                folders.append(etree.SubElement(holder, f"{space}Folder", Include=name.replace("/", "\\")))
+        return patch_xml(data, before, after)
 
     def parts(self, project: Project) -> list[ProjectPart]:
         """Return the lists of global variables and the tasks of `project`."""
@@ -93,6 +123,11 @@ class TwincatCodec(FolderCodec):
         for name in Project.model_fields:
             if name not in ("pous", "data_types", "global_variables", "applications"):
                 setattr(project, name, getattr(plain, name))
+
+
+def _path_in(element: etree._Element) -> str:
+    """Return the path that an element of a ``.plcproj`` names, with ``/``."""
+    return str(element.get("Include", "")).replace("\\", "/")
 
 
 CODEC = TwincatCodec()

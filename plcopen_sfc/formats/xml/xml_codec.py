@@ -78,6 +78,10 @@ class FolderCodec(XmlCodec):
         """Return the paths, with ``/``, that a file which lists those of a project names. Raises `FormatError`."""
         return []
 
+    def relisted(self, data: bytes, added: Sequence[str], gone: Sequence[str]) -> bytes:
+        """Return a file which lists those of a project, with others in it; paths as `listed` gives them."""
+        return data
+
     def parts(self, project: Project) -> list[ProjectPart] | None:
         """Return what belongs to no object of `project`, in documents of their own; None: one has all of it."""
         return None

@@ -195,3 +195,14 @@ def test_damaged_files_are_read_and_come_back(number: int) -> None:
         if project.pous:
             project.pous[0].comment = "neu"
             assert sfc.loads(sfc.dumps(project), format="codesys23").pous[0].comment == "neu"
+
+
+def test_instance_addresses_in_a_pou_are_told() -> None:
+    section = "VAR_CONFIG\n\tMain.fb.y AT %QX0.0 : BOOL;\nEND_VAR\n"
+    declared = f"PROGRAM Main\nVAR\n\tx : BOOL;\nEND_VAR\n{section}"
+    project = sfc.loads(f"(* @PATH := '' *)\n{declared}(* @END_DECLARATION := '0' *)\nEND_PROGRAM\n".encode())
+    (found,) = project.diagnostics
+    assert (found.code, found.location.line) == ("EXP111", 6)
+    assert "VAR_CONFIG" in found.message
+    project.pous[0].variables()[0].comment = "kept"
+    assert section.encode() in sfc.dumps(project)

@@ -207,6 +207,47 @@ def test_a_project_file_lists_the_files_of_the_project(tmp_path: Path) -> None:
     assert (tmp_path / "belt" / "MainTask.TcTTO").exists()
 
 
+LISTED = """\ufeff<?xml version="1.0" encoding="utf-8"?>\r
+<Project xmlns="http://schemas.microsoft.com/developer/msbuild/2003">\r
+  <ItemGroup>\r
+    <Compile Include="POUs\\Ablauf_Band.TcPOU">\r
+      <SubType>Code</SubType>\r
+    </Compile>\r
+    <Compile Include="GVLs\\GVL_EA.TcGVL">\r
+      <SubType>Code</SubType>\r
+    </Compile>\r
+  </ItemGroup>\r
+  <ItemGroup>\r
+    <Folder Include="POUs" />\r
+  </ItemGroup>\r
+</Project>\r
+"""
+
+
+def test_new_files_are_entered_in_the_project_file_and_old_ones_taken_out(tmp_path: Path) -> None:
+    shutil.copytree(BELT, tmp_path / "belt")
+    listing = tmp_path / "belt" / "PLC.plcproj"
+    listing.write_bytes(LISTED.encode())
+    project = sfc.load(listing)
+    project.pous.append(Pou(name="Neu", kind=PouKind.FUNCTION_BLOCK))
+    project.global_variables = []
+    report = sfc.save(project, tmp_path / "belt")
+    assert {Path(name).name for name in report.written} == {"Neu.TcPOU", "PLC.plcproj"}
+    assert changed(LISTED.encode(), listing.read_bytes()) == [
+        '-    <Compile Include="GVLs\\GVL_EA.TcGVL">',
+        '+    <Compile Include="POUs\\Neu.TcPOU">',
+    ]
+    assert b"\n" not in listing.read_bytes().replace(b"\r\n", b"")
+    again = sfc.load(listing)
+    assert [pou.name for pou in again.pous] == ["Ablauf_Band", "Neu"]
+    again.global_variables.append(VariableSection(kind="global", name="GVL_Neu"))
+    sfc.save(again, tmp_path / "belt")
+    assert b'<Compile Include="GVLs\\GVL_Neu.TcGVL">\r\n      <SubType>Code' in listing.read_bytes()
+    assert b'<Folder Include="GVLs" />' in listing.read_bytes()
+    _name(again)
+    assert [Path(name).name for name in sfc.save(again, tmp_path / "belt").written] == ["Ablauf_Band.TcPOU"]
+
+
 def test_tasks_are_edited_in_their_files(tmp_path: Path) -> None:
     shutil.copytree(BELT, tmp_path / "belt")
     before = _read(tmp_path, "Visu")
