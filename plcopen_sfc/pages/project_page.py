@@ -428,7 +428,9 @@ class _ProjectContent:
 
     def _finding(self, finding: Diagnostic, *, linked: bool) -> Html:
         place = finding.location
-        parts: list[str] = [element("b", f"{self.words(finding.severity.value)} {finding.code}"), " ", finding.message]
+        rule = self.words.rule(finding.code)
+        parts: list[str] = [element("b", f"{self.words(finding.severity.value)} {finding.code}"), " "]
+        parts += [rule, element("div", finding.message)] if rule else [finding.message]
         if linked and place.path:
             parts += [" ", link(self.index.anchor_at(place.path), place.path)]
         if place.line:

@@ -10,6 +10,8 @@ from lxml import html
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as sfc_model
+from plcopen_sfc.analysis.checks import all_rules
+from plcopen_sfc.pages.page_words import Words
 from tests.pages.browser import Browser
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -237,3 +239,12 @@ def test_what_a_comparison_did_not_reach_is_marked() -> None:
     (section,) = tree.xpath("//section[@id='coverage']")
     assert "nicht erreicht Schritt Release: needs `xQuit`, never reached" in words_of(section)
     assert not parse(sfc.page(project)).xpath("//*[contains(@class, 'unreached')]")
+
+
+def test_a_german_page_says_what_each_rule_wants() -> None:
+    words = Words("de")
+    assert {rule.code for rule in all_rules() if not words.rule(rule.code)} == set()
+    assert not any(Words("en").rule(rule.code) for rule in all_rules())
+    tree = parse(sfc.page(sfc.load(FIXTURES / "iectext" / "distribution_belt.st"), lang="de"))
+    found = words_of(tree.xpath("//section[@id='findings']")[0])
+    assert "Warnung ACT02 Ein Operand wird kontinuierlich oder speichernd geschrieben, nicht beides" in found, found
