@@ -485,6 +485,13 @@ def _string(rig: Rig) -> None:
     rig.act("Done", "q")
 
 
+def _retained_member(rig: Rig) -> None:
+    count = variable("count", "INT", attributes={"Remanence": "Retain"})
+    rig.declare(m.SectionKind.LOCAL, count, variable("other", "INT"))
+    rig.act("Work", "count", value="n")
+    rig.act("Done", "q")
+
+
 def _features() -> Iterator[Feature]:
     for qualifier, duration in (("N", None), ("S", None), ("L", "T#50ms"), ("D", "T#50ms")):
         yield Feature(f"qualifier {qualifier}", _ALL, _qualifier(qualifier, duration))
@@ -527,6 +534,7 @@ def _features() -> Iterator[Feature]:
     yield Feature("enumeration", ("codesys", "plcopen"), _enumeration)
     yield Feature("excluded element", ("codesys",), _excluded)
     yield Feature("retain", ("codesys", "plcopen", "iec-text"), _retain)
+    yield Feature("retained member", ("simaticml",), _retained_member)
     yield Feature("negated action", ("plcopen",), _negated_action)
     yield Feature("drawn logic", ("plcopen",), _drawn_logic)
     yield Feature("macro-step", ("plcopen",), _macro)

@@ -506,3 +506,21 @@ def test_an_action_of_codesys_comes_back_from_tia_portal_with_its_final_scan() -
 def test_the_page_has_the_tables_of_the_rules() -> None:
     page = Path(__file__).parents[2] / "docs" / "conversion.md"
     assert rule_tables() in page.read_text("utf-8")
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_members_that_tia_portal_retains_come_back(target: str) -> None:
+    """They are in a section of their own in the file, also after an edit of it, and in that of the others again."""
+    source = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
+    data, _ = sfc.convert(source, target, partial=True)
+    seen = sfc.loads(data, as_tool=True).pou("FB_Drill").interface
+    assert [v.name for section in seen.sections if section.retain for v in section.variables] == ["Parts"]
+    back = sfc.loads(data)
+    assert not any(section.retain for section in back.pou("FB_Drill").interface.sections)
+    back.rename("FB_Drill.DwellTime", "Dwelling")
+    edited = sfc.dumps(back)
+    seen = sfc.loads(edited, as_tool=True).pou("FB_Drill").interface
+    assert [v.name for section in seen.sections if section.retain for v in section.variables] == ["Parts"]
+    block = sfc.loads(edited).pou("FB_Drill")
+    assert {"Parts", "Dwelling"} <= {variable.name for variable in block.variables()}
+    assert not any(section.retain for section in block.interface.sections)

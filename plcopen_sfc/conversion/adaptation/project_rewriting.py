@@ -21,12 +21,14 @@ from plcopen_sfc.conversion.adaptation.global_variables import (
 from plcopen_sfc.formats.format_interface import ChartHost, Format, Marks, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import (
     NO_RESULT_FIELD,
+    RETAINED_FIELD,
     REWRITTEN_FIELD,
     SYSTEM_DATA_FIELD,
     SourceMarks,
 )
 from plcopen_sfc.formats.provenance import is_untouched
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
+from plcopen_sfc.languages.s7_globals import by_retention
 from plcopen_sfc.languages.s7_programs import is_void
 from plcopen_sfc.languages.syntax_problems import embedded_code
 from plcopen_sfc.model.body import FbdBody, LdBody
@@ -36,7 +38,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import DerivedType, Variable
-from plcopen_sfc.model.variables import Interface
+from plcopen_sfc.model.variables import Interface, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -121,6 +123,18 @@ def _results(this: ProjectAdaptation) -> None:
 def _system_data(this: ProjectAdaptation) -> None:
     for pou in _with_system_data(this.project):
         _leave_out_system_data(pou, this.host, this.report, this.marks)
+
+
+def _retained(this: ProjectAdaptation) -> None:
+    for interface in _partly_retained(this.project):
+        sections: list[VariableSection] = []
+        split: list[tuple[int, int]] = []
+        for section in interface.sections:
+            parts = [*by_retention(section)]
+            split += [(len(sections), len(parts))] if parts != [section] else []
+            sections += parts if parts != [section] else [section]
+        interface.sections = sections
+        this.marks.setdefault(id(interface), {})[RETAINED_FIELD] = split
 
 
 RULES = (
@@ -209,6 +223,14 @@ RULES = (
         _system_data,
         keeps_source=True,
     ),
+    Rule(
+        "a member of a block that TIA Portal retains",
+        "all",
+        "a variable in a section with `RETAIN`",
+        lambda this: any(_partly_retained(this.project)),
+        _retained,
+        keeps_source=True,
+    ),
 )
 """The rules for projects, in the order in which they are applied."""
 
@@ -236,6 +258,15 @@ def _leave_out_system_data(pou: Pou, host: ChartHost, report: ConversionReport, 
                 report.add(Outcome.TRANSLATED, "variable", f"{pou.report_path} / {variable.name}", why)
         section.variables = [variable for variable in section.variables if not _is_system_data(variable)]
     marks.setdefault(id(pou.interface), {})[SYSTEM_DATA_FIELD] = left_out
+
+
+def _partly_retained(project: Project) -> Iterator[Interface]:
+    """Yield the interfaces of blocks with members that TIA Portal retains one by one."""
+    for pou in project.pous:
+        sections = pou.interface.sections if pou.interface is not None else ()
+        if any([*by_retention(section)] != [section] for section in sections):
+            assert pou.interface is not None  # noqa: S101  # it has sections
+            yield pou.interface
 
 
 def _report_flags(project: Project, report: ConversionReport) -> None:
@@ -276,6 +307,7 @@ def is_rewritten(project: Project, content: bytes, kind: Format) -> bool:
     if (
         any(_without_result(project))
         or any(_with_system_data(project))
+        or any(_partly_retained(project))
         or (not host.is_codesys and project.global_variables)
     ):
         return True

@@ -34,6 +34,9 @@ NO_RESULT_FIELD = "no_result"
 SYSTEM_DATA_FIELD = "system_data"
 """At an interface: the variables that TIA Portal declares for a sequencer, with their sections and places there."""
 
+RETAINED_FIELD = "retained"
+"""At an interface: the sections of which TIA Portal retains some members, by their place and how many they became."""
+
 SourceMarks = dict[int, dict[str, Any]]
 """Fields to keep at objects of a project, by their `id()`."""
 
@@ -286,6 +289,17 @@ def restore_system_data(interface: Fields) -> None:
     for number, place, variable in interface.pop(SYSTEM_DATA_FIELD, None) or ():
         if number < len(sections) and str(variable["name"]).casefold() not in names:
             sections[number]["variables"].insert(place, variable)
+
+
+def restore_retained(interface: Fields) -> None:
+    """Join sections of an interface that is being read which hold the members of one in TIA Portal. Takes the mark."""
+    sections = interface["sections"]
+    for place, count in reversed(interface.pop(RETAINED_FIELD, None) or ()):
+        parts = sections[place : place + count]
+        if len(parts) == count and len({part["kind"] for part in parts}) == 1:
+            joined = {**parts[0], "variables": [variable for part in parts for variable in part["variables"]]}
+            joined.pop("retain", None)
+            sections[place : place + count] = [joined]
 
 
 def added_configuration(configuration: Configuration) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from itertools import groupby
 
 from lxml import etree
 
-from plcopen_sfc.formats.plcopen.source_marks import restore_no_result, restore_system_data
+from plcopen_sfc.formats.plcopen.source_marks import restore_no_result, restore_retained, restore_system_data
 from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
@@ -424,6 +424,7 @@ def read_interface(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
             fields["return_type"] = read_data_type(ctx, child, fields)
         else:
             read_common(ctx, fields, child, local, "interface")
+    restore_retained(fields)
     restore_system_data(fields)
     restore_no_result(fields)
     keep_attributes(fields, left)

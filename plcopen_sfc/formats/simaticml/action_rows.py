@@ -248,9 +248,10 @@ def _timed(found: PlannedRows, action: ActionAssociation) -> PlannedRows:
     if qualifier in (Qualifier.P1, Qualifier.P0) or action.event is not None:
         return PlannedRows(rows, found.outcome, found.why)
     # GRAPH executes rows with the event S0 in the cycle that leaves the step, as IEC 61131-3 does with the final scan
-    if qualifier in _WHILE_ACTIVE and all(row.qualifier is Qualifier.CALL for row in rows):
+    if qualifier in _WHILE_ACTIVE:
         last = tuple(row.model_copy(update={"event": ActionEvent.S0}) for row in rows)
-        return PlannedRows((*rows, *last), found.outcome, f"{found.why}, and another one for the final scan")
+        more = "another one" if len(last) == 1 else "others"
+        return PlannedRows((*rows, *last), found.outcome, f"{found.why}, and {more} for the final scan")
     why = "S7-GRAPH does not execute an action once more after it has ended, as the final scan of IEC 61131-3 does"
     return PlannedRows(rows, Outcome.APPROXIMATED, why)
 

@@ -172,7 +172,7 @@ def test_an_edited_function_is_what_the_step_calls() -> None:
 BODIES = [
     ("P1", "Set", Outcome.TRANSLATED, [("N", "S1", "#q", "TRUE"), ("N", "S1", "#level", "#n")]),
     ("P0", "Clear", Outcome.TRANSLATED, [("N", "S0", "#q", "FALSE")]),
-    ("N", "Clear", Outcome.APPROXIMATED, [("N", "", "#q", "FALSE")]),
+    ("N", "Clear", Outcome.TRANSLATED, [("N", "", "#q", "FALSE"), ("N", "S0", "#q", "FALSE")]),
     ("P", "Clear", Outcome.APPROXIMATED, [("N", "S1", "#q", "FALSE")]),
     ("N", "Nothing", Outcome.APPROXIMATED, []),
     *((q, "Clear", Outcome.NOT_EXECUTED, []) for q in ("S", "R", "L", "D", "SD", "DS", "SL")),
@@ -222,9 +222,9 @@ def test_what_a_row_cannot_say_is_not_written(fields: dict[str, object]) -> None
     assert len(lost(report, "action")) == 1
 
 
-def test_instruction_list_of_one_assignment_is_a_row() -> None:
+def test_instruction_list_of_one_assignment_is_a_row_and_its_final_scan() -> None:
     data, report = converted(project_with(action("N", body={"language": "IL", "text": "LD a\nST q"})))
-    assert rows(data) == [("N", "", "#q", "#a")]
+    assert rows(data) == [("N", "", "#q", "#a"), ("N", "S0", "#q", "#a")]
     assert not report.with_outcome(Outcome.NOT_EXECUTED)
 
 
