@@ -83,7 +83,12 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
     if key.kind in ("chart", "partial chart"):
         _pass_added_steps(left, right)
         _settle_minimum_times(left, right)
-    renamed = matched_actions(left, right) | _competing_transitions(left, right) | renamed_tasks(left, right)
+    renamed = (
+        matched_actions(left, right)
+        | _variables_of_lists(left, right)
+        | _competing_transitions(left, right)
+        | renamed_tasks(left, right)
+    )
     for inner, part in left.parts.items():
         other = right.parts.get(renamed.get(inner, inner))
         if other is None and inner.kind in (UNDECLARED, UNDECLARED_TYPE, "action of the POU"):
@@ -99,6 +104,19 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
             within = _steps(right, part, inner) or steps
             box = "a box" if inner.kind == UNDECLARED and inner.name in left.boxes else None
             yield ExecutionDifference(part.path, inner.kind, _name(part, inner), "", box, _trigger(part), within)
+
+
+def _variables_of_lists(left: Part, right: Part) -> dict[Key, Key]:
+    """Return the counterparts of global variables whose name is in several lists: that of the list with its name."""
+    kind = "global variable"
+    found: dict[Key, Key] = {}
+    for name in {key.name for key in left.parts if key.kind == kind and key.number}:
+        mine, theirs = ([k for k in side.parts if k[:2] == (kind, name)] for side in (left, right))
+        by_path = {right.parts[key].path.casefold(): key for key in theirs}
+        sure = {key: by_path[path] for key in mine if (path := left.parts[key].path.casefold()) in by_path}
+        others = [key for key in theirs if key not in sure.values()]
+        found |= sure | dict(zip((key for key in mine if key not in sure), others, strict=False))
+    return found
 
 
 def _steps(owner: Part, part: Part, key: Key) -> tuple[str, ...]:

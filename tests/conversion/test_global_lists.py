@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -88,3 +90,13 @@ def test_every_name_that_nothing_declares_is_told() -> None:
     _, report = sfc.convert(listed(), "iec-text", partial=True)
     told = [item.why for item in report.losses if item.what == "undeclared name"]
     assert told == ["the name `GVL1` is not declared in tools that read the text"]
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+def test_a_name_in_several_lists_is_compared_list_by_list(target: str) -> None:
+    """Machine.Stations is an array of a data block, STATIONS a constant; FC_Count is in no file of the folder."""
+    project = sfc.load(Path(__file__).parents[2] / "fixtures" / "simaticml")
+    _, report = sfc.convert(project, target, partial=True, at_rest=["all"])
+    (missing,) = report.with_outcome(Outcome.NOT_EXECUTED)
+    assert "FC_Count" in missing.why
+    assert not [item.path for item in report.losses if item.path.startswith("global variable")]
