@@ -21,8 +21,9 @@ from plcopen_sfc.conversion.meaning import (
     Meaning,
     condition_meaning,
     plain,
+    program_form,
 )
-from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader, normal_form
+from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
@@ -417,9 +418,7 @@ class ExecutedChartReader:
         """Return what the logic drawn in the chart does besides feeding conditions."""
         drawn = chart_statements(self.chart, self.owner.dialect).tree
         text = print_node(drawn)
-        meaning = Meaning(
-            lambda: text, text, lambda: print_node(transform(normal_form(drawn), self.owner.named)), text=lambda: text
-        )
+        meaning = Meaning(lambda: text, text, lambda: program_form(drawn, self.owner.named), text=lambda: text)
         return meaning if text.strip() else None
 
     def _permanent(self, chart: Part, operation: PermanentOperation, when: str) -> None:

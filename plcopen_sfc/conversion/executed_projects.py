@@ -51,6 +51,7 @@ from plcopen_sfc.model.network import Block, Node
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task, TaskWatchdog
 from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.types import (
     ArrayType,
@@ -263,8 +264,13 @@ class _Reader:
     def tell_comment(self, part: Part, thing: Element) -> None:
         """Note the comment and the title of something, where they are wanted."""
         for aspect in ("title", "comment") if self.detail else ():
-            words = " ".join(words_of(getattr(thing, aspect, None)).split())
+            text = getattr(thing, aspect, None)
+            words = " ".join(words_of(text).split())
             part.tell(aspect, Meaning.of(words) if words else None)
+            others = [*text.texts][1:] if isinstance(text, MultilingualText) else ()
+            for language in others if self.detail is Detail.WRITTEN else ():
+                words = " ".join(words_of(text, language).split())
+                part.tell(f"{aspect} in {language}", Meaning.of(words) if words else None)
 
     def operation(self, pou: Pou, name: str) -> str:
         """The kind of an input that operates the chart of a block: whether anything operates it."""
@@ -445,8 +451,8 @@ class _Reader:
 
     def _program(self, instance: PouInstance) -> str:
         """Program that an instance executes. A task of CODESYS calls a program by its name, and has no instances."""
-        is_name = not instance.type_name or self._is_codesys_file
-        return plain_name(instance.name if is_name else instance.type_name)
+        is_called = self._is_codesys_file and instance.name.casefold() in self.whole.programs
+        return plain_name(instance.name if is_called or not instance.type_name else instance.type_name)
 
     def _task(self, task: Task, shared: set[str]) -> None:
         part = self.whole.add("task", task.name, f"task {task.name}")

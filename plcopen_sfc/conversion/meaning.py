@@ -79,7 +79,7 @@ def condition_meaning(read: Callable[[], NetworkExpression], raw: Hashable) -> M
         if found.tree is None or found.obstacles:
             return ("unreadable", raw)
         named = _with_helpers(found, lambda node: node)
-        return tuple(print_node(transform(normal_form(each), named)) for each in (*found.before, found.tree))
+        return tuple(program_form(each, named) for each in (*found.before, found.tree))
 
     return Meaning(lambda: _shown_condition(read), raw, cache(form), read)
 
@@ -93,6 +93,17 @@ def _shown_condition(read: Callable[[], NetworkExpression]) -> str:
 
 Renaming = Callable[[n.Node], n.Node]
 """Change that puts the names in a text into a common form."""
+
+
+def program_form(tree: n.Node, named: Renaming) -> str:
+    """Program text in normal form, with its names in the common form of `named`; case of names does not matter."""
+
+    def common(node: n.Node) -> n.Node:
+        node = named(node)
+        is_name = isinstance(node, n.Name) and node.quoting is n.Quoting.NONE
+        return n.Name(node.identifier.casefold()) if is_name and isinstance(node, n.Name) else node
+
+    return print_node(transform(normal_form(tree), common))
 
 
 def code_meaning(body: Body | None, dialect: Dialect, named: Renaming) -> Meaning | None:
@@ -126,7 +137,7 @@ def _text_meaning(text: str, dialect: Dialect, named: Renaming) -> Meaning:
         parsed = parse_statements(text, dialect)
         if parsed.problems:
             return " ".join(text.split())
-        return print_node(transform(normal_form(parsed.tree), named))
+        return program_form(parsed.tree, named)
 
     return Meaning(lambda: " ".join(text.split()), text, cache(form), text=lambda: text)
 
@@ -138,8 +149,8 @@ def _network_form(body: FbdBody | LdBody, dialect: Dialect, named: Renaming) -> 
     if obstacles:
         return plain(body)
     named = _with_helpers(found, named)
-    ends = tuple(print_node(transform(normal_form(value), named)) for _, value in found.open_ends)
-    whole = print_node(transform(normal_form(found.tree), named))
+    ends = tuple(program_form(value, named) for _, value in found.open_ends)
+    whole = program_form(found.tree, named)
     return (whole, *ends) if ends else whole
 
 

@@ -481,3 +481,18 @@ def test_files_of_the_corpus_do_not_differ_from_themselves():
         except sfc.SfcError:
             continue
         assert sfc.diff(before, after, layout=True).changes == (), path
+
+
+def test_comments_are_compared_in_all_their_languages():
+    before, after = loaded("simaticml/FB_Drill.xml"), loaded("simaticml/FB_Drill.xml")
+    comment = after.pou("FB_Drill").chart.step("Ready").comment
+    comment.texts["en-US"] = "Waits for a part"
+    assert told(sfc.diff(before, after)) == [
+        "POU FB_Drill / step Ready: comment in en-US Home position -> Waits for a part"
+    ]
+
+
+def test_case_of_names_and_names_of_instances_are_no_changes():
+    source = loaded("plcopen/filling_station_2.01.xml")
+    written = sfc.loads(sfc.convert(source, "codesys", partial=True).data)
+    assert all("qualifier P" in line for line in told(sfc.diff(source, written)))
