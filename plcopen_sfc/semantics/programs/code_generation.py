@@ -94,7 +94,7 @@ def _code(source: str) -> CodeType:
     return next(value for value in scratch.values() if isinstance(value, FunctionType)).__code__
 
 
-_FUNCTIONS = {each.__name__: each for each in (abs, bool, float, int, len, max, min, range, round, str)}
+_FUNCTIONS = {each.__name__: each for each in (abs, all, bool, float, int, len, max, min, range, round, str)}
 """What generated code has of Python: nothing that opens, imports or looks into an object."""
 
 
