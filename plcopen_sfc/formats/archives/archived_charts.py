@@ -104,6 +104,9 @@ class ChartReader:
 
     def _segment(self, segment: etree._Element, above: int | None) -> int | None:
         """Read a segment below the symbol `above`; returns the symbol at its end."""
+        if type_of(segment) != SEGMENT:
+            kind = type_of(segment) or "nothing"
+            self._ctx.error("TWC102", f"a segment of the type {kind} is not understood", segment)
         left, unknown = read_attributes(segment, SEGMENT)
         if left or unknown:
             self._ctx.error("TWC102", "a segment has a name or a comment, or is excluded: not understood", segment)
@@ -126,7 +129,8 @@ class ChartReader:
         """Report what an element has that is not understood, and that the tool may execute."""
         for attribute in unknown:
             guid = text_of(member(attribute, "AttributeId"))
-            self._ctx.error("TWC102", f"the attribute {guid} of an element is not understood", attribute)
+            what = "" if type_of(attribute) else ": its list does not tell the type of its items"
+            self._ctx.error("TWC102", f"the attribute {guid} of an element is not understood{what}", attribute)
         for name in _EMBEDDED.get(kind, ()):
             found = member(element, name)
             if found is not None and found.tag != "n":

@@ -24,6 +24,7 @@ from plcopen_sfc.formats.archives.object_archive import (
     new_object,
     number_of,
     text_of,
+    type_of,
 )
 from plcopen_sfc.formats.codesys import codesys_names as names
 
@@ -185,7 +186,7 @@ def read_attributes(element: etree._Element, kind: str) -> tuple[Fields, list[et
         value = member(attribute, "Value")
         text = text_of(member(value, "Value")) if value is not None else None
         field, known = _BY_GUID[kind].get(guid, ("", None))
-        if known is None or text is None:
+        if known is None or text is None or type_of(attribute) != "SFCAttribute":
             unknown.append(attribute)
             continue
         found = known.value(text)

@@ -114,7 +114,7 @@ class _Reader:
 
     def run(self) -> ExpFile:
         if self.source.guessed:
-            message = f"the file names no code page; taken as {self.source.encoding}, which is a guess"
+            message = f"the file names no code page; taken as {self.source.encoding}, which is a guess{self._share()}"
             self._note("EXP200", Severity.WARNING, message, 0)
         outline = outline_of(self.source.text)
         self.text = outline.text
@@ -134,6 +134,17 @@ class _Reader:
         project = self._with_remainder()
         spans = block_span(("file", ""), (0, len(self.text)), self.places)
         return ExpFile(project, spans, self.diagnostics)
+
+    def _share(self) -> str:
+        """Return how many of the letters beyond ASCII speak for the code page that was guessed."""
+        runs = _RUNS.get(self.source.encoding)
+        letters = sum(not each.isascii() for each in self.text)
+        if runs is None or not letters:
+            return ""
+        share = sum(len(found.group()) for found in runs.finditer(self.text)) / letters
+        if self.source.encoding == "cp1251":
+            return f": {share:.0%} of its letters beyond ASCII are in runs, as in Cyrillic words"
+        return f": {1 - share:.0%} of its letters beyond ASCII are alone or in pairs, as in words of Western Europe"
 
     # -- objects
 
@@ -331,6 +342,8 @@ class _Reader:
         self.diagnostics.append(Diagnostic(code, severity, message, Location(self.file, line, column, path or None)))
 
 
+_RUNS = {"cp1251": re.compile("[\u0400-\u04ff]{3,}"), "cp1252": re.compile("[\xa8\xb8\xc0-\xff]{3,}")}
+"""Letters beside each other, in each of the code pages that are guessed."""
 _PAIR = re.compile(r"\$u(D[89AB][0-9A-F]{2})\$u(D[C-F][0-9A-F]{2})")
 """A character beyond the first 65536 in a comment of this package."""
 

@@ -178,6 +178,16 @@ def test_code_pages_are_found_and_kept(comment: str, page: str, found: str) -> N
     assert sfc.dumps(project) == data.replace(b"x := 1", b"x := 2")
 
 
+def test_a_guessed_code_page_says_how_sure_it_is() -> None:
+    start, end = f"{HEADER}PROGRAM A\r\nVAR\r\n\tx:INT;\t(* ", " *)\r\nEND_VAR\r\nEND_PROGRAM\r\n"
+    mixed = start.encode() + "счётчик".encode("cp1251") + " Zähler, Größe, Stück".encode("cp1252") + end.encode()
+    project = sfc.loads(mixed)
+    assert "64% of its letters beyond ASCII are in runs" in project.diagnostics[0].message
+    assert sfc.dumps(project) == mixed
+    western = sfc.loads(f"{start}Zähler, Größe{end}".encode("cp1252"))
+    assert "100% of its letters beyond ASCII are alone or in pairs" in western.diagnostics[0].message
+
+
 @pytest.mark.parametrize("number", range(6))
 def test_damaged_files_are_read_and_come_back(number: int) -> None:
     """A file that ends early, lacks a line, or has one twice: never an error of Python, and no byte is lost."""

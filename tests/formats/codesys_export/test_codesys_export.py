@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
@@ -16,6 +16,7 @@ from plcopen_sfc.errors import SfcError, StructureError, XmlSyntaxError
 from plcopen_sfc.model import Action, NamedTransition, Pou, PouKind, Project, StBody, Step, Transition
 from plcopen_sfc.report import Outcome
 from tests.samples import FIXTURES
+from tests.strategies import projects
 
 MIXER = FIXTURES / "codesys-export" / "mixer.export"
 BELT = FIXTURES / "twincat-belt" / "POUs" / "Ablauf_Band.TcPOU"
@@ -272,3 +273,11 @@ def test_a_file_without_one_of_its_elements_is_read_or_refused(number: int) -> N
         assert error.location.line  # noqa: PT017  # either is right
         return
     assert sfc.dumps(project) == data
+
+
+@pytest.mark.slow
+@settings(max_examples=3, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@given(project=projects())
+def test_random_models_come_back(project: Project) -> None:
+    written = sfc.dumps(project, format="codesys-export", partial=True)
+    assert sfc.dumps(sfc.loads(written)) == written

@@ -293,6 +293,9 @@ DAMAGED = {
         "TWC102",
         "Embedded",
     ),
+    "a list without the type of its attributes": (b' cet="SFCAttribute"', b"", "TWC102", "type of its items"),
+    "a list without the type of its elements": (b' cet="SFCSegment"', b"", "TWC102", "type nothing"),
+    "a truth that is none": (b'<v n="Value">"TRUE"</v>', b'<v n="Value">"JA"</v>', "TWC102", "not understood"),
     "no qualifier": (b'"D T#3s"', b'"Q T#3s"', "TWC102", "Q is no qualifier"),
     "a jump to nowhere": (b'"Grundstellung"</v>', b'"Nirgends"</v>', "SFC103", "Grundstellung"),
 }
@@ -308,6 +311,18 @@ def test_damage_is_told_at_its_place(damage: str) -> None:
     assert any(words in each.message for each in found), project.diagnostics
     assert all(each.location.line for each in found)
     assert all((each.location.path or "").startswith("POU Ablauf_Band") for each in found)
+
+
+def test_a_truncated_file_does_not_keep_the_others_from_being_read(tmp_path: Path) -> None:
+    shutil.copytree(BELT, tmp_path / "belt")
+    broken = tmp_path / "belt" / "POUs" / "Ablauf_Band.TcPOU"
+    broken.write_bytes(broken.read_bytes()[:20_000])
+    project = sfc.load(tmp_path / "belt")
+    assert project.global_variables
+    assert project.pous
+    (found,) = [each for each in project.diagnostics if each.severity.value == "error"]
+    assert found.location.line
+    assert found.location.file == str(broken)
 
 
 @pytest.mark.parametrize(
