@@ -32,7 +32,7 @@ from plcopen_sfc.errors import SfcError
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
-from plcopen_sfc.semantics.profile import Profile, default_profile
+from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
 
@@ -93,7 +93,8 @@ def report_running(
             _note_untested(report, there.report_path, *str(verdict).splitlines())
             continue
         report.compared[there.report_path] = str(verdict).splitlines()[0]
-        if verdict.kind is VerdictKind.PROVEN:
+        usual = 1 if profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result has passed other situations
+        if verdict.kind is VerdictKind.PROVEN and abs(verdict.delay.scans) <= usual:
             _note_stability(report, there.report_path)
         if verdict.counterexample is not None:
             report.add(Outcome.APPROXIMATED, "chart", there.report_path, _refused(verdict.counterexample, tool))

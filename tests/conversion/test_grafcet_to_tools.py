@@ -188,6 +188,17 @@ def test_a_proof_says_that_no_step_is_passed() -> None:
     assert [item.outcome for item in report.items if item.what == STABILITY] == ["translated"]
 
 
+def test_a_proof_with_a_delay_does_not_say_so() -> None:
+    """The tool shows the value of a step that a GRAFCET only passes, and has the same values as that from then on."""
+    steps = (
+        "INITIAL STEP 1\n1 -> 2 : 1\nSTEP 2\n    ON ACTIVATION n := 1\n2 -> 3 : 1\nSTEP 3\n    ON ACTIVATION n := 2\n"
+    )
+    project = sfc.loads(f"GRAFCET G\nINTERNALS\n    n : INT\n{steps}".encode())
+    report = sfc.save(project, io.BytesIO(), format="plcopen", limit=20)
+    assert report.compared["POU G"].startswith("equal, second 1 scan later (proof")
+    assert [item.outcome for item in report.items if item.what == STABILITY] == ["approximated"]
+
+
 def test_steps_that_are_only_passed_are_named() -> None:
     text = (
         "GRAFCET G\nINPUTS\n    a\n    b\nINITIAL STEP 1\n1 -> 2 : a\nSTEP 2\n2 -> 3 : b\nSTEP 3\n3 -> 1 : /a * 2s/X3\n"
