@@ -73,7 +73,7 @@ class Editor:
         """Begin a transaction, or a part of the one that is open."""
         if not self._open:
             copy = self.project.model_copy(deep=True) if self._prove else None
-            unused = {each.path for each in name_edits.unused(self.project)} if self._clean else set()
+            unused = {each.path for each in Names(self.project).unused()} if self._clean else set()
             self._before = copy, unused
             self._drawn.clear()
         self._open.append(len(self._journal))
@@ -137,7 +137,7 @@ class Editor:
 
     def _remove_unused(self, kept: Set[str]) -> list[str]:
         gone: list[str] = []
-        while found := [each for each in name_edits.unused(self.project) if each.path not in kept]:
+        while found := [each for each in Names(self.project).unused() if each.path not in kept]:
             name_edits.remove_declared(self._journal, self.project, found)
             gone += [each.path for each in found]  # what only these named is without a use now
         self.removed += gone

@@ -21,7 +21,6 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
-from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import dialect_in, pou_of
@@ -258,38 +257,6 @@ def _project(chart: SfcNetwork) -> Project:
 
 
 # -- what nothing uses
-
-
-def unused(project: Project) -> list[Declaration]:
-    """The actions, named transitions and local variables that nothing in the project names, as far as can be told.
-
-    A name of which it is not known what it means counts for everything of this name.
-    """
-    names = Names(project)
-    used: set[Declaration] = set()
-    doubtful: set[str] = set()
-    for each in names.everything():
-        if each.reference.declares or each.reference.role in (Role.HEAD, Role.OBJECT):
-            continue
-        if each.meaning.declaration is not None:
-            used.add(each.meaning.declaration)
-        elif each.meaning.doubt:
-            doubtful.add(each.reference.name.casefold())
-    return [
-        each
-        for each in names.declarations()
-        if _may_go(each, names) and each not in used and each.name.casefold() not in doubtful
-    ]
-
-
-def _may_go(declaration: Declaration, names: Names) -> bool:
-    pou = declaration.pou
-    if pou is None or names.resolver.scopes.step_of(declaration) is not None:
-        return False
-    if declaration.kind in (Kind.ACTION, Kind.TRANSITION):
-        return id(declaration.holder) in {id(each) for each in (*pou.actions, *pou.transitions)}
-    local = [*pou.variables(SectionKind.LOCAL), *pou.variables(SectionKind.TEMP)]
-    return declaration.kind is Kind.VARIABLE and any(declaration.holder is each for each in local)
 
 
 def undeclared(names: Names, words: Iterable[str]) -> list[Use]:

@@ -10,13 +10,14 @@ from plcopen_sfc.analysis.exclusivity import Truth, truth
 from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
-from plcopen_sfc.languages.binding.name_uses import dialect_of
+from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
 from plcopen_sfc.languages.st.effects import path_of
+from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
@@ -163,6 +164,16 @@ def family(profile: Profile) -> str:
     return max(PROFILES, key=alike)
 
 
+def is_of_the_tool(occurrence: Occurrence) -> bool:
+    """True for names that no project declares: standard blocks, and coils that TIA Portal names itself."""
+    name = occurrence.reference.name
+    return standard_block(name) is not None or name in _COILS
+
+
+_COILS = frozenset({"TrCoil", "IlCoil", "SvCoil"})
+"""What the network of a transition, an interlock and a supervision of S7-GRAPH sets (seen in exports)."""
+
+
 class CheckedProject:
     """A project as the rules on its charts see it: declared variables, and what writes them."""
 
@@ -173,6 +184,26 @@ class CheckedProject:
     def dialect(self) -> Dialect:
         """The dialect in which texts are read."""
         return dialect_of(self.project)
+
+    @cached_property
+    def named(self) -> Names:
+        """What is declared, and where it is named."""
+        return Names(self.project)
+
+    @cached_property
+    def undeclared(self) -> tuple[Occurrence, ...]:
+        """The names that nothing declares, each where it is first."""
+        return tuple(each for each in self.named.undeclared() if not is_of_the_tool(each))
+
+    @cached_property
+    def undeclared_members(self) -> tuple[Occurrence, ...]:
+        """The members that their types do not have."""
+        return tuple(self.named.undeclared_members())
+
+    @cached_property
+    def unused(self) -> tuple[Declaration, ...]:
+        """What only text of the project could use, and none does."""
+        return tuple(self.named.unused())
 
     @cached_property
     def knowledge(self) -> ProjectKnowledge:
@@ -278,6 +309,17 @@ class CheckedChart:
     def knowledge(self) -> Knowledge:
         """Types with their bounds, and constants, of the names in conditions."""
         return self.around.knowledge.at(self.pou, self.chart)
+
+    @cached_property
+    def holders(self) -> dict[int, FindingPlace]:
+        """The places of steps and transitions by the objects (`id`) that hold their texts."""
+        found: dict[int, FindingPlace] = {}
+        for sheet in self.sheets:
+            elements: list[Step | Transition] = [*sheet.chart.steps, *sheet.chart.transitions]
+            for element in elements:
+                for text in texts_in(element, self.dialect):
+                    found.setdefault(id(text.text_site.holder), sheet.at(element))
+        return found
 
     @cached_property
     def steps_of_pou(self) -> frozenset[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -22,7 +23,11 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextS
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.types import DerivedType, StructType, Variable
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Use
 
 
@@ -134,6 +139,36 @@ class Names:
                     found.add(name)
                     yield Occurrence(text_site, reference, meaning)
 
+    def undeclared_members(self) -> Iterator[Occurrence]:
+        """The names behind dots that a type, a list or a block, which the project declares, does not have."""
+        for occurrence in self.everything():
+            base, meaning = occurrence.reference.base, occurrence.meaning
+            if base is not None and meaning.declaration is None and not meaning.doubt:
+                type_ = self.resolver.type_of(base, occurrence.text_site.site, occurrence.reference.name)
+                if isinstance(type_, Level | StructType | Pou):
+                    yield occurrence
+
+    def unused(self) -> list[Declaration]:
+        """The actions, named transitions and local variables that nothing in the project names, as far as can be told.
+
+        A name of which it is not known what it means counts for everything of this name. Variables that the tool uses
+        itself are left out: those of steps, SFC flags, data of S7-GRAPH, and those with an address.
+        """
+        used: set[Declaration] = set()
+        doubtful: set[str] = set()
+        for each in self.everything():
+            if each.reference.declares or each.reference.role in (Role.HEAD, Role.OBJECT):
+                continue
+            if each.meaning.declaration is not None:
+                used.add(each.meaning.declaration)
+            elif each.meaning.doubt:
+                doubtful.add(each.reference.name.casefold())
+        return [
+            each
+            for each in self.declarations()
+            if _is_for_text(each) and each not in used and each.name.casefold() not in doubtful
+        ]
+
     def text_sites(self) -> list[TextSite]:
         """Every text that may name something."""
         if self._text_sites is None:
@@ -177,6 +212,24 @@ class Names:
             for declaration in self.declarations():
                 self._by_path.setdefault(declaration.path.casefold(), []).append(declaration)
         return self._by_path.get(path.casefold(), [])
+
+
+def _is_for_text(declaration: Declaration) -> bool:
+    """True if nothing but text of the project can use what is declared: an action, a condition, a local variable."""
+    pou, holder = declaration.pou, declaration.holder
+    if pou is None:
+        return False
+    if not isinstance(holder, Variable):
+        return id(holder) in {id(each) for each in (*pou.actions, *pou.transitions)}
+    own = any(holder is each for kind in _LOCAL for each in pou.variables(kind))
+    type_ = holder.type.name if isinstance(holder.type, DerivedType) else ""
+    return own and not holder.address and not _OF_TOOLS.fullmatch(type_) and holder.name.casefold() not in _FLAGS
+
+
+_LOCAL = (SectionKind.LOCAL, SectionKind.TEMP)
+_OF_TOOLS = re.compile(r"G7_\w+|SFC(?:Step|Action)Type", re.IGNORECASE)
+"""Types of variables that S7-GRAPH, and CODESYS on demand, declare for themselves."""
+_FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 
 
 def find_uses(project: Project, what: Declaration | Model | str) -> list[Use]:

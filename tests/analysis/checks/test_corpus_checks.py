@@ -23,6 +23,9 @@ EXPECTED: dict[str, dict[str, int]] = {
         "STR06": 2,
         "STR09": 2,
         "STR14": 1,
+        "VAR01": 4,
+        "VAR02": 2,
+        "VAR03": 7,
     },
     "codesys": {
         "ACT01": 2,
@@ -40,8 +43,9 @@ EXPECTED: dict[str, dict[str, int]] = {
         "STR07": 1,
         "STR13": 1,
         "STR15": 10,
+        "VAR03": 80,
     },
-    "simaticml": {"ACT10": 2, "CND02": 29, "EVO01": 4, "EVO02": 3, "LOW01": 3, "SEL03": 5, "STR11": 1},
+    "simaticml": {"ACT10": 2, "CND02": 29, "EVO01": 4, "EVO02": 3, "LOW01": 3, "SEL03": 5, "STR11": 1, "VAR02": 5},
     "iectext": {
         "ACT04": 2,
         "CND02": 37,
@@ -58,6 +62,8 @@ EXPECTED: dict[str, dict[str, int]] = {
         "STR11": 5,
         "STR13": 1,
         "STR14": 4,
+        "VAR01": 2,
+        "VAR03": 50,
     },
 }
 """How many findings of each rule there are in the files of each format. A change here is a change of what people see:

@@ -15,6 +15,7 @@ from plcopen_sfc.model import (
     ActionEvent,
     ActionKind,
     BodyCondition,
+    Dialect,
     Enclosure,
     Expression,
     ForcedSituation,
@@ -36,9 +37,13 @@ from plcopen_sfc.model import (
     Step,
     Supervised,
     Transition,
+    Variable,
+    VariableSection,
 )
 from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.network import Connection, InputPin
+from plcopen_sfc.refactor.builder import jump
+from plcopen_sfc.refactor.builder import step as step_part
 from tests.analysis.checks.charts import project_of, ring
 
 Subject = Project | SfcNetwork
@@ -696,6 +701,58 @@ case(
 )
 UNUSED = "EXPANSION M3 FROM E3 TO S3\nSTEP E3\nSTEP S3\nENCLOSED G2\nSTEP 20"
 case("HIE08", grafcet(UNUSED), grafcet("MACRO M3\nSTEP 2 ENCLOSES G2{20}\n" + UNUSED), "never active", "grafcet")
+
+
+# -- names
+
+BOOLS = "VAR_INPUT Start, b : BOOL; END_VAR"
+case(
+    "VAR01", steps(condition="Strat", declared=BOOLS), steps(condition="Start", declared=BOOLS), "'Strat' names nothing"
+)
+case("VAR01", steps(condition="Strat", declared=BOOLS), steps(condition="Start", declared=BOOLS), "'Strat' names no")
+case(
+    "VAR01",
+    steps("Strt(N);", condition="b", declared=BOOLS),
+    steps("Start(N);", condition="b", declared=BOOLS),
+    "'Strt' names nothing",
+)
+case("VAR02", steps(condition="Go"), steps(condition="Go", declared="VAR Go, b : BOOL; END_VAR"), "elsewhere: b, Go")
+
+
+def plant(text: str, *, globals: str = "", actions: str = "Rinse") -> Callable[[], Subject]:
+    """A program for CODESYS whose step does `text`, in a project with global variables and actions of these names."""
+
+    def make() -> Project:
+        project = Project(name="Plant", dialect=Dialect.CODESYS)
+        if globals:
+            variables = [Variable(name=name, type="BOOL") for name in globals.split()]
+            project.global_variables.append(VariableSection(name="GVL", variables=variables))
+        code = [("N Act", text), *(("N " + name, "x := TRUE;") for name in actions.split())]
+        pou = project.add_program(
+            "Main", step_part("S1", initial=True, actions=code), "b", step_part("S2"), "b", jump("S1")
+        )
+        pou.add_variable("x")
+        return project
+
+    return make
+
+
+def unused() -> Project:
+    project = plant("x := b;")()
+    assert isinstance(project, Project)
+    pou = project.pou("Main")
+    pou.add_action("Flush", "x := FALSE;")
+    pou.add_variable("SFCInit")  # a flag: the tool uses it
+    return project
+
+
+case(
+    "VAR01", plant("x := GVL.Stat;", globals="State"), plant("x := GVL.State;", globals="State"), "'Stat' is no member"
+)
+case("VAR01", plant("x := S9.x;", globals="State"), plant("x := S2.x;", globals="State"), "'S9' names no step")
+case("VAR01", plant("x := Other;", globals="State"), plant("x := State;", globals="State"), "'Other' names nothing")
+case("VAR02", plant("x := GVL.State; y();"), plant("x := GVL.State;", globals="State"), "declared elsewhere: GVL, y")
+case("VAR03", unused, plant("x := b;"), "nothing uses the action 'Flush'")
 
 
 def remark(comment: str) -> Callable[[], Subject]:

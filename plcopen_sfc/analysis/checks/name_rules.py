@@ -1,0 +1,156 @@
+"""Rules on the names in charts and in the code of their POUs: undeclared ones, and what nothing names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
+
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProject, Finding, FindingPlace, Rule
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.binding.name_uses import Occurrence
+from plcopen_sfc.languages.binding.symbols import Declaration
+from plcopen_sfc.languages.binding.text_sites import Role
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import DataBlockKind, Pou
+from plcopen_sfc.model.sfc import Step
+
+_ALIKE = 0.84
+_LISTED = 12
+
+
+def is_partial(around: CheckedProject, pou: Pou) -> bool:
+    """True if the file of a POU may leave out what is declared elsewhere: it declares nothing global.
+
+    In IEC 61131-3 a POU names what is global itself, in VAR_EXTERNAL: there a POU is partial that declares nothing.
+    """
+    project = around.project
+    sections = any(section.variables for section in project.global_sections())
+    blocks = any(block.kind is DataBlockKind.GLOBAL for block in project.data_blocks)
+    if sections or blocks or any(table.tags or table.constants for table in project.tag_tables):
+        return False
+    return project.dialect is not Dialect.IEC or not pou.variables()
+
+
+def _place(chart: CheckedChart, occurrence: Occurrence) -> FindingPlace:
+    site = occurrence.text_site
+    known = chart.holders.get(id(site.holder))
+    return known if known is not None else FindingPlace(site.report_path, chart.root.place.elements)
+
+
+def _own(chart: CheckedChart, found: Iterable[Occurrence]) -> Iterator[Occurrence]:
+    """The occurrences in a chart; in the first chart of a POU also those in code of the POU that is in no chart."""
+    if chart.pou is None or not chart.pou.name:
+        return
+    charts = {id(sheet.chart) for sheet in chart.sheets}
+    is_first = next((each for each in chart.around.charts_of(chart.pou)), None) is chart.chart
+    for each in found:
+        site = each.text_site.site
+        inside = [each for each in site.charts if id(each) in charts]
+        if site.pou is chart.pou and (inside or (is_first and not site.charts)):
+            yield each
+
+
+def _like(chart: CheckedChart, occurrence: Occurrence) -> str:
+    """A declared name that is nearly the same, and visible where the other is."""
+    around, name = chart.around, occurrence.reference.name
+    levels = around.named.resolver.levels(occurrence.reference, occurrence.text_site)
+    visible = {each.name.casefold(): each.name for level in levels for each in level}
+    found = get_close_matches(name.casefold(), visible, 1, _ALIKE)
+    return visible[found[0]] if found else ""
+
+
+def _undeclared(chart: CheckedChart) -> Iterator[Finding]:
+    partial = chart.pou is not None and is_partial(chart.around, chart.pou)
+    for each in _own(chart, chart.around.undeclared):
+        name, like = each.reference.name, _like(chart, each)
+        if (partial and not like) or _has_its_rule(each):
+            continue  # VAR02 lists it
+        what = "no step" if each.reference.access.casefold() in _OF_STEPS else "nothing"
+        hint = f"Did you mean {like!r}?" if like else ""
+        yield Finding(_place(chart, each), f"{name!r} names {what} that the project declares", hint)
+    for each in _own(chart, chart.around.undeclared_members):
+        like = _like(chart, each)
+        hint = f"Did you mean {like!r}?" if like else ""
+        yield Finding(_place(chart, each), f"{each.reference.name!r} is no member of what is before it", hint)
+
+
+def _has_its_rule(occurrence: Occurrence) -> bool:
+    """True for what CND07, CND08 and ACT09 find: named conditions, steps in conditions, actions of steps."""
+    reference, holder = occurrence.reference, occurrence.text_site.holder
+    asks = isinstance(holder, Expression) and reference.access.casefold() in _OF_STEPS
+    return asks or reference.role is Role.TRANSITION or isinstance(holder, Step)
+
+
+_OF_STEPS = frozenset({"x", "t"})
+
+
+def _externals(chart: CheckedChart) -> Iterator[Finding]:
+    if chart.pou is None or not is_partial(chart.around, chart.pou):
+        return
+    found = [each for each in _own(chart, chart.around.undeclared) if not _like(chart, each)]
+    if found:
+        names = sorted({each.reference.name for each in found}, key=str.casefold)
+        shown = ", ".join(names[:_LISTED]) + (f" and {len(names) - _LISTED} more" if len(names) > _LISTED else "")
+        yield Finding(chart.root.place, f"declared elsewhere: {shown}")
+
+
+def _unused(chart: CheckedChart) -> Iterator[Finding]:
+    pou = chart.pou
+    if pou is None or next((each for each in chart.around.charts_of(pou)), None) is not chart.chart:
+        return
+    for each in chart.around.unused:
+        if each.pou is pou:
+            path = f"{pou.report_path} / {each.kind} {each.name}"
+            yield Finding(FindingPlace(path, (*_elements(each), pou)), f"nothing uses the {each.kind} {each.name!r}")
+
+
+def _elements(declaration: Declaration) -> tuple[Element, ...]:
+    return (declaration.holder,) if isinstance(declaration.holder, Element) else ()
+
+
+_RING = """
+INITIAL_STEP S1: %s END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := %s; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+"""
+_DECLARED = "VAR_INPUT Start, b : BOOL; END_VAR\n"
+
+VAR01 = Rule(
+    code="VAR01",
+    title="Names are declared",
+    why="A name that nothing declares does not compile: a typing error, or the rest of what was renamed or deleted by "
+    "hand. Each name is found once, in the chart or in code of its POU; members of types and blocks too. Names of "
+    "a file that declares nothing global are VAR02, but for those that are nearly the same as a declared one.",
+    hint="Declare it, or correct the name.",
+    example=_DECLARED + _RING % ("", "Strat"),
+    check=_undeclared,
+    severity=Severity.WARNING,
+    severities={"grafcet": None},
+)
+
+VAR02 = Rule(
+    code="VAR02",
+    title="What a partial export names is declared elsewhere",
+    why="An export of some blocks lacks the global variables, tags and data blocks that these name. One finding lists "
+    "them for each chart: the names that must be there where the file is imported.",
+    hint="Export them too, where names shall be checked and renamed with the chart.",
+    example="a block in CODESYS that names GVL.Start, in an export without lists of global variables",
+    check=_externals,
+    severity=Severity.INFO,
+    severities={"grafcet": None},
+)
+
+VAR03 = Rule(
+    code="VAR03",
+    title="Actions, named conditions and local variables are used",
+    why="What nothing names is left over, or was meant to be used. Not found are variables with an address, and those "
+    "that tools use themselves: SFC flags, and data of S7-GRAPH.",
+    hint="Remove it: `project.edit().remove_unused()` removes all of them.",
+    example="a program with an action Rinse that no step and no code names",
+    check=_unused,
+    severity=Severity.INFO,
+    severities={"grafcet": None},
+)
