@@ -7,6 +7,7 @@ from plcopen_sfc.analysis.verdict import (
     VerdictKind as VerdictKind,
 )
 from plcopen_sfc.api import (
+    check_import as check_import,
     check_syntax as check_syntax,
     convert as convert,
     dumps as dumps,

@@ -6,16 +6,17 @@ import io
 from collections.abc import Collection
 from typing import TYPE_CHECKING
 
-from plcopen_sfc.diagnostics import Diagnostic
+from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.documents.file_documents import read_document
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.documents.storage import SaveOptions, Source, load_project, save_project
-from plcopen_sfc.errors import check_argument
+from plcopen_sfc.errors import Location, UnknownFormatError, check_argument, nearest
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import ConversionReport, Converted
+from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.report import ConversionReport, Converted, Outcome
 
 if TYPE_CHECKING:
     from plcopen_sfc.documents.folder_projects import Progress
@@ -164,6 +165,59 @@ def convert(
         at_rest=at_rest,
     )
     return Converted(content.getvalue(), report)
+
+
+_IMPORTERS = {
+    "codesys": ("codesys", ""),
+    "twincat": ("codesys", ""),
+    "codesys23": ("codesys23", ""),
+    "beremiz": ("plcopen", "beremiz"),
+    "openplc": ("plcopen", "beremiz"),
+    "matiec": ("iec-text", "matiec"),
+    "tia": ("simaticml", ""),
+}
+"""The format, and the flavour of it, that a tool imports."""
+_DISTURBING = {Outcome.NOT_EXECUTED: Severity.ERROR, Outcome.APPROXIMATED: Severity.WARNING}
+
+
+def check_import(project: Project, tool: str) -> list[Diagnostic]:
+    """Return what a tool would not do of a project, or is not known to read, before anything is imported.
+
+    `tool` is ``codesys``, ``twincat``, ``codesys23``, ``beremiz``, ``openplc``, ``matiec``, ``tia``, or a version of it
+    such as ``tia-V16``. What `convert` would lose is an error (IMP001), what it would approximate a warning (IMP002);
+    what it would write in other terms is one note an object (IMP003): the tool reads that from the converted file only.
+    A file in another format than that of the tool is an error (IMP004). No tool was asked: the conditions are those
+    that are documented, or seen in exports. Raises `UnknownFormatError` for another tool.
+    """
+    name, _, version = tool.partition("-")
+    if name not in _IMPORTERS:
+        near = nearest(name, _IMPORTERS)
+        raise UnknownFormatError(f"no tool is called {tool!r}{near}", hint=f"There are: {', '.join(_IMPORTERS)}.")
+    format, flavour = _IMPORTERS[name]
+    report = convert(project, format, flavour=flavour, tia=version, partial=True, fresh=True).report
+    file = project.source.path if project.source is not None else None
+    found = [
+        Diagnostic(
+            "IMP001" if item.outcome is Outcome.NOT_EXECUTED else "IMP002",
+            _DISTURBING[item.outcome],
+            f"{item.what}: {item.why}",
+            Location(item.file or file, line=item.line, path=item.path),
+        )
+        for item in report.losses
+    ]
+    kind = project.source.format if project.source is not None else format
+    if kind != format and not (kind == "twincat" == name):
+        hint = f"plcopen-sfc convert --to {format}{f' --for {flavour}' if flavour else ''} writes one that it reads."
+        text = f"the file is {kind}, and {tool} imports {format}"
+        found.append(Diagnostic("IMP004", Severity.ERROR, text, Location(file), hint))
+    else:
+        others: dict[str, list[str]] = {}
+        for item in report.with_outcome(Outcome.TRANSLATED):
+            others.setdefault(ObjectPath.of(item.path).owner, []).append(item.what)
+        for owner, kinds in others.items():
+            text = f"convert writes something in other terms here: {', '.join(dict.fromkeys(kinds))}"
+            found.append(Diagnostic("IMP003", Severity.INFO, text, Location(file, path=owner)))
+    return found
 
 
 def check_syntax(project: Project) -> list[Diagnostic]:

@@ -150,3 +150,26 @@ def test_an_unknown_name_gets_the_nearest(call, message):
 def test_a_profile_of_a_wrong_type_is_an_error_of_ours():
     with pytest.raises(sfc.ArgumentError, match="a profile is a Profile or the name of one, not 3"):
         sfc.simulate(one_step(), profile=3)
+
+
+def imported(project: sfc.Project, tool: str) -> list[tuple[str, str]]:
+    return [(each.code, each.severity.value) for each in sfc.check_import(project, tool)]
+
+
+def test_what_a_tool_would_not_do_of_a_file_is_told_before_the_import():
+    drill = sfc.load(ROOT / "fixtures" / "simaticml" / "FB_Drill.xml")
+    assert imported(drill, "tia") == imported(drill, "tia-V16") == []
+    assert imported(sfc.load(CONVEYOR), "codesys") == imported(sfc.load(CONVEYOR), "twincat") == []
+    found = {each.message.partition(" has ")[0]: each for each in sfc.check_import(drill, "codesys")}
+    assert found["operating input: INIT_SQ"].code == "IMP001"
+    assert found["operating input: INIT_SQ"].location.line == 23
+    assert ("IMP002", "warning") in imported(drill, "codesys")  # a second sequence
+    assert ("IMP004", "error") in imported(drill, "codesys")
+    assert ("IMP003", "info") in imported(sfc.load(FILLING), "beremiz")
+    with pytest.raises(sfc.SfcError, match="did you mean 'codesys'"):
+        sfc.check_import(drill, "codesis")
+
+
+def test_a_file_made_in_python_is_of_the_format_of_its_tool():
+    project = sfc.Project(pous=[sfc.Pou(name="Main", kind="program", bodies=[sfc.StBody(text=";")])])
+    assert imported(project, "codesys") == []

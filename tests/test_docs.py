@@ -164,7 +164,7 @@ def test_ci_runs_the_test_command_of_the_readme() -> None:
 def codes_in_use() -> set[str]:
     sources = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "plcopen_sfc").rglob("*.py"))
     return set(
-        re.findall(r"[\"'`]((?:SFC|XML|CDS|XSD|JSN|IEC|SCL|EXP|CEX|GRF|LST|TWC|LNG|DIR|LOW)\d{3})[\"'`]", sources)
+        re.findall(r"[\"'`]((?:SFC|XML|CDS|XSD|JSN|IEC|IMP|SCL|EXP|CEX|GRF|LST|TWC|LNG|DIR|LOW)\d{3})[\"'`]", sources)
     )
 
 

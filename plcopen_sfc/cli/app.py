@@ -101,6 +101,8 @@ def _info(  # noqa: PLR0917  # typer calls it by name
 
 def _validate(
     files: o.Files,
+    *,
+    tool: o.Importer = "",
     report: o.Report = None,
     as_json: o.AsJson = False,
     quiet: o.Quiet = False,
@@ -108,12 +110,13 @@ def _validate(
 ) -> None:
     """Check files against the schema of their format.
 
-    Also reports charts that cannot be executed and program text that cannot be parsed.
+    Also reports charts that cannot be executed and program text that cannot be parsed; with --for what a tool would not
+    do of them.
     """
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
         from plcopen_sfc.cli.commands import validate  # noqa: PLC0415
 
-        screen.exit_code = validate.run(screen, files)
+        screen.exit_code = validate.run(screen, files, tool)
 
 
 def _check(  # noqa: PLR0917  # typer calls it by name

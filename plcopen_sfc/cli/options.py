@@ -54,6 +54,10 @@ To = Annotated[
 For = Annotated[
     str, _option("--for", "Write for a tool that reads less: beremiz or matiec.", "TOOL", autocompletion=_flavours)
 ]
+Importer = Annotated[
+    str,
+    _option("--for", "Also tell what this tool would not do of the file: codesys, twincat, beremiz, tia-V16.", "TOOL"),
+]
 Tia = Annotated[str, _option("--tia", "Write for this version of TIA Portal, such as V16.", "VERSION")]
 AcceptErrors = Annotated[
     bool, _option("--accept-errors", "Write what could be read of a file in which reading finds errors.")

@@ -352,3 +352,12 @@ class TestRules:
 
     def test_unknown(self, cli):
         assert cli("rules", "STR99").code == 2
+
+
+def test_validate_for_a_tool_tells_what_it_would_not_do(cli, fixtures):
+    assert cli("validate", "simaticml/FB_Drill.xml", "--for", "tia-V16").code == 0
+    told = cli("validate", "simaticml/FB_Drill.xml", "--for", "twincat", "--json")
+    (file,) = json.loads(told.out)["files"]
+    assert (told.code, file["valid"]) == (1, False)
+    assert {"IMP001", "IMP002", "IMP004"} == {finding["code"] for finding in file["findings"]}
+    assert cli("validate", "simaticml/FB_Drill.xml", "--for", "eplan").code == 2
