@@ -31,6 +31,7 @@ from plcopen_sfc.files import refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou, lower_project
 from plcopen_sfc.lowering.chart_lowering import faults_of
+from plcopen_sfc.lowering.code_header import with_headers
 from plcopen_sfc.lowering.construction import errors_of
 from plcopen_sfc.lowering.project_lowering import LoweringOptions
 from plcopen_sfc.lowering.proof import ProofOptions, refuse_untested
@@ -75,7 +76,7 @@ def save_lowered(lowered: LoweredPou, target: Source, **options: Unpack[SaveOpti
     with tempfile.TemporaryDirectory() as folder:
         draft = _Draft(lowered.project, target, Path(folder), options)
         proven = draft.proven(lowered, lowered.proof_options)
-        report = draft.put_in_place()
+        report = draft.put_in_place([proven])
     report.compared[lowered.pou.report_path_of(lowered.name)] = str(proven.proof)
     return report
 
@@ -128,7 +129,7 @@ def lower_to_file(
                 continue  # code of a refused chart is in the draft: all is lowered again without it
             if not pous or stopped or (refused and not skip_refused):
                 return LoweredFile(None, pous, refused, draft.report)
-            return LoweredFile(target, pous, refused, draft.put_in_place())
+            return LoweredFile(target, pous, refused, draft.put_in_place(pous))
 
 
 class _Draft:
@@ -192,10 +193,12 @@ class _Draft:
     def _seen(self) -> Project:
         return load_project(self._path, format=self._format, as_tool=True)
 
-    def put_in_place(self) -> ConversionReport:
-        """Write what the draft holds to the target."""
+    def put_in_place(self, lowered: Iterable[LoweredPou]) -> ConversionReport:
+        """Write what the draft holds to the target, with a header at the code of each of `lowered`."""
+        headed = with_headers(self._project, lowered)
         if self._is_folder:  # a folder that exists keeps the files that are none of the project's
-            return save_project(self._project, self._target, **self._options)
+            return save_project(headed, self._target, **self._options)
+        save_project(headed, self._path, **self._options)
         content = self._path.read_bytes()
         if isinstance(self._target, str | os.PathLike):
             write_atomic(self._target, content)

@@ -9,8 +9,8 @@ mean the same there: what it reads may not have been written since it was comput
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from plcopen_sfc.languages.problems import Lines
@@ -195,6 +195,12 @@ class CurrentResult:
         self.waiting: list[tuple[str, n.Expression]] = []
         self._text = text
 
+    def copy(self) -> CurrentResult:
+        """Return the same, to be followed on another way."""
+        found = CurrentResult(self._text)
+        found.current, found.waiting = self.current, [*self.waiting]
+        return found
+
     def take(self, instruction: Instruction) -> bool:
         """Follow an instruction; False if it is one that no expression has."""
         word = instruction.operator.upper()
@@ -241,30 +247,109 @@ _OF_BLOCKS = frozenset({"S1", "R1", "CLK", "CU", "CD", "PV", "IN", "PT"})
 """Operators that are inputs of a function block in IEC 61131-3 (ed. 2, table 54): another word is a function."""
 
 
-def statements(text: str, dialect: Dialect) -> n.Statements | None:
-    """Return the statements that do what the instructions do; None where there are jumps, or where none are known."""
-    found = _Statements(text)
-    if all(found.follow(each) for each in instructions(text, dialect)) and not found.result.waiting:
-        return n.Statements(tuple(found.statements))
-    return None
+def statements(text: str, dialect: Dialect, *, among_others: bool = False) -> n.Statements | None:
+    """Return the statements that do what the instructions do; None where they jump back, or where none are known.
+
+    `among_others`: other statements follow, so that RET must not leave them too.
+    """
+    found = _Statements(text, tuple(instructions(text, dialect)), among_others=among_others)
+    done = found.run(0, found.end, CurrentResult(text))
+    return n.Statements(tuple(done)) if done is not None else None
+
+
+_RETURNS = frozenset({"RET", "RETC", "RETCN"})
 
 
 class _Statements:
-    def __init__(self, text: str) -> None:
-        self.result = CurrentResult(text)
-        self.statements: list[n.Statement] = []
+    """Statements of instructions. Jumps forward become IF and ELSE, which end where both ways meet again."""
+
+    def __init__(self, text: str, found: tuple[Instruction, ...], *, among_others: bool) -> None:
+        self._text, self._instructions, self._among_others = text, found, among_others
+        self.end = len(found)
+        labels = {each.label.casefold(): place for place, each in enumerate(found) if each.label}
+        self._targets = {place: self._target(each, labels) for place, each in enumerate(found)}
+        self._joins = sorted({place for place in self._targets.values() if place is not None} | {self.end})
+
+    def _target(self, instruction: Instruction, labels: Mapping[str, int]) -> int | None:
+        """Return where an instruction jumps to, -1 if that is not known; None if it does not jump."""
+        word = instruction.operator.upper()
+        if word in _RETURNS and self._among_others:
+            return self.end
+        if word not in JUMPS:
+            return None
+        trees = [operand.parsed.tree for operand in instruction.operands]
+        match trees:
+            case [n.Name(label)]:
+                return labels.get(label.casefold(), -1)
+        return -1
+
+    def run(self, start: int, end: int, result: CurrentResult) -> list[n.Statement] | None:
+        """Return the statements from an instruction on until `end`; None if they leave that otherwise."""
+        done: list[n.Statement] = []
+        place = start
+        while place < end:
+            instruction, target = self._instructions[place], self._targets[place]
+            if place in self._joins and place > start:  # the result is that of one way or of the other
+                if result.waiting:
+                    return None
+                result = CurrentResult(self._text)
+            if target is None:
+                if not _Following(result, done).follow(replace(instruction, label="")):
+                    return None
+                place += 1
+                continue
+            word = instruction.operator.upper()
+            if result.waiting or not place < target <= end:
+                return None
+            if word in ("JMP", "RET"):
+                place = target
+                continue
+            meeting = self._parted(place, target, end, result, done)
+            if meeting is None:
+                return None
+            place = meeting
+        return done if not result.waiting else None
+
+    def _parted(self, place: int, target: int, end: int, result: CurrentResult, done: list[n.Statement]) -> int | None:
+        """Append both ways on from a conditional jump, and return where they meet; None if they do not."""
+        if result.current is None:
+            return None
+        for meeting in (each for each in self._joins if target <= each <= end):
+            going_on = self.run(place + 1, meeting, result.copy())
+            jumping = self.run(target, meeting, CurrentResult(self._text))
+            if going_on is None or jumping is None:
+                continue
+            leaps = result.current if not self._instructions[place].operator.upper().endswith("N") else None
+            condition = leaps if leaps is not None else negated(result.current)
+            if jumping:
+                otherwise = tuple(going_on) or None
+                done.append(n.If((n.Branch(condition, tuple(jumping)),), otherwise))
+            elif going_on:
+                stays = negated(result.current) if leaps is not None else result.current
+                done.append(n.If((n.Branch(stays, tuple(going_on)),)))
+            return meeting
+        return None
+
+
+class _Following:
+    """Instructions without jumps, one after the other: `statements` are those so far."""
+
+    def __init__(self, result: CurrentResult, statements: list[n.Statement]) -> None:
+        self.result, self.statements = result, statements
 
     def follow(self, instruction: Instruction) -> bool:
         """Follow an instruction; False if it is one that no statement has."""
         word = instruction.operator.upper()
         trees = [operand.parsed.tree for operand in instruction.operands]
-        if instruction.label or any(operand.parsed.problems for operand in instruction.operands):
+        if any(operand.parsed.problems for operand in instruction.operands):
             return False
+        if not word and not trees:  # a label that stands alone
+            return True
         if word in ("ST", "STN", "S", "R"):
             return len(trees) == 1 and self._store(word, trees[0])
         if word in CALLS:
             return len(trees) == 1 and self._call(word, trees[0])
-        if word in ("RET", "RETC", "RETCN"):
+        if word in _RETURNS:
             return self._when(word.removeprefix("RET"), n.Return())
         return word not in _OF_BLOCKS and self.result.take(instruction)
 

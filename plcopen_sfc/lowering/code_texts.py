@@ -164,6 +164,8 @@ class Texts:
     moving_comment = "a transition was cleared"
     unstable = "unstable"
     unstable_comment = "no stable situation was found"
+    not_compared = "Not compared with the chart."
+    read_flags = "X.. are the active steps, T.. the transitions that fire in this scan."
 
     def captions(self, *texts: Text | None) -> str:
         """Return captions of the chart in this language where they have it, each once."""
@@ -268,6 +270,44 @@ class Texts:
     def action(self, name: str) -> str:
         """Return the title of an action's network."""
         return f"Action {name}"
+
+    # -- the header of code in a file
+
+    def made_of(self, chart: str, source: str, version: str) -> str:
+        """Return what the code was made of, and by what."""
+        return f"Chart {chart}{f' of {source}' if source else ''}, as code by plcopen-sfc {version}."
+
+    def read_states(self, variables: Sequence[str]) -> str:
+        """Return what the variables of states mean."""
+        if len(variables) == 1:
+            return f"{variables[0]} is the active step."
+        return f"{', '.join(variables)} are the active steps, one of each part of the chart."
+
+    def read_branches(self, *, actions: bool) -> str:
+        """Return how a CASE is read. `actions`: its branches have what steps do."""
+        if actions:
+            return "A branch of CASE is a step: what it does, then its transitions in their order."
+        return "A branch of CASE is a step with its transitions in their order; what steps do comes behind."
+
+    def compared(self, profile: str, verdict: str, resting: Sequence[str]) -> str:
+        """Return the verdict of the comparison, and the inputs that were FALSE in it."""
+        while_ = f", while {', '.join(resting)} {'is' if len(resting) == 1 else 'are'} FALSE" if resting else ""
+        return f"Compared with the chart under the profile {profile}: {verdict}{while_}."
+
+    def proven(self, states: int) -> str:
+        """Return the verdict of a proof."""
+        return f"equal, proven in {states} states with all inputs"
+
+    def tested(self, runs: int, scans: int) -> str:
+        """Return the verdict of directed runs."""
+        return f"equal in {runs} directed runs of {scans} scans, not proven"
+
+    def reached(self, counts: Mapping[str, tuple[int, int]]) -> str:
+        """Return how much of the chart the comparison has reached, by ``step``, ``transition`` and ``action``."""
+        parts = [
+            f"{reached} of {all_} {kind}s" for kind, (reached, all_) in counts.items() if kind in _REACHED and all_
+        ]
+        return f"Reached: {', '.join(parts)}."
 
 
 class GermanTexts(Texts):
@@ -393,6 +433,8 @@ class GermanTexts(Texts):
     moving_comment = "eine Transition hat geschaltet"
     unstable = "instabil"
     unstable_comment = "es wurde keine stabile Situation gefunden"
+    not_compared = "Nicht mit dem Ablauf verglichen."
+    read_flags = "X.. sind die aktiven Schritte, T.. die Transitionen, die in diesem Zyklus schalten."
 
     def set_while(self, condition: str) -> str:
         """Return the comment of an action with a condition."""
@@ -444,6 +486,43 @@ class GermanTexts(Texts):
         """Return the title of an action's network."""
         return f"Aktion {name}"
 
+    def made_of(self, chart: str, source: str, version: str) -> str:
+        """Return what the code was made of, and by what."""
+        return f"Ablauf {chart}{f' aus {source}' if source else ''}, als Code von plcopen-sfc {version}."
+
+    def read_states(self, variables: Sequence[str]) -> str:
+        """Return what the variables of states mean."""
+        if len(variables) == 1:
+            return f"{variables[0]} ist der aktive Schritt."
+        return f"{', '.join(variables)} sind die aktiven Schritte, einer für jeden Teil des Ablaufs."
+
+    def read_branches(self, *, actions: bool) -> str:
+        """Return how a CASE is read. `actions`: its branches have what steps do."""
+        if actions:
+            return "Ein Zweig von CASE ist ein Schritt: was er tut, dann seine Transitionen der Reihe nach."
+        return "Ein Zweig von CASE ist ein Schritt mit seinen Transitionen; was Schritte tun, kommt dahinter."
+
+    def compared(self, profile: str, verdict: str, resting: Sequence[str]) -> str:
+        """Return the verdict of the comparison, and the inputs that were FALSE in it."""
+        while_ = f", solange {', '.join(resting)} FALSE {'ist' if len(resting) == 1 else 'sind'}" if resting else ""
+        return f"Verglichen mit dem Ablauf unter dem Profil {profile}: {verdict}{while_}."
+
+    def proven(self, states: int) -> str:
+        """Return the verdict of a proof."""
+        return f"gleich, bewiesen in {states} Zuständen mit allen Eingängen"
+
+    def tested(self, runs: int, scans: int) -> str:
+        """Return the verdict of directed runs."""
+        return f"gleich in {runs} gezielten Läufen mit {scans} Zyklen, nicht bewiesen"
+
+    def reached(self, counts: Mapping[str, tuple[int, int]]) -> str:
+        """Return how much of the chart the comparison has reached, by ``step``, ``transition`` and ``action``."""
+        parts = [f"{found} von {all_} {_REACHED[k]}" for k, (found, all_) in counts.items() if k in _REACHED and all_]
+        return f"Erreicht: {', '.join(parts)}."
+
+
+_REACHED = {"step": "Schritten", "transition": "Transitionen", "action": "Aktionen"}
+"""What a header counts, with its German words."""
 
 TEXTS = {"en": Texts(), "de": GermanTexts()}
 """The texts by language."""

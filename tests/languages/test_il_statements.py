@@ -35,7 +35,7 @@ def test_statements(text: str, expected: str) -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "LD a\nJMPC m\nm: LD b",
+        "m: LD a\nJMPC m",
         "LD a\nAND b\nSTN a\nST c",  # the result would be computed from what was written
         "LD t.Q\nCAL t(IN := a)\nST q",
         "LD a\nAND( b\nST a\n)\nST q",
@@ -71,3 +71,11 @@ def test_random_instructions_do_the_same() -> None:
         proven += verdict.proven
     assert translated > 30
     assert proven > 20
+
+
+def test_jumps_forward_are_if_and_else() -> None:
+    over = "LD a\nJMPC m\nLD b\nST q\nm: LD c\nST r"
+    assert shown(over) == "IF NOT a THEN\n    q := b;\nEND_IF;\nr := c;"
+    both = "LD a\nJMPCN m\nLD b\nST q\nJMP e\nm: LD c\nST q\ne:"
+    assert shown(both) == "IF NOT a THEN\n    q := c;\nELSE\n    q := b;\nEND_IF;"
+    assert shown("LD a\nJMPC m\nm: ST b") is None  # the result may be that of another way

@@ -122,7 +122,7 @@ def test_what_steps_do_stands_in_the_branches_of_a_case_by_their_numbers() -> No
     made = text(project, CASE)
     assert "IF #step_number <> #step_number_old THEN\n    CASE #step_number_old OF" in made
     assert "// Actions of the step that was left" in made
-    acting = made.partition("// Actions of the active step\n")[2].partition("\n\n")[0]
+    acting = made.partition("// Actions of the active step\n")[2].partition("\nEND_CASE;")[0]
     assert acting.splitlines()[:5] == [
         "CASE #step_number OF",
         "    #STEP_S3: // Step 1 S3",

@@ -60,7 +60,7 @@ def test_every_target_holds_several_cases_with_names_of_steps(format: str) -> No
     body = lowered.pou.body
     assert isinstance(body, m.StBody)
     assert "#next_step_number := #PARALLEL_Drill;" in body.text
-    comment = "(* {} *)" if format in ("plcopen", "iec-text") else "// {}"
+    comment = {"plcopen": "(* {} *)", "iec-text": "(* {} *)", "codesys": "// {}"}.get(format, "REGION {}")
     assert comment.format("Step sequence from Lamp off") in body.text
     data = sfc.dumps(lowered.project, format=format, partial=True)
     again = sfc.loads(data, format=format).pou("FB_Drill")

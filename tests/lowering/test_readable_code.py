@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.analysis import equivalent
+from plcopen_sfc.documents.lowered import lower_to_file
 from plcopen_sfc.languages.st import parse_statements, print_node
 from plcopen_sfc.languages.st.nodes import Name, Statement
 from plcopen_sfc.lowering.code.boolean_logic import with_distinct
@@ -86,3 +90,58 @@ def test_all_inactive_inputs_of_a_chart_without_such_inputs_are_none() -> None:
     text = RING.format(outputs="q : BOOL;", first="", second="q;", third="", actions="")
     project = sfc.loads(text.encode(), format="iec-text")
     assert sfc.lower(project, at_rest="all", verify=False).at_rest == {}
+
+
+def written(tmp_path: Path, format: str, **options: str) -> str:
+    text = RING.format(outputs="q : BOOL;", first="", second="q;", third="", actions="")
+    (tmp_path / "ring.st").write_text(text, encoding="utf-8")
+    target = tmp_path / "out"
+    lower_to_file(sfc.load(tmp_path / "ring.st"), str(target), format=format, **options)  # type: ignore[arg-type]
+    return target.read_text(encoding="utf-8-sig")
+
+
+HEADER = (
+    "// Chart Main of ring.st, as code by plcopen-sfc",
+    "// Compared with the chart under the profile iec: equal, proven in",
+    "// Reached: 3 of 3 steps, 3 of 3 transitions, 1 of 1 actions.",
+)
+
+
+def test_a_file_tells_what_its_code_was_made_of_and_what_is_proven(tmp_path: Path) -> None:
+    for format in ("scl", "codesys"):
+        text = written(tmp_path, format)
+        assert [line in text for line in HEADER] == [True, True, True], format
+    text = written(tmp_path, "iec-text")
+    assert [line.replace("//", "(*") in text for line in HEADER] == [True, True, True]
+    assert "//" not in text
+
+
+def test_a_file_tells_it_in_german_and_where_nothing_is_proven(tmp_path: Path) -> None:
+    assert "// Erreicht: 3 von 3 Schritten, 3 von 3 Transitionen, 1 von 1 Aktionen." in written(
+        tmp_path, "scl", lang="de"
+    )
+    text = RING.format(outputs="q : BOOL;", first="", second="q;", third="", actions="")
+    lower_to_file(sfc.loads(text.encode()), str(tmp_path / "other"), format="scl", verify=False)
+    assert "// Not compared with the chart." in (tmp_path / "other").read_text(encoding="utf-8-sig")
+
+
+def test_the_code_of_a_file_with_its_header_is_proven_as_it_is_read(tmp_path: Path) -> None:
+    for format in ("scl", "codesys", "plcopen-2.01", "iec-text", "simaticml"):
+        written(tmp_path, format)
+        again = sfc.load(tmp_path / "out", as_tool=True)
+        found = equivalent(sfc.load(tmp_path / "ring.st"), again, "iec")
+        assert found.proven, f"{format}: {found}"
+
+
+def test_textbook_code_in_a_file_is_that_of_the_textbook(tmp_path: Path) -> None:
+    assert "plcopen-sfc" not in written(tmp_path, "scl", style="classic")
+
+
+def test_steps_are_regions_in_tia_portal(tmp_path: Path) -> None:
+    assert [line.strip() for line in written(tmp_path, "scl").splitlines() if line.strip().startswith("REGION ")] == [
+        "REGION Step sequence",
+        "REGION Step 1 – initial step",
+        "REGION Step 2",
+        "REGION Step 3",
+    ]
+    assert "region" not in written(tmp_path, "codesys").lower()

@@ -161,10 +161,12 @@ CASE step_number OF
             step_number_S2 := 2;
             step_number_S10 := 10;
         END_IF;
+
     4: // Step 4
         IF c5 THEN
             step_number := 1;
         END_IF;
+
     101: // simultaneous branches from S2, S10
         IF T3_4 THEN
             step_number := 4;

@@ -96,6 +96,13 @@ def holds_regions(comments: Iterable[Comment]) -> bool:
     return any(_REGION.fullmatch(comment.text) or _END_REGION.fullmatch(comment.text) for comment in comments)
 
 
+def region_marks(title: str, dialect: Dialect) -> tuple[str, str]:
+    """Return the lines around a region in a dialect: keywords in SCL, pragmas in all others."""
+    if dialect is Dialect.SCL:
+        return f"REGION {title}".rstrip(), "END_REGION"
+    return f"{{region '{_escaped(title)}'}}", "{endregion}"
+
+
 def region_edits(parsed: Parsed[Any]) -> list[Edit]:
     """The edits that make pragmas of the regions of SCL: other dialects have nothing else for them."""
     text = parsed.text
@@ -107,8 +114,8 @@ def region_edits(parsed: Parsed[Any]) -> list[Edit]:
             start, end = node.span
             first = min((text.find(mark, start, end) for mark in "\r\n" if mark in text[start:end]), default=end)
             last = max(each for each in ends if start < each[0] < end)
-            edits.append(Edit(start, first, f"{{region '{_escaped(node.title)}'}}"))
-            edits.append(Edit(*last, "{endregion}"))
+            begins, ends_with = region_marks(node.title, Dialect.CODESYS)
+            edits += [Edit(start, first, begins), Edit(*last, ends_with)]
             if text[last[1] : end].endswith(";"):
                 edits.append(Edit(end - 1, end, ""))
     return edits

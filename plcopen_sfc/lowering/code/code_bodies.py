@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -15,6 +15,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
+from plcopen_sfc.languages.translation.text_translation import region_marks
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, TextNetwork
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
@@ -26,8 +27,8 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
 def structured_text(code: LoweredCode, dialect: Dialect) -> StBody:
-    """Return a paragraph for each network, its title and comment before it."""
-    text = "\n\n".join(paragraph(network, dialect) for network in code.networks)
+    """Return a paragraph for each network, its title and comment before it, or a region if it is long."""
+    text = "\n\n".join(_section(network, dialect, regions=code.has_regions) for network in code.networks)
     has_pragmas = any(comment.kind is CommentKind.PRAGMA for comment in tokenize(text, dialect).comments)
     return StBody(text=compilable_comments(text, dialect) if code.is_portable and not has_pragmas else text)
 
@@ -49,6 +50,38 @@ def _rules(code: LoweredCode, dialect: Dialect, declared: list[Variable]) -> Dra
     instances = {name: own.get(kind, kind) for name, kind in {**code.instances, **rules.instances}.items()}
     operands = {print_node(name, dialect): block for name, block in code.operands.items()}
     return replace(rules, instances=instances, operands=operands)
+
+
+_SHORT = 3
+"""Lines that a reader sees at a glance: what is longer is a region, and apart from what is beside it."""
+INDENT = "    "
+
+
+def _section(network: CodeNetwork | TextNetwork, dialect: Dialect, *, regions: bool) -> str:
+    text = paragraph(network, dialect)
+    title = comment_lines(" ".join(network.title.split()))
+    lines = text.splitlines()
+    if not regions or not title or len(lines) <= _SHORT + 1:
+        return text
+    return "\n".join(region(network.title, lines[1:], dialect))
+
+
+def region(title: str, lines: Sequence[str], dialect: Dialect) -> list[str]:
+    """Return lines as a region, which the editor of TIA Portal folds and lists."""
+    start, end = region_marks(" ".join(title.split()), dialect)
+    return [start, *indented(lines), end]
+
+
+def indented(lines: Iterable[str]) -> list[str]:
+    """Return lines further to the right; empty ones stay empty."""
+    return [(INDENT + line).rstrip() for line in lines]
+
+
+def spaced(parts: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of all parts, with empty lines between them where one of them is long."""
+    if all(len(part) <= _SHORT + 1 for part in parts):
+        return [line for part in parts for line in part]
+    return [line for place, part in enumerate(parts) for line in ([""] * (place > 0) + list(part))]
 
 
 def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:

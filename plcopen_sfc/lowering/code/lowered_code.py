@@ -119,6 +119,11 @@ class LoweredCode:
         return self.for_others and self.tool is None
 
     @property
+    def has_regions(self) -> bool:
+        """True if it is for TIA Portal, whose editor folds regions and lists them."""
+        return self.for_others and self.tool is Tool.S7
+
+    @property
     def own_names(self) -> set[str]:
         """Names of the variables that it has declared, in lower case: no other code writes them."""
         return {variable.name.casefold() for variable in (*self.variables, *self.constants)}

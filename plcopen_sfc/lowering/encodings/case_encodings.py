@@ -25,11 +25,10 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
     with_distinct,
 )
-from plcopen_sfc.lowering.code.code_bodies import comment_lines
+from plcopen_sfc.lowering.code.code_bodies import INDENT, comment_lines, indented
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.encodings.case_states import (
-    INDENT,
     RegionState,
     StateNames,
     StateVariables,
@@ -333,7 +332,7 @@ class RegionEncoding(ScanSchedule):
             head += ["ELSE"] if case else []
         if not head:
             return []
-        return [*head, *(INDENT + line for line in case), "END_IF;"]
+        return [*head, *indented(case), "END_IF;"]
 
     # -- transitions that compete with those of another CASE
 
@@ -454,7 +453,7 @@ class CaseEncoding(RegionEncoding):
         if self.init is None:
             return
         lines = [f"IF {self.text(self.init)} THEN", INDENT + self.states.entered(self.machines[0].first)]
-        lines += [INDENT + line for line in ending]
+        lines += indented(ending)
         lines.append("END_IF;")
         self.code.networks.append(TextNetwork(self.texts.init, "\n".join(lines)))
 
@@ -470,20 +469,20 @@ class CaseEncoding(RegionEncoding):
         acts = [self.text(each) for code in self.source.step_code if code.step == step.index for each in code.main]
         done = [*acts]
         lines = [f"{self.text(self.names.step(step.index))}: // {self.states.heading(step)}"]
-        lines += [INDENT + remark for remark in self.states.remarks(step.step)]
+        lines += indented(self.states.remarks(step.step))
         for action, use in used:
             acting = self._acting(action, use)
             acts += acting
             done += [*comment_lines(self.texts.captions(action.comment, use.comment)), *acting]
         if done:
             lines.append(f"{INDENT}// {self.texts.actions}")
-            lines += [INDENT + line for text in done for line in text.splitlines()]
+            lines += indented(line for text in done for line in text.splitlines())
             lines.append("")
         ending = [line for action, use in used for line in self._ending(action, use)]
         transitions = self._classic_transitions(step, ending)
         if not (acts or transitions):  # some tools want a statement in every branch
             transitions = [";"]
-        lines += [INDENT + line for line in transitions]
+        lines += indented(transitions)
         return [*lines, ""]
 
     def _classic_transitions(self, step: NetStep, ending: list[str]) -> list[str]:
@@ -498,7 +497,7 @@ class CaseEncoding(RegionEncoding):
             jump = self.texts.jump(target.step, initial=initial, back=target.index <= step.index)
             lines += [f"// {self.texts.transition}", *self.states.remarks(transition.transition)]
             lines.append(f"{word} {self.text(self.source.conditions[transition.index])} THEN")
-            lines += [INDENT + line for line in ending]
+            lines += indented(ending)
             lines.append(f"{INDENT}{self.states.entered(target.index)} // {jump}")
             word = "ELSIF"
         return [*lines, "END_IF;"] if leaving else lines
@@ -529,7 +528,7 @@ class CaseEncoding(RegionEncoding):
         if action.target is None:
             lines = [self.text(statement) for statement in action.statements]
             if conditional:
-                return [f"IF {value} THEN", *(INDENT + x for text in lines for x in text.splitlines()), "END_IF;"]
+                return [f"IF {value} THEN", *indented(x for text in lines for x in text.splitlines()), "END_IF;"]
             return lines
         target = self.text(action.target)
         if use.qualifier in _STORED:

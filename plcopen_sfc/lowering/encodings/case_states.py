@@ -20,7 +20,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import objection
 from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, equal, is_constant
-from plcopen_sfc.lowering.code.code_bodies import comment_lines
+from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented, region, spaced
 from plcopen_sfc.lowering.code.code_declarations import Naming, integer
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.code_texts import Texts
@@ -64,7 +64,7 @@ class StateNames:
     ) -> None:
         self._code, self._texts, self._dialect = code, rules.texts, source.dialect
         self._new_value: Callable[[str, str], Expression] | None = None
-        self.no_empty_statements = code.is_portable
+        self.no_empty_statements, self.has_regions = code.is_portable, code.has_regions
         # where steps are selected, the regions of all others have none
         # selecting a step of one region ends all others
         left = OperatingMode.SELECT in rules.modes and len(regions.regions) > 1
@@ -223,9 +223,6 @@ def _short(path: str, number: int) -> str:
     return str(number) if number_in_name(path) == number else path
 
 
-INDENT = "    "
-
-
 def regions_of(net: Net) -> Regions | str:
     """Return the regions of a net, or why it has none that hold all of its steps."""
     found = find_regions(net)
@@ -346,7 +343,7 @@ class StateVariables:
         joining: Callable[[ParallelBlock], list[str]],
     ) -> list[str]:
         """Return the lines of a CASE: the transitions of each step, the wait for each join; none if it does nothing."""
-        lines = [f"CASE {self.text(machine.state)} OF"]
+        branches: list[list[str]] = []
         is_idle = True
         for i in machine.region.steps:
             step = self._net.steps[i]
@@ -357,24 +354,26 @@ class StateVariables:
             content = leaving(step)
             is_idle &= not (content or self.remarks(step.step))
             content = content or [idle]
-            lines += self.branch(self.names.step(i), self.heading(step), [*self.remarks(step.step), *content])
+            branches.append(self.branch(self.names.step(i), self.heading(step), [*self.remarks(step.step), *content]))
         for block in machine.blocks:
             firsts = [self._net.steps[self.machines[branch].first].path for branch in block.branches]
             heading = self._texts.waiting(firsts)
             tried = joining(block)
             is_idle &= not tried
-            lines += self.branch(self.names.waiting(block), heading, tried or [self._nothing(machine)])
+            branches.append(self.branch(self.names.waiting(block), heading, tried or [self._nothing(machine)]))
         if is_idle and len(self.machines) > 1:  # a branch of one step waits for its end
             return []
-        return [*lines, "END_CASE;"]
+        return [f"CASE {self.text(machine.state)} OF", *spaced(branches), "END_CASE;"]
 
     def _nothing(self, machine: RegionState) -> str:
         return self.text(assignment(machine.state, machine.state)) if self.names.no_empty_statements else ";"
 
     def branch(self, label: Expression, heading: str, lines: list[str]) -> list[str]:
         """Return a branch of a CASE."""
+        if self.names.has_regions:
+            return indented([f"{self.text(label)}:", *indented(region(heading, lines, self._dialect))])
         comment = " ".join(heading.split())  # a line break in a name would end it
-        return [f"{INDENT}{self.text(label)}: // {comment}", *(INDENT * 2 + line for line in lines)]
+        return indented([f"{self.text(label)}: // {comment}", *indented(lines)])
 
     def effect(self, machine: RegionState, transition: NetTransition) -> list[str]:
         """Return the statements of a transition in the CASE of a region."""
@@ -403,15 +402,13 @@ class StateVariables:
         for number, each in enumerate(choice):
             # ELSIF has no place for statements: they must be executed only if the transitions before were not satisfied
             if lines and each.before:
-                return [*lines, "ELSE", *(INDENT + line for line in self.tried(choice[number:])), "END_IF;"]
+                return [*lines, "ELSE", *indented(self.tried(choice[number:])), "END_IF;"]
             lines += each.remarks
             if each.before:
                 lines += self.text(n.Statements(each.before)).splitlines()
             opened = number > 0
             if number == len(choice) - 1 and is_constant(each.condition, TRUE):
-                return (
-                    [*lines, "ELSE", *(INDENT + x for x in each.effect), "END_IF;"] if opened else lines + each.effect
-                )
+                return [*lines, "ELSE", *indented(each.effect), "END_IF;"] if opened else lines + each.effect
             lines.append(f"{'ELSIF' if opened else 'IF'} {self.text(each.condition)} THEN")
-            lines += [INDENT + line for line in each.effect]
+            lines += indented(each.effect)
         return [*lines, "END_IF;"] if lines else []

@@ -16,9 +16,8 @@ from plcopen_sfc.languages.st.effects import ANYTHING, Path, calls, may_change, 
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.actions.action_execution import standard_instances
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, assignment, conjunction, is_constant, negation, when
-from plcopen_sfc.lowering.code.code_bodies import comment_lines
+from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
-from plcopen_sfc.lowering.encodings.case_states import INDENT
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.variables import SectionKind
 
@@ -273,6 +272,6 @@ def branch_lines(code: Iterable[BranchCode], entered: Expression | None, text: C
     for each in code:
         done = (each.text or text(n.Statements(each.statements))).splitlines()
         if each.entering and entered is not None:
-            done = [f"IF {text(entered)} THEN", *(INDENT + line for line in done), "END_IF;"]
+            done = [f"IF {text(entered)} THEN", *indented(done), "END_IF;"]
         lines += [*comment_lines(each.comment), *done]
     return lines

@@ -22,7 +22,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.code_bodies import paragraph
+from plcopen_sfc.lowering.code.code_bodies import indented, paragraph
 from plcopen_sfc.lowering.code.code_declarations import BOOL, INT
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
 from plcopen_sfc.lowering.encodings.step_flags import StepFlagEncoding
@@ -53,8 +53,6 @@ from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule
 from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.semantics.net import indexes
 from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets, Evolution, Profile
-
-_INDENT = "    "
 
 
 class GrafcetScan:
@@ -369,7 +367,7 @@ class GrafcetScan:
             ahead, behind = [assignment(number, n.Literal("0"))], [assignment(unstable, moving)]
         lines = [print_node(statement, dialect) for statement in ahead] + ["REPEAT"]
         texts_inside = "\n\n".join(paragraph(network, dialect) for network in inside)
-        lines += [_INDENT + line if line else line for line in texts_inside.splitlines()]
+        lines += indented(texts_inside.splitlines())
         lines += [f"UNTIL {print_node(ends, dialect)}", "END_REPEAT;"]
         lines += [print_node(statement, dialect) for statement in behind]
         self._code.networks.append(TextNetwork(texts.stability, "\n".join(lines)))

@@ -23,10 +23,10 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
+from plcopen_sfc.lowering.code.code_bodies import indented, spaced
 from plcopen_sfc.lowering.code.lowered_code import TextNetwork
 from plcopen_sfc.lowering.encodings.case_encodings import one_step_at_a_time
 from plcopen_sfc.lowering.encodings.case_states import (
-    INDENT,
     RegionState,
     StateNames,
     StateVariables,
@@ -267,20 +267,21 @@ class RegionSequencer(Sequencer):
         """Return a CASE with the code of each step, without the conditions that its branch implies."""
         if not parts:
             return []
-        lines = [f"CASE {self.states.text(selected(parts[0].step.index).selector)} OF"]
+        branches: list[list[str]] = []
         numbers = step_numbers(self.net)
         for part in sorted(parts, key=lambda each: numbers[each.step.index]):
             step = part.step
             known = selected(step.index).known
             statements = n.Statements(tuple(chain.from_iterable(_without(known, s) for s in part.statements)))
             content = self.states.text(statements).splitlines()
-            lines += self.states.branch(self.states.names.step(step.index), self.states.heading(step), content)
-        return [*lines, "END_CASE;"]
+            branches.append(self.states.branch(self.states.names.step(step.index), self.states.heading(step), content))
+        selector = self.states.text(selected(parts[0].step.index).selector)
+        return [f"CASE {selector} OF", *spaced(branches), "END_CASE;"]
 
     def _when_changed(self, lines: list[str]) -> list[str]:
         machine = self.states.machines[0]
         changed = negation(equal(machine.state, self._state_before(machine.first)))
-        return [f"IF {self.states.text(changed)} THEN", *(INDENT + line for line in lines), "END_IF;"]
+        return [f"IF {self.states.text(changed)} THEN", *indented(lines), "END_IF;"]
 
     # -- transitions
 
@@ -352,7 +353,7 @@ class RegionSequencer(Sequencer):
             if not case:
                 continue
             if not is_constant(self._guard, TRUE):
-                case = [f"IF {self.states.text(self._guard)} THEN", *(INDENT + line for line in case), "END_IF;"]
+                case = [f"IF {self.states.text(self._guard)} THEN", *indented(case), "END_IF;"]
             self.code.networks.append(TextNetwork(self.states.title(machine), "\n".join(case)))
         if self.source.skips:
             for machine in machines:
@@ -441,11 +442,11 @@ class RegionSequencer(Sequencer):
             begin.append(assignment(passed, FALSE))
             tries = [self._passing(machine, self.net.transitions[t], goes_on) for t in self.net.leaving[step.index]]
             inner = [text(assignment(passed, TRUE)), *states.tried(tries)]
-            once = [f"IF {text(negation(passed))} THEN", *(INDENT + line for line in inner), "END_IF;"]
+            once = [f"IF {text(negation(passed))} THEN", *indented(inner), "END_IF;"]
             loop += states.branch(states.names.step(step.index), states.heading(step), once)
         begin.append(assignment(again, conjunction([negation(equal(following, machine.state)), self.evolves()])))
         lines = [text(statement) for statement in begin]
-        lines += [f"WHILE {text(again)} DO", *(INDENT + line for line in [*loop, "END_CASE;"]), "END_WHILE;"]
+        lines += [f"WHILE {text(again)} DO", *indented([*loop, "END_CASE;"]), "END_WHILE;"]
         self.code.networks.append(TextNetwork(self.own_texts.skips, "\n".join(lines)))
 
     def _passing(self, machine: RegionState, transition: NetTransition, goes_on: str) -> TriedTransition:
