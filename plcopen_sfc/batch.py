@@ -336,10 +336,7 @@ def _refactoring(script: Script) -> Callable[..., Any] | None:
     if script.text is None:
         provided: Callable[..., Any] = plugins.loaded(plugins.REFACTORINGS, script.path)
         return provided
-    module = ModuleType("plcopen_sfc_script")
-    module.__file__ = script.path
-    sys.modules[module.__name__] = module  # where dataclasses look for the names in annotations
-    exec(compile(script.text, script.path, "exec"), module.__dict__)  # noqa: S102  # what the user asks for
+    module = _executed(script.text, script.path)
     found: Callable[..., Any] | None = getattr(module, "refactor", None)
     if callable(found):
         return found
@@ -358,6 +355,28 @@ def _of_class(kind: type) -> Callable[..., Any]:
     project = inspect.Parameter("project", inspect.Parameter.POSITIONAL_ONLY)
     refactor.__signature__ = inspect.Signature([project, *(each.replace(kind=each.KEYWORD_ONLY) for each in own)])  # type: ignore[attr-defined]
     return refactor
+
+
+def functions_of(script: str) -> dict[str, Callable[..., Any]]:
+    """Return the functions that a Python file defines, by name, for programs that call them; ``_name`` is none.
+
+    Raises `ScriptError` for a file that cannot be read or executed.
+    """
+    try:
+        module = _executed(Path(script).read_text(encoding="utf-8"), script)
+    except Exception as error:
+        raise ScriptError(f"{type(error).__name__}: {error}", location=Location(script)) from error
+    found = {name: each for name, each in vars(module).items() if inspect.isfunction(each) and not name.startswith("_")}
+    return {name: each for name, each in found.items() if each.__module__ == module.__name__}
+
+
+def _executed(text: str, path: str) -> ModuleType:
+    """Return the module that a Python file is."""
+    module = ModuleType("plcopen_sfc_script")
+    module.__file__ = path
+    sys.modules[module.__name__] = module  # where dataclasses look for the names in annotations
+    exec(compile(text, path, "exec"), module.__dict__)  # noqa: S102  # what the user asks for
+    return module
 
 
 def _value(script: str, name: str, text: str, kind: Any) -> Any:

@@ -97,6 +97,7 @@ class Searching(TypedDict, total=False):
     """Options of the search of a comparison; see `equivalent`."""
 
     free_inputs: Iterable[str] | str
+    functions: Mapping[str, Callable[..., Any]]
     limit: float | str | None
     progress: Callable[[SearchProgress], None] | None
 

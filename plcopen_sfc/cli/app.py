@@ -300,6 +300,7 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
     settings: o.Settings = None,
     record: o.Record = None,
     free: o.Free = None,
+    functions: o.Functions = None,
     csv: o.Csv = None,
     vcd: o.Vcd = None,
     svg: o.TraceSvg = None,
@@ -315,7 +316,17 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import simulate  # noqa: PLC0415
 
         how = simulate.SimulateOptions(
-            pou, inputs, seed, system_inputs, scans, profile, scan_time, settings or (), record or (), free or ()
+            pou,
+            inputs,
+            seed,
+            system_inputs,
+            scans,
+            profile,
+            scan_time,
+            settings or (),
+            record or (),
+            free or (),
+            functions,
         )
         screen.exit_code = simulate.run(screen, file, how, files=simulate.TraceFiles(csv, vcd, svg, html, lang))
 
@@ -336,9 +347,11 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
     states: o.States = None,
     actions: o.Actions = "inline",
     flags: o.Flags = "local",
+    flag_names: o.FlagNames = "",
     modes: o.Modes = None,
     at_rest: o.AtRest = None,
     free: o.Free = None,
+    functions: o.Functions = None,
     lang: o.TextLanguage = "en",
     verify: o.Verify = True,
     accept_untested: o.AcceptUntested = False,
@@ -369,6 +382,7 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
             "states": states,
             "actions": actions,
             "flags": flags,
+            "flag_names": flag_names,
             "modes": modes or (),
             "at_rest": o.names(at_rest),
             "lang": lang,
@@ -384,6 +398,7 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
             verify,
             accept_untested,
             wanted,
+            functions,
             limit,
             jobs,
             accept_errors,

@@ -90,6 +90,12 @@ Profile = Annotated[
     _option("--profile", "Execute charts as this tool does. The default is the tool of the file.", "NAME",
             autocompletion=_profiles),
 ]  # fmt: skip
+Functions = Annotated[
+    str | None,
+    _option(
+        "--functions", "Take the functions of this Python file for those that programs call and nothing has.", "FILE.py"
+    ),
+]
 Free = Annotated[
     list[str] | None,
     _option("--free", "Take a variable that nothing writes as an input, or all of them. Repeatable.", "NAME"),
@@ -222,6 +228,7 @@ States = Annotated[
     _option("--states", "Write states of a CASE as numbers, constants or enumeration; usual are names.", "KIND"),
 ]
 Actions = Annotated[str, _option("--actions", "Write actions inline, or in a block of their own: block.", "PLACE")]
+FlagNames = Annotated[str, _option("--flag-names", "Call step flags like that of step 1, such as SR01.", "NAME")]
 Flags = Annotated[str, _option("--flags", "Put step flags local, to an address (M20.0), or in a data block.", "PLACE")]
 Modes = Annotated[
     list[str] | None, _option("--mode", "Add inputs for enable, single-step, advance or select. Repeatable.", "MODE")

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Unpack
+from types import MappingProxyType
+from typing import Any, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.processes import results
@@ -93,6 +94,7 @@ def lower_to_file(
     verify: bool = True,
     accept_untested: bool = False,
     free_inputs: Iterable[str] | str = (),
+    functions: Mapping[str, Callable[..., Any]] = MappingProxyType({}),
     limit: float | str | None = None,
     progress: Callable[[SearchProgress], None] | None = None,
     jobs: int = 1,
@@ -106,7 +108,12 @@ def lower_to_file(
     a time, each in a process of its own; then there is no `progress`. Verdicts and their order do not depend on it.
     """
     name = format_to_write(project, format, tia, target)
-    searching: Searching = {"free_inputs": free_inputs, "limit": limit, "progress": progress}
+    searching: Searching = {
+        "free_inputs": free_inputs,
+        "functions": functions,
+        "limit": limit,
+        "progress": progress,
+    }
     proof_options = ProofOptions(accept_untested, searching) if verify else None
     refused: dict[str, LoweringError] = {}
     with tempfile.TemporaryDirectory() as folder:

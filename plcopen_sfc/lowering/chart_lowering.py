@@ -16,7 +16,7 @@ from plcopen_sfc.lowering.code_texts import TEXTS
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
 from plcopen_sfc.lowering.faults.fault_kinds import Fault
 from plcopen_sfc.lowering.faults.fault_search import find_faults
-from plcopen_sfc.lowering.grafcet.grafcet_reading import read_plain
+from plcopen_sfc.lowering.grafcet.grafcet_reading import read_plain, without_emergency_stop
 from plcopen_sfc.lowering.lowering_losses import losses
 from plcopen_sfc.lowering.lowering_options import (
     ActionPlace,
@@ -145,6 +145,7 @@ def lower(
     states: States | str | None = None,
     actions: ActionPlace | str = ActionPlace.INLINE,
     flags: str = "local",
+    flag_names: str = "",
     modes: Iterable[OperatingMode | str] = (),
     target: str | None = None,
     at_rest: Iterable[str] = (),
@@ -159,6 +160,7 @@ def lower(
     `language`: ``ST``, ``FBD`` or ``LD``; usual are FBD for flip-flops and ST for all others, also where `target` is
     text. `profile`: what the chart does; that of its tool if not given. `lang`: of titles and comments, ``en`` or
     ``de``. `verify`: compare the code with the chart under the profile, all inputs that were added being inactive;
+    `flag_names`: the name of step 1's flag, such as ``SR01``, after which those of all numbered steps are called.
     `searching` are options of the search (`equivalent`). `accept_untested`: take code of which not all was reached when
     it was compared. All others are those of `LoweringRules`.
 
@@ -179,6 +181,13 @@ def lower(
     texts = TEXTS.get(lang)
     if texts is None:
         raise LoweringError(f"there are no texts in {lang!r}", hint="There are: " + ", ".join(TEXTS))
+    if flag_names:
+        try:
+            texts = texts.with_flags(flag_names)
+        except ValueError:
+            raise LoweringError(
+                f"{flag_names!r} is no name of the flag of step 1", hint="It ends with its number: SR01, Step_1."
+            ) from None
     semantics = default_profile(found.project) if profile is None else profile_named(profile)
     rules = LoweringRules(
         semantics,
@@ -194,6 +203,10 @@ def lower(
         frozenset(listed_names(at_rest, "inputs at rest are named by texts")),
     )
     meant = as_executed(found, semantics)
+    if wanted.style is Style.CLASSIC:
+        meant, pressed = without_emergency_stop(meant, semantics)
+        if pressed:
+            rules = replace(rules, stop=rules.stop or pressed, init=rules.init or "")
     with collecting_rarely(), errors_of(found.project, found.pou, found.name):
         made = _constructed(found, meant, wanted, rules)
     options = ProofOptions(accept_untested, searching) if verify else None
@@ -317,6 +330,7 @@ def _refuse_what_was_not_read(subject: Subject) -> None:
 
 def faults_of(subject: Subject, lowered: LoweredPou) -> tuple[Fault, ...]:
     """Return the faults of textbook code that was made of a chart; exact code has none."""
+    subject, _ = without_emergency_stop(subject, lowered.profile)
     chart = subject.pou.chart
     if lowered.style is Style.EXACT or chart is None:
         return ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from typing import Literal, TypeAlias
 
 from plcopen_sfc.model.sfc import Step, Transition
@@ -70,6 +71,7 @@ class Texts:
 
     language = "en"
     culture = ""
+    flag_pattern = ""
     init = "Start the chain anew"
     init_input = "Init"
     stop = "holds the chain at its initial step"
@@ -167,6 +169,17 @@ class Texts:
     not_compared = "Not compared with the chart."
     read_flags = "X.. are the active steps, T.. the transitions that fire in this scan."
 
+    def with_flags(self, pattern: str) -> Texts:
+        """Return the same, in which flags of steps are called like that of step 1: ``SR01``, so ``SR12`` of step 12.
+
+        Raises `ValueError` for a pattern that does not end with a 1.
+        """
+        if re.fullmatch(r"[^\W\d]\w*?0*1", pattern) is None:
+            raise ValueError(pattern)
+        found = copy(self)
+        found.flag_pattern = pattern
+        return found
+
     def captions(self, *texts: Text | None) -> str:
         """Return captions of the chart in this language where they have it, each once."""
         return "\n".join(filter(None, dict.fromkeys(plain(text, self.language) for text in texts)))
@@ -187,7 +200,11 @@ class Texts:
 
     def flag_name(self, step: Step) -> str:
         """Return the flag of a step: ``X1`` of step 1 or S1, else with its name (``X_Fill``)."""
-        return f"X{_short(step)}"
+        short = _short(step)
+        if not self.flag_pattern:
+            return f"X{short}"
+        start = self.flag_pattern[:-1].rstrip("0")
+        return start + (short.zfill(len(self.flag_pattern) - len(start)) if short.isdigit() else short)
 
     def transition_name(self, net: Net, transition: NetTransition) -> str:
         """Return the bit of a transition: ``T3`` of transition 3 or Trans3, else with its name (``T_Full``).

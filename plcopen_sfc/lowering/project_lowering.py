@@ -27,6 +27,7 @@ class LoweringOptions(TypedDict, total=False):
     states: States | str | None
     actions: ActionPlace | str
     flags: str
+    flag_names: str
     modes: Iterable[OperatingMode | str]
     at_rest: Iterable[str]
     lang: str

@@ -368,3 +368,23 @@ def test_a_comparison_that_is_interrupted_ends_as_interrupted(
     assert done.code == 130
     assert "the comparison was interrupted, so not all was reached" in done.err
     assert not (plant / "out.st").exists()
+
+
+def test_functions_of_a_python_file_are_called(cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("main.st").write_text(
+        "PROGRAM Main VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT n : INT; END_VAR "
+        "INITIAL_STEP S1: END_STEP STEP S2: Work(N); END_STEP TRANSITION FROM S1 TO S2 := a; END_TRANSITION "
+        "TRANSITION FROM S2 TO S1 := NOT a; END_TRANSITION ACTION Work: n := Vendor(n); END_ACTION END_PROGRAM",
+        encoding="utf-8",
+    )
+    Path("vendor.py").write_text("def Vendor(n): return (n + 1) % 5\n", encoding="utf-8")
+    asked = ("lower", "main.st", "out.scl", "--to", "scl")
+    assert "unknown, taken as functions of what they are given: Vendor" in cli(*asked).out
+    done = cli(*asked, "--functions", "vendor.py")
+    assert (done.code, "unknown" in done.out) == (0, False)
+    assert "equal (proof: 10 states, all inputs)" in done.out
+    run = cli("simulate", "main.st", "--functions", "vendor.py", "--set", "a=TRUE", "--scans", "7", "--json")
+    (column,) = [each for each in json.loads(run.out)["columns"] if each["name"] == "n"]
+    assert [value for _, value in column["changes"]] == [1, 2, 3, 4, 0, 1, 2]
+    assert cli(*asked, "--functions", "missing.py").code == 2

@@ -6,6 +6,7 @@ import re
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import Construction, Language, Style, lower
@@ -17,6 +18,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.corpus import CORPUS
 from tests.lowering.charts import act, boolean, pou_with, training_chain
+from tests.samples import FIXTURES
 
 RULES = LoweringRules(PROFILES["iec"], GermanTexts())
 
@@ -180,3 +182,41 @@ def test_a_selection_in_a_textbook_case_tries_its_legs_in_order() -> None:
         "schrittnummer := 4; // In den nächsten Schritt schalten",
         "END_IF;",
     ]
+
+
+def test_a_chart_of_an_emergency_stop_is_the_reset_of_the_textbook() -> None:
+    """Each step is set by the one before, reset by the one behind or the button; the initial step is set by that."""
+    project = sfc.load(FIXTURES / "grafcet" / "two_cylinders.gct")
+    made = sfc.lower(project, "fup", style="classic", language="ST", flag_names="SR01")
+    assert made.faults
+    body = made.pou.body
+    assert isinstance(body, StBody)
+    assert [line for line in body.text.splitlines() if line and not line.startswith("//")] == [
+        "Restart := NOT NOT_AUS;",
+        "SR01 := (Restart OR SR05 AND 2B1 OR SR01) AND NOT SR02;",
+        "SR02 := (SR01 AND 1B1 AND 2B1 AND START OR SR02) AND NOT (SR03 OR Restart);",
+        "SR03 := (SR02 AND 1B2 OR SR03) AND NOT (SR04 OR Restart);",
+        "SR04 := (SR03 AND 1B1 OR SR04) AND NOT (SR05 OR Restart);",
+        "SR05 := (SR04 AND 2B2 OR SR05) AND NOT (SR01 OR Restart);",
+        "1M1 := SR02;",
+        "2M1 := SR04;",
+    ]
+
+
+def test_a_chart_of_an_emergency_stop_that_does_more_is_refused() -> None:
+    text = (FIXTURES / "grafcet" / "two_cylinders.gct").read_text(encoding="utf-8")
+    for old, new in (
+        ("FORCE G1{INIT}", "FORCE G1{}"),
+        ("11 -> 10 : /NOT_AUS", "11 -> 10 : START"),  # not the opposite
+        ("2 -> 3 : 1B2", "2 -> 3 : 1B2 * X11"),  # something asks for its steps
+        ("FORCE G1{INIT}", "FORCE G1{INIT}\n        1M1"),
+    ):
+        project = sfc.loads(text.replace(old, new).encode(), format="grafcet-text")
+        with pytest.raises(LoweringError, match="charts that others force or enclose"):
+            sfc.lower(project, "fup", style="classic", language="ST", verify=False)
+
+
+@pytest.mark.parametrize("pattern", ["SR", "1", "SR02", "S R1"])
+def test_a_pattern_of_flags_names_that_of_step_1(pattern: str) -> None:
+    with pytest.raises(LoweringError, match="is no name of the flag of step 1"):
+        sfc.lower(pou_with(training_chain().sfc or m.SfcNetwork()), "bits", flag_names=pattern, verify=False)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import UntestedError
+from plcopen_sfc.batch import functions_of
 from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import INTERRUPTED, UNREADABLE, Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
@@ -35,6 +36,7 @@ class LowerOptions:
     verify: bool = True
     accept_untested: bool = False
     free: tuple[str, ...] = ()
+    functions: str | None = None
     limit: str | None = None
     jobs: int = 1
     accept_errors: bool = False
@@ -66,6 +68,7 @@ def run(screen: Screen, source: str, target: str | None, how: LowerOptions) -> i
             verify=how.verify,
             accept_untested=how.accept_untested,
             free_inputs=how.free,
+            functions=functions_of(how.functions) if how.functions is not None else {},
             limit=how.limit,
             progress=progress,
             jobs=how.jobs,

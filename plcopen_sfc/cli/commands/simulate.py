@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from plcopen_sfc.batch import functions_of
 from plcopen_sfc.cli.reading import load_input
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.errors import InputError, SimulationError
@@ -34,6 +35,7 @@ class SimulateOptions:
     settings: Sequence[str] = ()
     record: Sequence[str] = ()
     free: Sequence[str] = ()
+    functions: str | None = None
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,7 @@ def run(screen: Screen, file: str, how: SimulateOptions, *, files: TraceFiles) -
         scan_time=how.scan_time,
         record=how.record or None,
         free_inputs=how.free,
+        functions=functions_of(how.functions) if how.functions is not None else None,
     )
     for setting in how.settings:
         name, sign, value = setting.partition("=")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.errors import LoweringError, UnknownBehaviourError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, is_constant
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, is_constant, negation
 from plcopen_sfc.lowering.reading.chart_reading import read_chart
 from plcopen_sfc.lowering.reading.chart_source import (
     ActionSource,
@@ -22,7 +22,8 @@ from plcopen_sfc.lowering.reading.chart_source import (
 from plcopen_sfc.lowering.reading.step_variables import bits_by_number
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets, ConditionText, TextReader
 from plcopen_sfc.lowering.schedule.scan_schedule import refuse_classic
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
+from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, Qualifier
+from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.conditions import Condition, Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
@@ -32,8 +33,9 @@ from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.grafcet_program import CONTINUOUS, STORED, has_grafcet
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import EdgeTerm, TermTexts, TimeTerm, is_term, rising
-from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
+from plcopen_sfc.semantics.subjects import Subject
 
 Owned = tuple[Owner, SfcNetwork, ActionAssociation]
 
@@ -210,6 +212,54 @@ def read_plain(pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile) 
     if is_grafcet(chart, profile):
         return plain_chart(read_grafcet(pou, dialect, profile))
     return read_chart(pou, chart, dialect, profile)
+
+
+def without_emergency_stop(chart: Subject, profile: Profile) -> tuple[Subject, str]:
+    """Return a chart without the one that only forces it into its initial steps, and the condition of that.
+
+    So textbooks have it: a step of the emergency stop's chart forces ``G1{INIT}`` while the button is pressed, which
+    the program has as an input of every flip-flop. Any other chart stays as it is, and the condition is empty.
+    """
+    whole = chart.pou.chart
+    if whole is None or not whole.partial_charts or not is_grafcet(whole, profile):
+        return chart, ""
+    source = read_grafcet(chart.pou, chart.project.dialect, profile)
+    for partial, read in zip(whole.partial_charts, source.net.chart.partial_charts, strict=True):
+        pressed = _pressed(partial.chart, [t for t in source.net.transitions if t.chart is read.chart], source)
+        others = [each for each in whole.partial_charts if each is not partial]
+        if pressed is None or whole.steps or [each.name.casefold() for each in others] != _forced(partial.chart):
+            continue
+        left = [each for each in source.names_in_texts() if each.upper() in {f"X{s.name}" for s in partial.chart.steps}]
+        if left:  # something asks for the steps that would be gone
+            continue
+        reduced = whole.model_copy(update={"partial_charts": others})
+        pou = chart.pou.model_copy(update={"bodies": [SfcBody(chart=reduced)]})
+        return Subject(chart.project, pou, chart.name), print_node(pressed, chart.project.dialect)
+    return chart, ""
+
+
+def _forced(chart: SfcNetwork) -> list[str]:
+    """Return the charts, in lower case, that the only actions of a chart force into their initial steps."""
+    orders = [action.forcing for step in chart.steps for action in step.actions]
+    if not all(order is not None and order.situation is ForcedSituation.INITIAL for order in orders):
+        return []
+    return [order.chart.casefold() for order in orders if order is not None]
+
+
+def _pressed(chart: SfcNetwork, transitions: Sequence[NetTransition], source: ChartSource) -> n.Expression | None:
+    """Return the condition under which the forcing step of two that follow each other is active; None if there is none.
+
+    Each is left on the opposite of what the other one is left on.
+    """
+    acting = [step for step in chart.steps if step.actions]
+    if len(chart.steps) != 2 or len(transitions) != 2 or len(acting) != 1:
+        return None
+    leaving = {source.net.steps[i].step.id: t for t in transitions for i in t.sources}
+    resting = next(step for step in chart.steps if step is not acting[0])
+    if set(leaving) != {acting[0].id, resting.id}:
+        return None
+    released, pressed = (source.conditions[leaving[step.id].index] for step in (acting[0], resting))
+    return pressed if negation(released) == n.bare(pressed) else None
 
 
 def plain_chart(source: ChartSource) -> ChartSource:
