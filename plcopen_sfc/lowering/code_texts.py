@@ -303,8 +303,8 @@ class Texts:
     def read_branches(self, *, actions: bool) -> str:
         """Return how a CASE is read. `actions`: its branches have what steps do."""
         if actions:
-            return "A branch of CASE is a step: what it does, then its transitions in their order."
-        return "A branch of CASE is a step with its transitions in their order; what steps do comes behind."
+            return "Each branch is a step: what it does, then its transitions in their order."
+        return "Each branch is a step with its transitions in their order; what steps do comes behind."
 
     def compared(self, profile: str, verdict: str, resting: Sequence[str]) -> str:
         """Return the verdict of the comparison, and the inputs that were FALSE in it."""
@@ -516,8 +516,8 @@ class GermanTexts(Texts):
     def read_branches(self, *, actions: bool) -> str:
         """Return how a CASE is read. `actions`: its branches have what steps do."""
         if actions:
-            return "Ein Zweig von CASE ist ein Schritt: was er tut, dann seine Transitionen der Reihe nach."
-        return "Ein Zweig von CASE ist ein Schritt mit seinen Transitionen; was Schritte tun, kommt dahinter."
+            return "Jeder Zweig ist ein Schritt: was er tut, dann seine Transitionen der Reihe nach."
+        return "Jeder Zweig ist ein Schritt mit seinen Transitionen; was Schritte tun, kommt dahinter."
 
     def compared(self, profile: str, verdict: str, resting: Sequence[str]) -> str:
         """Return the verdict of the comparison, and the inputs that were FALSE in it."""
