@@ -412,6 +412,7 @@ def _draw(  # noqa: PLR0917  # typer calls it by name
     pou: o.PouName = None,
     style: o.PictureStyle = None,
     theme: o.Theme = "light",
+    paper: o.Paper = None,
     to: o.PictureFormat = None,
     report: o.Report = None,
     as_json: o.AsJson = False,
@@ -425,7 +426,7 @@ def _draw(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
         from plcopen_sfc.cli.commands import draw  # noqa: PLC0415
 
-        screen.exit_code = draw.run(screen, file, target, pou=pou, style=style, theme=theme, format=to)
+        screen.exit_code = draw.run(screen, file, target, pou=pou, style=style, theme=theme, format=to, paper=paper)
 
 
 def _page(  # noqa: PLR0917  # typer calls it by name

@@ -124,6 +124,9 @@ PictureFormat = Annotated[
     _option("--to", "Write svg, png, pdf, mermaid or dot. The default is the extension of DST, else svg.", "FORMAT"),
 ]
 PageLanguage = Annotated[str, _option("--lang", "Write headings of the page in en or de.", "LANG")]
+Paper = Annotated[
+    str | None, _option("--paper", "Divide large pictures into sheets of A4, A3 or letter, a file for each.", "PAPER")
+]
 Theme = Annotated[str, _option("--theme", "Draw in light or dark colours, or in black on white: print.", "THEME")]
 
 # -- rules ------------------------------------------------------------------------------------------------------------

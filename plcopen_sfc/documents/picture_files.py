@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from plcopen_sfc.documents.folder_documents import FileNames
-from plcopen_sfc.drawing.pictures import Theme, body_svg, chart_svg, dot_text, mermaid_text
+from plcopen_sfc.drawing.pictures import Theme, body_svg, chart_svg, dot_text, mermaid_text, sheets
 from plcopen_sfc.errors import ModelError, SfcError, check_argument, nearest
 from plcopen_sfc.files import folder_exists, refuse_empty, write_all
 from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
@@ -42,6 +42,7 @@ def draw(
     style: str | None = None,
     theme: str = Theme.LIGHT,
     format: str | None = None,
+    paper: str | None = None,
 ) -> list[PictureFile]:
     """Draw the charts and the bodies in FBD and LD of a project into files, or what is called `pou` of them.
 
@@ -49,9 +50,11 @@ def draw(
     `target` is a file for one picture, or a folder, which exists or ends in a slash; there each picture has the name
     of its chart. `style` and `theme` as in `SfcNetwork.to_svg`. `format` is ``svg``, ``png`` (two pixels for one of
     the SVG), ``pdf`` (one page of the size of the picture), or a text for a program that draws graphs, without
-    style and theme: ``mermaid`` or ``dot``. The default is what the extension of a file says, else ``svg``. PNG and
-    PDF need the extra ``pictures``. All pictures are written or none. Raises `ModelError` where there is no such
-    chart, format, style or theme, or several charts for one file, `SfcError` where the extra is missing, and
+    style and theme: ``mermaid`` or ``dot``. The default is what the extension of a file says, else ``svg``. `paper` is
+    ``A4``, ``A3`` or ``letter``: a picture that is larger is divided into sheets, each in a file of its own
+    (``Main-1``, ``Main-2`` ..). PNG and PDF need the extra ``pictures``. All pictures are written or none. Raises
+    `ModelError` where there is no such chart, format, style, theme or paper, or several charts for one file, `SfcError`
+    where the extra is missing, and
     `FileAccessError`.
     """
     check_argument(project, Project, "draw needs a project", "A chart draws itself: chart.to_svg().")
@@ -61,8 +64,20 @@ def draw(
     charts = drawn_bodies(project, pou, kind)
     paths = _paths(charts, path, PICTURE_FORMATS[kind])
     pairs = list(zip(charts, paths, strict=True))
-    write_all({file: _picture(named, kind, style, theme) for named, file in pairs})
-    return [PictureFile(named.name, file) for named, file in pairs]
+    drawn = [
+        (named.name, file, data)
+        for named, whole in pairs
+        for file, data in _numbered(whole, _pictures(named, kind, style, theme, paper))
+    ]
+    write_all({file: data for _, file, data in drawn})
+    return [PictureFile(name, file) for name, file, _ in drawn]
+
+
+def _numbered(path: Path, data: list[bytes]) -> list[tuple[Path, bytes]]:
+    """Return the file of each sheet of a picture; the only one has its name."""
+    if len(data) == 1:
+        return [(path, data[0])]
+    return [(path.with_name(f"{path.stem}-{at}{path.suffix}"), each) for at, each in enumerate(data, start=1)]
 
 
 def _format(path: str, wanted: str | None) -> str:
@@ -76,14 +91,19 @@ def _format(path: str, wanted: str | None) -> str:
     return wanted.lower()
 
 
-def _picture(named: NamedBody, kind: str, style: str | None, theme: str) -> bytes:
+def _pictures(named: NamedBody, kind: str, style: str | None, theme: str, paper: str | None) -> list[bytes]:
+    """Return a picture as the content of a file, or of several where it is on several sheets."""
     body = named.body
     if kind in _TEXTS and isinstance(body, SfcBody):
-        return _TEXTS[kind](body.chart).encode("utf-8")
+        return [_TEXTS[kind](body.chart).encode("utf-8")]
     if isinstance(body, SfcBody):
         svg = chart_svg(body.chart, style, theme)
     elif isinstance(body, FbdBody | LdBody):
         svg = body_svg(body, theme, named.name)
+    return [_content(sheet, kind) for sheet in (sheets(svg, paper) if paper is not None else [svg])]
+
+
+def _content(svg: str, kind: str) -> bytes:
     data = svg.encode("ascii")
     if kind == "svg":
         return data

@@ -19,6 +19,7 @@ def run(
     style: str | None,
     theme: str,
     format: str | None,
+    paper: str | None,
 ) -> int:
     """Draw the charts of `source`, or what is called `pou`, into `target` (None: next to it, ``-``: standard output).
 
@@ -32,7 +33,7 @@ def run(
         several = len(drawn_bodies(project, pou)) > 1
         target = STANDARD_STREAM if source == STANDARD_STREAM else _beside(Path(source), extension, several=several)
     with written_to_stdout(screen, target, extension) as place:
-        drawn = draw(project, place, pou=pou, style=style, theme=theme, format=format)
+        drawn = draw(project, place, pou=pou, style=style, theme=theme, format=format, paper=paper)
     written = [(name, target if target == STANDARD_STREAM else str(path)) for name, path in drawn]
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         if len(written) == 1:

@@ -4,6 +4,7 @@
 * `chart_arrangement`: the nested branches of a chart on the page
 * `symbol_pictures`: steps, transitions, jumps and action blocks
 * `network_picture`: networks of FBD and LD
+* `picture_sheets`: large pictures on several sheets of paper
 * `graph_texts`: Mermaid and Graphviz
 * `svg_canvas`: shapes, texts and themes, widths of texts
 """
@@ -17,6 +18,7 @@ from plcopen_sfc.drawing.pictures.chart_picture import (
 )
 from plcopen_sfc.drawing.pictures.graph_texts import dot_text, mermaid_text
 from plcopen_sfc.drawing.pictures.network_picture import body_figure, body_svg
+from plcopen_sfc.drawing.pictures.picture_sheets import sheets
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, escape, style_rules
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle
 
@@ -34,5 +36,6 @@ __all__ = [
     "escape",
     "mermaid_text",
     "part_prefix",
+    "sheets",
     "style_rules",
 ]
