@@ -39,6 +39,7 @@ def _app() -> typer.Typer:
         _convert,
         _diff,
         _rename,
+        _renumber,
         _merge,
         _apply,
         _simulate,
@@ -241,6 +242,29 @@ def _rename(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import rename  # noqa: PLC0415
 
         screen.exit_code = rename.run(screen, file, old, new, dry_run=dry_run)
+
+
+def _renumber(  # noqa: PLR0917  # typer calls it by name
+    file: o.File,
+    start: o.Start = 1,
+    increment: o.Increment = 1,
+    names: o.NamesOfSteps = "",
+    pou: o.PouName = None,
+    dry_run: o.DryRun = False,
+    report: o.Report = None,
+    as_json: o.AsJson = False,
+    quiet: o.Quiet = False,
+    verbose: o.Verbose = 0,
+) -> None:
+    """Number steps along the flow, and name them by their numbers.
+
+    Changes the file in place. With - the file is read from standard input and written to standard output.
+    """
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
+        from plcopen_sfc.cli.commands import renumber  # noqa: PLC0415
+
+        how = renumber.Numbering(start, increment, names, pou or "")
+        screen.exit_code = renumber.run(screen, file, how, dry_run=dry_run)
 
 
 def _merge(  # noqa: PLR0917  # typer calls it by name

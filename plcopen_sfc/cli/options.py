@@ -165,6 +165,10 @@ Undo = Annotated[bool, _option("--undo", "Take out again what was written.")]
 OldName = Annotated[str, typer.Argument(metavar="OLD", help="What to rename: Main, Main.S3, GVL.x, Type.member.")]
 NewName = Annotated[str, typer.Argument(metavar="NEW", help="Its new name.")]
 
+Start = Annotated[int, _option("--start", "The number of the first step.")]
+Increment = Annotated[int, _option("--increment", "What each step has more than the one before it.")]
+NamesOfSteps = Annotated[str, _option("--names", "Name the steps too: S{number}, S{number:03}_{name}.")]
+
 # -- step lists -------------------------------------------------------------------------------------------------------
 
 StepList = Annotated[str, typer.Argument(metavar="LIST", help="A step list, .xlsx or .csv.")]

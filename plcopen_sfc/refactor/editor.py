@@ -211,7 +211,7 @@ class Editor:
             for place, step in enumerate(chart_edits.along_the_flow(chart)):
                 number = start + place * increment
                 if names:
-                    table[by_holder[id(step)]] = names.format(number=number, name=step.name)
+                    table[by_holder[id(step)]] = _name(names, number, step.name)
             if numbered:
                 chart_edits.renumber(self._journal, chart, start, increment)
         if table:
@@ -355,6 +355,15 @@ class Editor:
         if dangling:
             called = ", ".join(sorted(keys))
             raise refused(f"{called} cannot be removed", (f"it is named in {use}" for use in dangling))
+
+
+def _name(form: str, number: int, name: str) -> str:
+    try:
+        return form.format(number=number, name=name)
+    except (KeyError, IndexError, ValueError, AttributeError):
+        raise ModelError(
+            f"{form!r} is no form of names", hint="It may have {number}, {number:03} and {name} in it."
+        ) from None
 
 
 _STRUCTURE = {

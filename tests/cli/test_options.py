@@ -18,7 +18,8 @@ import plcopen_sfc as sfc
 ROOT = Path(__file__).resolve().parents[2]
 CHAIN = ROOT / "fixtures" / "training-chain" / "plcopen_2.01.xml"
 COMMANDS = (
-    "formats info validate check rules convert diff rename merge apply simulate lower draw page git-setup schema"
+    "formats info validate check rules convert diff rename renumber merge apply simulate lower draw page git-setup "
+    "schema"
 ).split()
 
 
@@ -93,6 +94,7 @@ REPORTING = [
     ["convert", "CHAIN", "OUT.json", "--to", "json"],
     ["diff", "CHAIN", "CHAIN"],
     ["rename", "CHAIN", "Ablauf.S1", "Grundstellung", "--dry-run"],
+    ["renumber", "CHAIN", "--names", "S{number}", "--start", "10", "--dry-run"],
     ["simulate", "CHAIN", "--scans", "3"],
     ["lower", "CHAIN", "OUT.scl", "--to", "scl", "--as", "case"],
 ]

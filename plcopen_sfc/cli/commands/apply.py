@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from plcopen_sfc.batch import AppliedFile, apply, difference, project_files
-from plcopen_sfc.cli.commands.rename import DIFF_STYLES
+from plcopen_sfc.cli.editing import DIFF_STYLES
 from plcopen_sfc.cli.reading import STANDARD_STREAM, expand
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.errors import ScriptError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plcopen_sfc.api import load, save
 from plcopen_sfc.batch import FileChange, difference
-from plcopen_sfc.cli.commands.rename import DIFF_STYLES
+from plcopen_sfc.cli.editing import DIFF_STYLES
 from plcopen_sfc.cli.reading import load_input
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.folder_projects import edited_files

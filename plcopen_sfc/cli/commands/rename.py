@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from plcopen_sfc.api import save
-from plcopen_sfc.batch import FileChange, difference
-from plcopen_sfc.cli.reading import STANDARD_STREAM, load_input, written_to_stdout
+from plcopen_sfc.cli.editing import finish
+from plcopen_sfc.cli.reading import load_input
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.documents.folder_projects import edited_files
 from plcopen_sfc.languages.binding import Use
-from plcopen_sfc.report import LOSSES, Outcome, RenameResult
+from plcopen_sfc.report import RenameResult
 
-UNREAD_DOCUMENT = "DIR101"
 _SHOWN = 20
 _FINDINGS = 1
 
@@ -24,36 +21,12 @@ def run(screen: Screen, file: str, old: str, new: str, *, dry_run: bool) -> int:
     """
     project = load_input(screen, file)
     result = project.rename(old, new)
-    for finding in project.diagnostics:
-        if finding.code == UNREAD_DOCUMENT:
-            screen.finding(finding, result=False)  # the name may be in it too
-    if dry_run:
-        files = edited_files(project, file)
-        diff = [line for each in files for line in difference(FileChange(*each))]
-        for line in () if screen.as_json else diff:
-            screen.line((line, DIFF_STYLES.get(line[:1], "")))
-        screen.result(_data(file, result) | {"diff": diff})
-    else:
-        with written_to_stdout(screen, file, "") as target:
-            report = save(project, target, format=project.source.format if project.source is not None else None)
-        if file == STANDARD_STREAM:
-            report.written = [file]
-        if not screen.as_json and not screen.quiet:
-            _show(screen, result)
-            for name in report.written:
-                screen.line("written: ", (name, "bold"))
-        losses = [f"{item.place}: {item.why}" for item in report.losses]
-        screen.result(_data(file, result) | {"written": report.written, "losses": losses})
-        for item in report.with_outcome(*LOSSES, Outcome.DROPPED):
-            screen.note(f"{item.place}: {item.why}")
+    finish(screen, file, project, _data(file, result), lambda: _show(screen, result), dry_run=dry_run)
     if result.undecided and not screen.as_json:
         screen.note(f"these places have the name {result.old} too; look whether they mean {result.path}:")
         for undecided in result.undecided:
             screen.note(f"  {undecided}")
     return _FINDINGS if result.undecided else 0
-
-
-DIFF_STYLES = {"+": "green", "-": "red", "@": "cyan"}
 
 
 def _show(screen: Screen, result: RenameResult) -> None:
