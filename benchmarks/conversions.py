@@ -4,6 +4,7 @@
     python -m benchmarks.conversions --corpus FOLDER     the files of a folder, too
     python -m benchmarks.conversions --limit 5           run the charts of each file in both tools, for so many seconds
     python -m benchmarks.conversions --only traffic      files with this in their name
+    python -m benchmarks.conversions --every 5           the fixtures, and every fifth file of the folder
     python -m benchmarks.conversions --list              name every file and what became of it
 
 A conversion is *executed* where the report names no loss, *otherwise* where something is approximated, *partial* where
@@ -102,11 +103,12 @@ def _column(report: ConversionReport) -> str:
     return "otherwise" if report.losses else "executed"
 
 
-def files(folders: list[Path], only: str) -> Iterator[Path]:
-    """The files of some folders."""
+def files(folders: list[Path], only: str, step: int = 1) -> Iterator[Path]:
+    """The fixtures and every `step`-th file of other folders."""
     for folder in folders:
         every = sorted(path for path in folder.rglob("*") if path.is_file())
-        yield from (path for path in every if only.casefold() in str(path).casefold())
+        wanted = [path for path in every if only.casefold() in str(path).casefold()]
+        yield from wanted if folder == FIXTURES else wanted[::step]
 
 
 def _work(job: tuple[Path, str], *, limit: float) -> Judged | None:
@@ -131,12 +133,13 @@ def main() -> None:
     parser.add_argument("--corpus", type=Path)
     parser.add_argument("--to", action="append", choices=TARGETS)
     parser.add_argument("--only", default="")
+    parser.add_argument("--every", type=int, default=1)
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--limit", type=float, default=0, help="seconds in which the charts of a file are run")
     parser.add_argument("--processes", type=int, default=2)
     given = parser.parse_args()
     folders = [FIXTURES, *([given.corpus] if given.corpus is not None else [])]
-    jobs = [(path, target) for path in files(folders, given.only) for target in given.to or TARGETS]
+    jobs = [(path, target) for path in files(folders, given.only, given.every) for target in given.to or TARGETS]
     start = time.monotonic()
     found: list[Judged] = []
     with ProcessPoolExecutor(given.processes) as pool:

@@ -112,7 +112,7 @@ class _Reader:
         self.names = Names(project)
         self.dialect = project.dialect
         self.source = source
-        of_twincat = source.source is not None and source.source.format == "twincat"
+        of_twincat = source.source is not None and source.source.tool_format == "twincat"
         self.addresses = Dialect.TWINCAT if of_twincat else source.dialect
         self.whole = Part("")
         self.lists = {s.name.casefold() for s in self.project.global_sections() if s.name}
@@ -441,7 +441,7 @@ class _Reader:
 
     @property
     def _is_codesys_file(self) -> bool:
-        return self.source.source is not None and self.source.source.format == "codesys"
+        return self.source.source is not None and self.source.source.tool_format == "codesys"
 
     def _instances(self) -> Iterator[PouInstance]:
         for resource in self.source.resources():

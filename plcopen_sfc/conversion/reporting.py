@@ -194,7 +194,7 @@ def report_execution(
             continue
         if difference.kind in (UNDECLARED, UNDECLARED_TYPE) and difference.name.casefold() in words:
             continue
-        if difference.aspect in _CONDITIONS and difference.right in said:
+        if difference.aspect in _WRITTEN_OTHERWISE and (difference.right or "").partition(" ")[0] in said:
             continue
         if difference.kind == "action" and ((place, "action") in lost or _bare(place) in replaced):
             continue
@@ -233,7 +233,8 @@ def _name_of(path: str) -> str:
     return path.partition(" ")[2]
 
 
-_CONDITIONS = ("condition", "interlock", "supervision")
+_WRITTEN_OTHERWISE = ("condition", "interlock", "supervision", "code")
+"""Aspects in whose place writers put an undeclared name."""
 _IN_PLACE = re.compile(r"undeclared name (\w+)")
 """How writers tell the name that they put in place of what the target cannot say."""
 _LACKED = re.compile(

@@ -67,7 +67,9 @@ def read_document(data: bytes, *, format: str | None, path: str | None, as_tool:
                 if isinstance(body, SfcBody):
                     remember_body(body, name, data)
         digest = fingerprint(project)
-    project.source = FileSource(kind.name, reading.version, data, digest, path, reading.diagnostics)
+    project.source = FileSource(
+        kind.name, reading.version, data, digest, path, reading.diagnostics, origin=reading.origin
+    )
     return project
 
 

@@ -70,11 +70,15 @@ Marks: TypeAlias = Mapping[int, Mapping[str, Any]]
 
 
 class ReadResult(NamedTuple):
-    """A project that was read, the findings about its file, and the version of the format that it has."""
+    """A project that was read, the findings about its file, and the version of the format that it has.
+
+    `origin` is the format of the file that was saved as this one, where the file tells it.
+    """
 
     project: Project
     diagnostics: list[Diagnostic]
     version: str = ""
+    origin: str = ""
 
 
 class DrawingNeed(StrEnum):

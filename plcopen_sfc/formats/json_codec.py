@@ -45,13 +45,16 @@ class JsonCodec(Codec):
             path = ".".join(map(str, first["loc"]))
             place = Location(file, _line_of(text, ["project", *first["loc"]]), path=path)
             raise StructureError(f"{path}: {first['msg']}", location=place) from error
-        return ReadResult(project, [])
+        origin = content.get("origin")
+        return ReadResult(project, [], origin=origin if isinstance(origin, str) else "")
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write the model."""
+        origin = project.source.tool_format if project.source is not None else ""
         content = {
             "format": "plcopen_sfc",
             "version": _VERSION,
+            **({"origin": origin} if origin and origin != "json" else {}),
             "project": project.model_dump(mode="json", exclude_none=True),
         }
         report.add(Outcome.KEPT, "project", project.name)

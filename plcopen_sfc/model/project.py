@@ -182,6 +182,10 @@ class Source(Protocol):
     errors_accepted: bool
 
     @property
+    def tool_format(self) -> str:
+        """The format by whose tool the project is executed: not JSON, but that of the file which was saved as JSON."""
+
+    @property
     def is_folder(self) -> bool:
         """True if each object has a file of its own."""
 

@@ -424,14 +424,14 @@ _BY_DIALECT = {Dialect.CODESYS: "codesys", Dialect.TWINCAT: "codesys", Dialect.S
 def default_profile(project: Project) -> Profile:
     """The profile of the tool that a project is for.
 
-    The format it was read from decides, then the dialect of its texts. A TC6 file of Beremiz or OpenPLC Editor is one
-    of `_is_of_beremiz`. What is left is ``iec``, but for projects whose charts have partial charts or actions of IEC
-    60848: those are ``grafcet``.
+    The format it was read from decides (of JSON that of the file which was saved so), then the dialect of its texts. A
+    TC6 file of Beremiz or OpenPLC Editor is one of `_is_of_beremiz`. What is left is ``iec``, but for projects whose
+    charts have partial charts or actions of IEC 60848: those are ``grafcet``.
     """
     source = project.source
-    name = _BY_FORMAT.get(source.format) if source is not None else None
+    name = _BY_FORMAT.get(source.tool_format) if source is not None else None
     name = name or _BY_DIALECT.get(project.dialect)
-    if name is None and source is not None and source.format.startswith("plcopen") and _is_of_beremiz(project):
+    if name is None and source is not None and source.tool_format.startswith("plcopen") and _is_of_beremiz(project):
         name = "beremiz"
     if name is None:
         name = "grafcet" if _has_grafcet(project) else "iec"

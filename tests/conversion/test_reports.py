@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -171,3 +173,10 @@ def test_flags_that_operate_a_chart_of_codesys_are_reported_wherever_they_are_de
     source.dialect = m.Dialect.CODESYS
     told = [(item.what, item.why) for item in losses(source, "plcopen") if item.what == flag]
     assert told == [(flag, "the flag has no effect in TC6")]
+
+
+def test_a_body_that_cannot_be_written_is_one_item(tmp_path: Path) -> None:
+    source = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    report = sfc.save(source, f"{tmp_path}/out/", format="twincat", partial=True)
+    found = [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what in ("body", "code")]
+    assert found == ["POU PLC_PRG / action ACT_Belt"]

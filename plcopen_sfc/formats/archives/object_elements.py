@@ -376,7 +376,10 @@ class _PouWriter:
         elif isinstance(body, FbdBody | LdBody):
             text = shown_body(body, Dialect.CODESYS)
         if text is None:
-            why = f"a body in {body.language} cannot be written, and is not executed"
+            why = (
+                f"a body in {body.language} cannot be written, and is not executed: the undeclared name "
+                "body_is_not_written is in its place"
+            )
             self._report.add(Outcome.NOT_EXECUTED, "body", path, why)
             text = "body_is_not_written := TRUE;"
         else:

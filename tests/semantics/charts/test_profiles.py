@@ -71,6 +71,16 @@ def test_the_format_of_a_file_decides(fixture: str, name: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("fixture", "name"),
+    [("codesys23/distribution_belt.EXP", "codesys23"), ("plcopen/filling_station_2.01.xml", "beremiz")],
+)
+def test_json_keeps_the_tool_of_the_file_that_was_saved(fixture: str, name: str) -> None:
+    saved = sfc.loads(sfc.dumps(sfc.load(ROOT / "fixtures" / fixture), format="json"))
+    again = sfc.loads(sfc.dumps(saved, format="json", fresh=True))
+    assert [default_profile(each).name for each in (saved, again)] == [name, name]
+
+
+@pytest.mark.parametrize(
     ("company", "product", "version", "name"),
     [
         ("Beremiz", "Beremiz", "1", "beremiz"),
