@@ -52,12 +52,12 @@ def read_document(data: bytes, *, format: str | None, path: str | None, as_tool:
 
     `as_tool`: as the tool of the format sees it. See `as_tool_sees`.
     """
-    kind = format_named(format)[0] if format is not None else recognise(data, file=path)
+    kind, version = format_named(format) if format is not None else (recognise(data, file=path), "")
     if as_tool:
         data = as_tool_sees(data, kind, path)
     with collecting_rarely():
         try:
-            reading = kind.codec().read(data, file=path)
+            reading = kind.codec(version).read(data, file=path)
         except FormatError as error:
             error.location = error.location if error.location.file else replace(error.location, file=path)
             raise
@@ -88,10 +88,10 @@ def writing(kind: Format) -> Iterator[None]:
         raise ModelError(message, location=place, hint=hint) from error
 
 
-def read_back(data: bytes, kind: Format) -> Project:
-    """Return the project in the bytes that are to be written, with all that is in it read."""
+def read_back(data: bytes, kind: Format, version: str) -> Project:
+    """Return the project in the bytes that are to be written in a version, with all that is in it read."""
     with writing(kind):
-        project = kind.codec().read(data).project
+        project = kind.codec(version).read(data).project
         project.read_all()
     return project
 
@@ -148,12 +148,12 @@ def encode(
     with collecting_rarely():
         copy, meant, options, behaviour = prepared(project, kind, options, report)
         with writing(kind):
-            data = kind.codec().write(copy, options, report)
+            data = kind.codec(version).write(copy, options, report)
         if not (options.flavour and kind.text):  # what a flavour leaves out is for people, and not read back
-            verify(meant, kind, read_back(data, kind), report)
+            verify(meant, kind, read_back(data, kind, version), report)
         called = names_in_the_source(project, copy)
     if behaviour is not None:
-        seen = read_document(data, format=kind.name, path=None, as_tool=True)
+        seen = read_document(data, format=name, path=None, as_tool=True)
         report_behaviour(report, project, behaviour, seen, called, tool=kind.tool, flavour=flavour, limit=limit)
     if source is not None and format_named(source.format)[0].xml:
         report.locate(format_named(source.format)[0].codec().lines(source.content, project), called=called)
@@ -439,7 +439,7 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
     """Return the text that was read with the edits in it."""
     from plcopen_sfc.formats.text_patch import patch_text  # noqa: PLC0415  # only to save edits
 
-    codec = cast("TextCodec", kind.codec())
+    codec = cast("TextCodec", kind.codec(source.version))
     before = codec.read(source.content).project
     options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
     text, spans = codec.spans(source.content)
@@ -449,7 +449,7 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
     if recoded:
         why = f"{text.encoding} does not have all of its characters; the file is in UTF-8 now"
         report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)
-    back = read_back(data, kind)
+    back = read_back(data, kind, source.version)
     meant = project if kind.ids else numbered_in_order(project)
     if not kind.ids:
         number_in_order(back)
@@ -463,5 +463,5 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
         )
         report_reading_errors(project, report)
         data = codec.write(project, options, ConversionReport())
-        verify(project, kind, read_back(data, kind), report)
+        verify(project, kind, read_back(data, kind, source.version), report)
     return data

@@ -147,6 +147,10 @@ class Codec(ABC):
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write a file from the model alone."""
 
+    def for_version(self, version: str) -> Codec:
+        """Return the codec for files of a version that was asked for; most codecs find the version in the file."""
+        return self
+
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
         """Return the file without what only this package reads."""
         return data
@@ -261,7 +265,7 @@ class Format:
     charts: ChartHost | None = None
     standard: str = ""
 
-    def codec(self) -> Codec:
-        """Import and return its codec: ``CODEC`` of its module."""
+    def codec(self, version: str = "") -> Codec:
+        """Import and return its codec: ``CODEC`` of its module, for the version that was asked for."""
         codec: Codec = import_module(self.module).CODEC
-        return codec
+        return codec.for_version(version)

@@ -67,6 +67,10 @@ _EXPORT = re.compile(
 )
 
 
+CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp1253", "cp1254", "cp1257", "cp932", "cp936", "cp949", "cp950")
+"""The code pages of Windows in which CoDeSys 2.3 writes, in the order in which they are tried."""
+
+
 def _is_export_of_codesys23(head: FileHead) -> bool:
     return _EXPORT.match(head.text) is not None
 
@@ -233,6 +237,7 @@ FORMATS: tuple[Format, ...] = (
         tool="CoDeSys 2.3",
         module="plcopen_sfc.formats.codesys23.exp_codec",
         extensions=(".exp",),
+        versions=CODE_PAGES,
         recognises=_is_export_of_codesys23,
         capabilities=(
             "steps",

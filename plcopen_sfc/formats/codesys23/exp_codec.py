@@ -19,12 +19,13 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from plcopen_sfc.errors import EncodingError
+from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.formats.codesys23.chart_text import ChartNames, body_text, chart_blocks
 from plcopen_sfc.formats.codesys23.exp_outline import OWN_LINE
 from plcopen_sfc.formats.codesys23.exp_reader import CODE_PAGE, DIVIDER, HEADER, KINDS, footer_of, read_export
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest
+from plcopen_sfc.formats.registry import CODE_PAGES
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
@@ -67,7 +68,6 @@ from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 USUAL = "cp1252"
-_CODE_PAGES = (USUAL, "cp1250", "cp1251", "cp1253", "cp1254", "cp1257", "cp932", "cp936", "cp949", "cp950")
 _NAMED = re.compile(rb"\{plcopen_sfc code_page := '(cp\d{3,4})'\}")
 _LETTERS = re.compile(rb"[\x80-\xff]")
 _LONG_RUN = re.compile(rb"[\xa8\xb8\xc0-\xff]{3,}")
@@ -90,10 +90,22 @@ class CodePageText(SourceText):
             ) from error
 
 
-def decode_export(data: bytes) -> CodePageText:
-    """Return the text of a file: in UTF-8 where it is that, else in the code page that it has, which is a guess."""
+def decode_export(data: bytes, page: str = "") -> CodePageText:
+    """Return the text of a file: in `page`, or in UTF-8 where it is that, else in a code page, which is a guess.
+
+    Raises `EncodingError` where it is not in `page`.
+    """
+    if page:
+        try:
+            return CodePageText(data.decode(page), page)
+        except UnicodeDecodeError as error:
+            line = data.count(b"\n", 0, error.start) + 1
+            message = f"the byte 16#{data[error.start]:02X} is no character of the code page {page}"
+            raise EncodingError(
+                message, location=Location(None, line), hint="Name another code page, or none."
+            ) from error
     named = _NAMED.search(data)
-    encoding = named[1].decode() if named is not None and named[1].decode() in _CODE_PAGES else ""
+    encoding = named[1].decode() if named is not None and named[1].decode() in CODE_PAGES else ""
     marked = data.startswith((codecs.BOM_UTF8, codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     if not encoding and not marked:
         if data.isascii():
@@ -109,7 +121,7 @@ def decode_export(data: bytes) -> CodePageText:
 
 def code_page_for(text: str) -> str:
     """Return the first code page that has all characters of `text`, or the usual one if none has."""
-    return next((page for page in _CODE_PAGES if _has_all(page, text)), USUAL)
+    return next((page for page in CODE_PAGES if _has_all(page, text)), USUAL)
 
 
 def _has_all(page: str, text: str) -> bool:
@@ -136,9 +148,12 @@ _DIALECT = Dialect.CODESYS
 _KEYWORDS = {kind: word for word, kind in KINDS.items()} | {PouKind.ORGANIZATION_BLOCK: "PROGRAM"}
 
 
-def write_export(project: Project, meant: Project, report: ConversionReport) -> tuple[str, str]:
-    """Return the text of a project, and the code page that has its characters. `meant` as in `write_blocks`."""
-    page = code_page_for("\n".join(block.whole() for block in _objects(project, ConversionReport())))
+def write_export(project: Project, meant: Project, report: ConversionReport, page: str = "") -> tuple[str, str]:
+    """Return the text of a project, and its code page: `page`, or one that has its characters.
+
+    `meant` as in `write_blocks`.
+    """
+    page = page or code_page_for("\n".join(block.whole() for block in _objects(project, ConversionReport())))
     return write_blocks(project, meant, report, page).whole(), page
 
 
@@ -533,16 +548,23 @@ def _later_types(kind: DataType | None) -> Iterator[str]:
 
 
 class ExpCodec(TextCodec):
-    """Exports of CoDeSys 2.3 and TwinCAT 2."""
+    """Exports of CoDeSys 2.3 and TwinCAT 2; `page` is their code page where one was asked for."""
+
+    def __init__(self, page: str = "") -> None:
+        self._page = page
+
+    def for_version(self, version: str) -> ExpCodec:
+        """Return the codec for a code page."""
+        return ExpCodec(version) if version in CODE_PAGES else self
 
     def decode(self, content: bytes) -> SourceText:
         """Return the text of a file, and its code page."""
-        return decode_export(content)
+        return decode_export(content, self._page)
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a file. What does not parse is kept and reported."""
         found = read_export(self.decode(data), file)
-        return ReadResult(found.project, found.diagnostics)
+        return ReadResult(found.project, found.diagnostics, self._page)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
         """Return the file without comments of this package."""
@@ -552,7 +574,7 @@ class ExpCodec(TextCodec):
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write a whole file with CRLF, in the code page that has its characters."""
-        text, page = write_export(project, options.rewritten or project, report)
+        text, page = write_export(project, options.rewritten or project, report, self._page)
         return f"\n{text}\n".replace("\n", "\r\n").encode(page, errors="replace")
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:

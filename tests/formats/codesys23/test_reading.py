@@ -178,6 +178,24 @@ def test_code_pages_are_found_and_kept(comment: str, page: str, found: str) -> N
     assert sfc.dumps(project) == data.replace(b"x := 1", b"x := 2")
 
 
+def test_a_code_page_can_be_named_and_is_kept() -> None:
+    start, end = f"{HEADER}PROGRAM A\r\nVAR\r\n\tx:INT;\t(* ", " *)\r\nEND_VAR\r\nx := 1;\r\nEND_PROGRAM\r\n"
+    data = f"{start}Błąd pompy{end}".encode("cp1250")
+    assert sfc.loads(data).pous[0].variables()[0].comment == "B³¹d pompy"
+    project = sfc.loads(data, format="codesys23-cp1250")
+    assert not project.diagnostics
+    assert project.pous[0].variables()[0].comment == "Błąd pompy"
+    project.pous[0].variables()[0].comment = "Błąd wież"
+    assert sfc.dumps(project) == f"{start}Błąd wież{end}".encode("cp1250")
+    assert sfc.dumps(project, format="codesys23") == sfc.dumps(project)
+    other = sfc.dumps(sfc.loads(sfc.dumps(project, format="iec-text")), format="codesys23-cp1250")
+    assert "Błąd wież".encode("cp1250") in other
+    assert sfc.loads(other).pous[0].variables()[0].comment == "Błąd wież"
+    with pytest.raises(sfc.SfcError, match="16#81 is no character of the code page cp1252") as refused:
+        sfc.loads(start.encode() + b"\x81" + end.encode(), format="codesys23-cp1252")
+    assert refused.value.location.line
+
+
 def test_a_guessed_code_page_says_how_sure_it_is() -> None:
     start, end = f"{HEADER}PROGRAM A\r\nVAR\r\n\tx:INT;\t(* ", " *)\r\nEND_VAR\r\nEND_PROGRAM\r\n"
     mixed = start.encode() + "счётчик".encode("cp1251") + " Zähler, Größe, Stück".encode("cp1252") + end.encode()
