@@ -141,20 +141,25 @@ _MOST_PLACES = 8
 
 def provenance(source: Project, report: ConversionReport, target: Project | None, words: Words) -> Html:
     """Return the table of both files: tool, format, digest; and the version of this package."""
+    # what goes to standard output was read again from a file that is gone now
+    written = "" if report.written == ["-"] else _path_of(target)
     rows = [
-        *_file(words("Source"), source, report.source_format),
-        *(_file(words("Target"), target, report.target_format) if target is not None else ()),
+        *_file(words("Source"), source, report.source_format, _path_of(source)),
+        *(_file(words("Target"), target, report.target_format, written) if target is not None else ()),
         ("plcopen_sfc", __version__),
     ]
     cells = [element("tr", element("th", name), element("td", element("small", value))) for name, value in rows]
     return joined(element("h2", words("Files")), element("table", element("tbody", *cells)))
 
 
-def _file(caption: str, project: Project, format_name: str) -> Iterator[tuple[str, str]]:
+def _path_of(project: Project | None) -> str:
+    return project.source.path or "" if project is not None and project.source is not None else ""
+
+
+def _file(caption: str, project: Project, format_name: str, path: str) -> Iterator[tuple[str, str]]:
     header, source = project.header, project.source
     made_by = " ".join(filter(None, (header.product, header.version)))
     version = source.version if source is not None else ""
-    path = (source.path or "") if source is not None else ""
     yield caption, ", ".join(filter(None, (path, f"{format_name} {version}".strip(), made_by)))
     content = getattr(source, "content", None)
     if isinstance(content, bytes):

@@ -92,9 +92,9 @@ def run(
             screen.result(loss.report.as_dict())
             screen.error(loss)
             return _FINDINGS
+        report.written = [target] if target == STANDARD_STREAM else report.written
         if page is not None:
             _write_page(screen, page, project, report, load(place, as_tool=True), lang=lang)
-    report.written = [target] if target == STANDARD_STREAM else report.written
     _show(screen, report)
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         _show_written(screen, target, report)
