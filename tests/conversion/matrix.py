@@ -44,6 +44,69 @@ CAUTIOUS = {
     ("counter", "codesys23"): "nothing in the chart reads the counter",
 }
 """Where the report says less than that all is executed although both run the same here, and why."""
+REASONS = {
+    "scl": {"": "a source in SCL holds no charts; `lower` writes their code"},
+    "iec-text": {
+        "event|interlock|supervision|value:|permanent|retained member|initial value": (
+            "the rules that write statements in place of what S7-GRAPH has are not applied to text yet: nothing there "
+            "would keep the source for the way back"
+        ),
+        "global variable|address": "tags, data blocks and lists are not written as VAR_GLOBAL of a text yet",
+        "minimum time|maximum time": "textual SFC has no minimum and maximum times",
+        "negated action|macro-step|drawn logic": "textual SFC has no such element",
+    },
+    "simaticml": {
+        "qualifier SD|qualifier DS|qualifier SL": (
+            "S7-GRAPH has no such qualifier, and what it would take, a timer that permanent instructions call, is not "
+            "written yet"
+        ),
+        "action in ST with S": "what a step stores in S7-GRAPH is an operand, and no rows call a block while it is set",
+        "action that is a chart": "S7-GRAPH has no charts in actions, and no block is written for one yet",
+        "SFCInit|SFCReset|SFCPause|maximum time": "S7-GRAPH has no SFC flags; statements for them are not written yet",
+        "priority of a convergence": "a branch of S7-GRAPH cannot begin where a simultaneous one ends",
+        "negated action|macro-step|drawn logic": "S7-GRAPH has no such element",
+    },
+    "codesys|twincat|codesys-export": {
+        "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
+        "negated action|macro-step|drawn logic": "charts of CODESYS have no such element",
+        "two sequences": "the archive of a chart begins with one step",
+    },
+    "plcopen-2.01": {
+        "SFCInit|SFCReset|SFCPause|maximum time": "TC6 has no SFC flags; statements for them are not written yet",
+    },
+    "codesys23": {
+        "qualifier P1|qualifier P0|negated action|macro-step|drawn logic": "CoDeSys 2.3 has no such element",
+        "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
+        "two sequences": "a chart begins with one step",
+    },
+    "codesys|twincat|codesys-export|plcopen-2.01|iec-text|codesys23": {
+        "SkipSteps": "each step is active for a scan at least in other tools",
+        "ON": "nothing but transitions activates steps in other tools",
+        "counter": "other tools have no counters of S5",
+    },
+}
+"""Why cells are not executed, by targets and features (alternatives)."""
+
+
+def reason(feature: str, target: str) -> str | None:
+    """The reason why a feature is not executed in a target."""
+    for targets, reasons in REASONS.items():
+        for features, why in reasons.items() if target in targets.split("|") else ():
+            if any(feature.startswith(each) for each in features.split("|")):
+                return why
+    return None
+
+
+def reasons_table() -> str:
+    """The reasons as a table in Markdown."""
+    rows = ["| in | not executed | because |", "|---|---|---|"]
+    for targets, reasons in REASONS.items():
+        for features, why in reasons.items():
+            what = features.replace(":", "").replace("|", ", ") or "all"
+            rows.append(f"| {targets.replace('|', ', ')} | {what} | {why} |")
+    return "\n".join(rows)
+
+
 TARGETS = ("codesys", "twincat", "codesys-export", "plcopen-2.01", "iec-text", "simaticml", "scl", "codesys23")
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.conversion.features import FEATURES, Feature
-from tests.conversion.matrix import TARGETS, Cell, is_other, judge, table
+from tests.conversion.matrix import TARGETS, Cell, is_other, judge, reason, reasons_table, table
 from tests.sweeps import WHOLE, in_turn, some_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "conversion.md"
@@ -19,6 +19,12 @@ def documented() -> dict[tuple[str, str, str], str]:
     rows = [line.strip("| ").split(" | ") for line in PAGE.read_text("utf-8").splitlines() if line.startswith("| ")]
     body = [row for row in rows if len(row) == len(TARGETS) + 2 and row[0] in PAIRS]
     return {(row[0], row[1], target): cell for row in body for target, cell in zip(TARGETS, row[2:], strict=True)}
+
+
+def test_every_cell_that_is_not_executed_has_its_reason_on_the_page() -> None:
+    lost = [(feature, target) for (feature, _, target), cell in documented().items() if cell == "not executed"]
+    assert [cell for cell in lost if reason(*cell) is None] == []
+    assert reasons_table() in PAGE.read_text("utf-8")
 
 
 @pytest.mark.slow
