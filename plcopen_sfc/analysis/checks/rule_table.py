@@ -226,6 +226,7 @@ _ON_CHARTS: tuple[Rule, ...] = (
     transition_rules.CND07,
     transition_rules.CND08,
     transition_rules.CND09,
+    transition_rules.CND10,
     action_rules.ACT01,
     action_rules.ACT02,
     action_rules.ACT03,

@@ -11,6 +11,8 @@ from plcopen_sfc.analysis.exclusivity import Truth, covered, exclusive
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.binding.text_sites import Site
+from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.problems import Problem
@@ -21,7 +23,7 @@ from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import Body, IlBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.sfc import Step, Transition
-from plcopen_sfc.model.types import DerivedType
+from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, EnumType, StringType, StructType
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 
 
@@ -195,6 +197,32 @@ def _missing(chart: CheckedChart) -> Iterator[Finding]:
         )
         if condition is None or unwired:
             yield Finding(sheet.at(transition), "the transition has no condition")
+
+
+def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        site = Site(chart.pou, charts=(sheet.chart,), place=chart.pou.place if chart.pou is not None else "")
+        for transition in sheet.transitions:
+            if not isinstance(transition.condition, Expression):
+                continue
+            parsed = parse_condition(transition.condition.text, chart.dialect)
+            told = _other_type(n.bare(parsed.tree), chart, site) if not parsed.problems else ""
+            if told:
+                text = " ".join(transition.condition.text.split())
+                yield Finding(sheet.at(transition), f"the condition {text} is not Boolean: it is {told}")
+
+
+def _other_type(tree: n.Node, chart: CheckedChart, site: Site) -> str:
+    """What a value is that is certainly not Boolean; empty for all else."""
+    if isinstance(tree, n.Operation) and tree.operator in CALCULATING:
+        return "a number or a time"
+    if isinstance(tree, n.Name | n.Member | n.Index):
+        type_ = chart.around.named.resolver.type_of(tree, site)
+        if isinstance(type_, ElementaryType) and type_.name not in (Elementary.BOOL, Elementary.ANY):
+            return f"of type {type_.name}"
+        if isinstance(type_, StructType | StringType | EnumType):
+            return f"of a {type_.kind} type"
+    return ""
 
 
 def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
@@ -462,4 +490,16 @@ CND09 = Rule(
     check=_unreadable,
     severity=None,
     severities={"grafcet": Severity.ERROR},
+)
+
+CND10 = Rule(
+    code="CND10",
+    title="A condition is Boolean",
+    why="A transition fires where its condition is TRUE (IEC 61131-3 ed. 3, 6.7.3): a number, a time or a structure "
+    "does not compile.",
+    hint="Compare it: n <> 0, t > T#2s.",
+    example="VAR n : INT; END_VAR" + _RING % "n",
+    check=_no_boolean,
+    severity=Severity.ERROR,
+    severities={"grafcet": None},
 )

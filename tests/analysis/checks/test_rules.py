@@ -365,6 +365,8 @@ def typed(condition: str) -> Callable[[], Subject]:
 
 
 case("CND01", made(lambda chart: setattr(chart.transitions[0], "condition", None)), made(lambda chart: None), "no cond")
+case("CND10", typed("n"), typed("n <> 0"), "the condition n is not Boolean: it is of type INT")
+case("CND10", typed("n + 1"), typed("n + 1 > u"), "a number or a time")
 case("CND02", steps(condition="TRUE"), steps(condition="a"), "the condition TRUE is always true")
 case("CND02", steps(condition="a OR NOT a"), steps(condition="a OR NOT c"), "always true")
 case("CND03", steps(condition="n > 5 AND n < 5"), steps(condition="n > 5 AND n < 7"), "never true")
