@@ -369,8 +369,11 @@ class ExecutedChartReader:
     def _condition(self, condition: Condition) -> Meaning:
         if self.is_written and condition.kind == "named":
             return Meaning.of(("named", condition.name.casefold(), condition.negated), _shown_name(condition))
-        # names and wires say the same in both, whatever they lead to
-        raw = plain(condition) if condition.kind in ("expression", "body") else object()
+        # two names or wires that cannot be followed may lead to different things; a pin without wires leads nowhere
+        is_whole = condition.kind in ("expression", "body") or (
+            condition.kind == "wired" and not condition.input.connections
+        )
+        raw = plain(condition) if is_whole else object()
         read = _once(lambda: self.condition_of(condition))
         meaning = condition_meaning(read, raw)
         if not self.owner.detail or not isinstance(condition, BodyCondition) or not isinstance(condition.body, IlBody):
