@@ -49,8 +49,8 @@ def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption
     if isinstance(thing, Block) and thing.code is not None:
         yield from _inside(thing.code, path, dialect)
     if isinstance(thing, NodeBase):  # there are many, and nothing in their pins is for people
-        found = (getattr(thing, name, None) for name in _TEXTS)
-        yield from (Caption(path, text) for text in found if text is not None)
+        values = vars(thing)
+        yield from (Caption(path, values[name]) for name in _TEXTS if values.get(name) is not None)
         return
     if isinstance(thing, Step):
         path = f"{path} / step {thing.name}"

@@ -82,9 +82,9 @@ class Drafter:
         for statement in self._flat(statements):
             waiting.append(statement)
             if not self._can_wait(statement, waiting[:-1]) or len(waiting) > _MAX_WAITING:
-                rungs += [self._rung(*group) for group in self._grouped(waiting)]
+                rungs += self._rungs(waiting)
                 waiting = []
-        return rungs + [self._rung(*group) for group in self._grouped(waiting)]
+        return rungs + self._rungs(waiting)
 
     def _flat(self, statements: Iterable[Statement]) -> Iterator[Statement]:
         """The statements without those that do nothing: regions and lone semicolons."""
@@ -96,23 +96,38 @@ class Drafter:
             elif not isinstance(statement, n.Empty):
                 yield statement
 
-    def _grouped(self, statements: Sequence[Statement]) -> list[tuple[Sequence[Statement], Statement]]:
-        """Statements, of which all but the last are calls that may wait, in groups that can stand in one rung each."""
+    def _rungs(self, statements: Sequence[Statement]) -> list[Rung]:
+        """The rungs of statements, of which all but the last are calls that may wait: as few as can hold them."""
         if not statements:
             return []
         *calls, last = statements
-        first = 0
-        while first < len(calls) and not self._fits(calls[first:], last):
+        whole = self._fitting(calls, last)
+        if whole is not None:  # most do: they are drawn once
+            return [whole]
+        first = 1
+        while first < len(calls):
+            state = self._state()
+            if self._fitting(calls[first:], last) is not None:
+                self._go_back(state)  # those before it are drawn first
+                break
             first += 1
-        return [*self._grouped(calls[:first]), (calls[first:], last)]
+        return [*self._rungs(calls[:first]), self._rung(calls[first:], last)]
 
-    def _fits(self, calls: Sequence[Statement], last: Statement) -> bool:
-        """True if the function blocks of `calls` can be drawn inside `last` and are still executed in their order."""
-        state = len(self.nodes), len(self.problems), self._next_id, self._next_order
-        self._rung(calls, last)
-        del self.nodes[state[0] :], self.problems[state[1] :]
-        self._next_id, self._next_order = state[2:]
-        return self._drawn == list(self._waiting) and not self._blocked
+    def _fitting(self, calls: Sequence[Statement], last: Statement) -> Rung | None:
+        """The rung of `last` with the function blocks of `calls`; None if these would be executed in another order."""
+        state = self._state()
+        rung = self._rung(calls, last)
+        if not calls or (self._drawn == list(self._waiting) and not self._blocked):
+            return rung
+        self._go_back(state)
+        return None
+
+    def _state(self) -> tuple[int, int, int, int]:
+        return len(self.nodes), len(self.problems), self._next_id, self._next_order
+
+    def _go_back(self, state: tuple[int, int, int, int]) -> None:
+        nodes, problems, self._next_id, self._next_order = state
+        del self.nodes[nodes:], self.problems[problems:]
 
     def _rung(self, calls: Sequence[Statement], last: Statement) -> Rung:
         first = len(self.nodes)
