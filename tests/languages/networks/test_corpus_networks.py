@@ -125,7 +125,7 @@ def unstable(all_networks: list[Found]) -> list[str]:
 
 
 def test_every_network_of_the_fixtures_is_stable() -> None:
-    assert not unstable(networks(False))
+    assert not unstable([found for found in networks(False) if found.read.tree is not None])  # else nothing is drawn
 
 
 def test_what_of_the_fixtures_does_not_translate() -> None:
@@ -137,7 +137,7 @@ def test_what_of_the_fixtures_does_not_translate() -> None:
             "an element that only its tool understands: Trend recorder, 3 channels",
             "an input cannot set anything",
         )
-    }
+    } | {("Mixer: Wait -> Wait", "the condition is wired to nothing")}
 
 
 @pytest.mark.corpus
