@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
 from types import TracebackType
@@ -73,7 +73,7 @@ class Editor:
         """Begin a transaction, or a part of the one that is open."""
         if not self._open:
             copy = self.project.model_copy(deep=True) if self._prove else None
-            unused = {each.path for each in Names(self.project).unused()} if self._clean else set()
+            unused = {each.path for each in self._unused()} if self._clean else set()
             self._before = copy, unused
             self._drawn.clear()
         self._open.append(len(self._journal))
@@ -97,7 +97,7 @@ class Editor:
     def _finish(self) -> None:
         before, unused = self._before
         if self._clean:
-            self._remove_unused(unused)
+            self._remove(lambda: [each for each in self._unused() if each.path not in unused])
         if before is not None:
             self.proofs = provided("diff")(before, self.project, prove=True, limit=self._limit).proofs
             failed = [str(each) for each in self.proofs if each.verdict is None or not each.verdict.equal]
@@ -132,12 +132,18 @@ class Editor:
 
     @_edit
     def remove_unused(self) -> list[str]:
-        """Remove all actions, named transitions and local variables that nothing uses; give their paths."""
-        return self._remove_unused(frozenset())
+        """Remove all actions, named transitions and local variables that nothing uses; give their paths.
 
-    def _remove_unused(self, kept: Set[str]) -> list[str]:
+        Actions of a project without a task stay: it may be a part of another project, which calls them.
+        """
+        return self._remove(lambda: Names(self.project).unused())
+
+    def _unused(self) -> list[Declaration]:
+        return Names(self.project).unused(callable_elsewhere=True)
+
+    def _remove(self, unused: Callable[[], list[Declaration]]) -> list[str]:
         gone: list[str] = []
-        while found := [each for each in Names(self.project).unused() if each.path not in kept]:
+        while found := unused():
             name_edits.remove_declared(self._journal, self.project, found)
             gone += [each.path for each in found]  # what only these named is without a use now
         self.removed += gone

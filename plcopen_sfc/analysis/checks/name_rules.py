@@ -147,9 +147,10 @@ VAR03 = Rule(
     code="VAR03",
     title="Actions, named conditions and local variables are used",
     why="What nothing names is left over, or was meant to be used. Not found are variables with an address, and those "
-    "that tools use themselves: SFC flags, and data of S7-GRAPH.",
+    "that tools use themselves: SFC flags, and data of S7-GRAPH; nor actions in a file without tasks, which is a part "
+    "of a project that may call them.",
     hint="Remove it: `project.edit().remove_unused()` removes all of them.",
-    example="a program with an action Rinse that no step and no code names",
+    example="a program with a local variable that no step, no condition and no code names",
     check=_unused,
     severity=Severity.INFO,
     severities={"grafcet": None},

@@ -148,12 +148,14 @@ class Names:
                 if isinstance(type_, Level | StructType | Pou):
                     yield occurrence
 
-    def unused(self) -> list[Declaration]:
+    def unused(self, *, callable_elsewhere: bool = False) -> list[Declaration]:
         """The actions, named transitions and local variables that nothing in the project names, as far as can be told.
 
         A name of which it is not known what it means counts for everything of this name. Variables that the tool uses
-        itself are left out: those of steps, SFC flags, data of S7-GRAPH, and those with an address.
+        itself are left out: those of steps, SFC flags, data of S7-GRAPH, and those with an address. So are actions
+        where the project has no task, unless `callable_elsewhere`: it is a part of another, which may call them.
         """
+        with_actions = callable_elsewhere or any(each.tasks or each.instances for each in self.project.resources())
         used: set[Declaration] = set()
         doubtful: set[str] = set()
         for each in self.everything():
@@ -167,6 +169,7 @@ class Names:
             each
             for each in self.declarations()
             if _is_for_text(each) and each not in used and each.name.casefold() not in doubtful
+            if with_actions or each.kind is not Kind.ACTION
         ]
 
     def text_sites(self) -> list[TextSite]:

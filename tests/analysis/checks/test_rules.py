@@ -27,15 +27,18 @@ from plcopen_sfc.model import (
     PartialChart,
     PartialChartKind,
     Pou,
+    PouInstance,
     PouKind,
     Project,
     Qualifier,
+    Resource,
     Sequence,
     SfcBody,
     SfcNetwork,
     StBody,
     Step,
     Supervised,
+    Task,
     Transition,
     Variable,
     VariableSection,
@@ -743,6 +746,8 @@ def unused() -> Project:
     project = plant("x := b;")()
     assert isinstance(project, Project)
     pou = project.pou("Main")
+    task = Task(name="Main", instances=[PouInstance(name="Main")])
+    project.applications.append(Resource(name="Application", tasks=[task]))
     pou.add_action("Flush", "x := FALSE;")
     pou.add_variable("SFCInit")  # a flag: the tool uses it
     return project
@@ -754,7 +759,24 @@ case(
 case("VAR01", plant("x := S9.x;", globals="State"), plant("x := S2.x;", globals="State"), "'S9' names no step")
 case("VAR01", plant("x := Other;", globals="State"), plant("x := State;", globals="State"), "'Other' names nothing")
 case("VAR02", plant("x := GVL.State; y();"), plant("x := GVL.State;", globals="State"), "declared elsewhere: GVL, y")
+
+
+def unused_variable() -> Project:
+    project = plant("x := b;")()
+    assert isinstance(project, Project)
+    project.pou("Main").add_variable("Spare")
+    return project
+
+
+def part_of_another() -> Project:
+    project = plant("x := b;")()
+    assert isinstance(project, Project)
+    project.pou("Main").add_action("Flush", "x := FALSE;")  # another file may call it
+    return project
+
+
 case("VAR03", unused, plant("x := b;"), "nothing uses the action 'Flush'")
+case("VAR03", unused_variable, part_of_another, "nothing uses the variable 'Spare'")
 
 
 def remark(comment: str) -> Callable[[], Subject]:
