@@ -14,7 +14,10 @@ from plcopen_sfc.errors import Location, UnknownFormatError, check_argument, nea
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Converted, Outcome
 
@@ -220,13 +223,21 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
     return found
 
 
-def check_syntax(project: Project) -> list[Diagnostic]:
-    """Return what does not parse in the bodies, conditions and declarations of a project.
+def check_syntax(project: Project | Pou | SfcNetwork) -> list[Diagnostic]:
+    """Return what does not parse in the bodies, conditions and declarations of a project, a POU or a chart.
 
     Each finding has the place in its text and, if the project was loaded from a file that it is still in, in the file.
     """
     from plcopen_sfc.languages.syntax_problems import TextFinder, syntax_problems  # noqa: PLC0415  # brings the parser
 
+    if not isinstance(project, Project):
+        from plcopen_sfc.semantics.subjects import resolve  # noqa: PLC0415
+
+        found = resolve(project)
+        pou = found.pou.model_copy(deep=True)
+        if isinstance(project, SfcNetwork):  # its texts only
+            pou = Pou(name=pou.name, kind=pou.kind, bodies=[SfcBody(chart=project.model_copy(deep=True))])
+        return syntax_problems(Project(dialect=found.project.dialect, pous=[pou]))
     source = project.source
     if isinstance(source, FolderSource):
         from plcopen_sfc.documents.sources import documents_of  # noqa: PLC0415

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.model import Dialect, Expression, Pou, PouKind, Project, SfcBody, StBody
+from plcopen_sfc.model import Action, Dialect, Expression, Pou, PouKind, Project, SfcBody, SfcNetwork, StBody
 from tests.corpus import corpus_files, require_corpus
 from tests.samples import fixture_files
 from tests.snippets import codesys
@@ -90,3 +90,16 @@ def test_conditions_may_end_with_a_semicolon_as_codesys_takes_it() -> None:
     step = body.chart.add_step("A", initial=True)
     body.chart.add_transition(step, step, Expression(text="a = b;"))
     assert sfc.check_syntax(project) == []
+
+
+def test_the_texts_of_a_chart_alone_are_checked() -> None:
+    chart = SfcNetwork()
+    wait, work = chart.add_step("Wait", initial=True), chart.add_step("Work")
+    chart.add_transition(wait, work, "a AND")
+    chart.add_transition(work, wait, "b")
+    (found,) = sfc.check_syntax(chart)
+    assert "transition Wait -> Work" in str(found)
+    pou = Pou(name="Main", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=chart)])
+    pou.actions = [Action(name="Fill", body=StBody(text="q := ;"))]
+    assert len(sfc.check_syntax(pou)) == 2
+    assert len(sfc.check_syntax(chart)) == 1
