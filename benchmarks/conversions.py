@@ -35,7 +35,7 @@ from plcopen_sfc.report import ConversionReport, Outcome
 FIXTURES = Path(__file__).resolve().parents[1] / "fixtures"
 TARGETS = (
     *("codesys", "twincat", "codesys23", "plcopen-2.01", "plcopen-1.01"),
-    *("simaticml", "scl", "iec-text", "grafcet-text"),
+    *("simaticml", "scl", "iec-text"),
 )
 FOLDERS = frozenset({"twincat"})
 """Targets in which a file holds one object: a project becomes a folder."""

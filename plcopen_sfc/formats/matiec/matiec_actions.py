@@ -98,8 +98,9 @@ class ActionFitter:
         ordered |= bool(calls) and (bool(self.final_scan) or self._is_entangled(calls, items))
         if self.unit.own:
             ordered = False
-        elif self.final_scan is False:
-            self._note_final_scans(bodies)
+        elif self.final_scan is not None:
+            kept = self._kept_bodies()  # what is in other languages stays as it is
+            self._note_final_scans(kept if self.final_scan else [*kept, *(item.target for item in bodies)])
         if ordered:
             self._calls(calls)
             controlled = [item for item in items if item in bodies or item in controlled]
@@ -125,6 +126,11 @@ class ActionFitter:
                 if item.text is None:
                     continue
             yield item
+
+    def _kept_bodies(self) -> list[str]:
+        """Return the actions that associations execute and that are in another language than ST."""
+        targets = dict.fromkeys(line.target or "" for step in self._steps() for line in step.actions)
+        return [each for each in targets if self.unit.pou.find_action(each) is not None and self._text(each) is None]
 
     def _text(self, target: str) -> str | None:
         action = self.unit.pou.find_action(target)
@@ -172,10 +178,11 @@ class ActionFitter:
             step.initial and self.calls[line.id] != "main" for step, line in calls
         )
 
-    def _note_final_scans(self, bodies: list[_Item]) -> None:
-        for item in bodies:
-            why = "matiec does not execute it once more after its end, which IEC 61131-3 leaves to the tool"
-            self.unit.note(Outcome.APPROXIMATED, "action", f"{self.unit.path} / action {item.target}", why)
+    def _note_final_scans(self, targets: list[str]) -> None:
+        left_open = "" if self.final_scan else ", which IEC 61131-3 leaves to the tool"
+        for target in targets:
+            why = f"matiec does not execute it once more after its end{left_open}"
+            self.unit.note(Outcome.APPROXIMATED, "action", f"{self.unit.path} / action {target}", why)
 
     # -- step actions --------------------------------------------------------------------------------------------------
 

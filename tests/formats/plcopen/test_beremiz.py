@@ -7,6 +7,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.report import Outcome
+from tests.conversion.features import FEATURES, feature_project
 
 TEXT = b"""PROGRAM Main
 VAR a : BOOL; q : BOOL; r : BOOL; n : INT; w : STRING := 'x'; END_VAR
@@ -97,3 +98,13 @@ def test_flags_of_steps_are_variables(project: sfc.Project) -> None:
     logic = seen.pou("Main").action("ChartLogic").body.text
     assert "S1_flag OR S2_flag" in logic
     assert {a.target for _, a in seen.pou("Main").sfc.associations()} == {"ChartLogic", "Count", "S1_flag", "S2_flag"}
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+def test_a_drawn_action_is_not_executed_once_more_after_its_end(language: str) -> None:
+    feature = next(each for each in FEATURES if each.name == f"action in {language}")
+    for source in ("plcopen", "codesys"):
+        original = sfc.loads(sfc.dumps(feature_project(feature, source), format=source), format=source)
+        report = sfc.convert(original, "plcopen-2.01", flavour="beremiz").report
+        found = [(item.what, item.path) for item in report.losses]
+        assert found == [("action", "POU Main / action Count")]
