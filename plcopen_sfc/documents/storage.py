@@ -12,12 +12,13 @@ from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Protocol, TypedDict, runtime_checkable
 
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.documents.file_documents import encode, normalized, read_document, refuse_losses
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.errors import FileAccessError, Location, ModelError, UnknownFormatError, check_argument
 from plcopen_sfc.files import file_exists, folder_exists, path_exists, read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.format_interface import Format
-from plcopen_sfc.formats.provenance import may_have_controls, texts_of
+from plcopen_sfc.formats.provenance import may_have_controls, texts_of, without_edits
 from plcopen_sfc.formats.registry import TIA_FORMAT, all_formats, for_tia, format_named
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, objection
 from plcopen_sfc.model import times
@@ -247,6 +248,8 @@ def _format_of_list(path: str) -> Format | None:
     return next((kind for kind in all_formats() if kind.list_extension and kind.list_extension == extension), None)
 
 
+@collecting_rarely()
+@without_edits()
 def save_project(
     project: Project,
     target: Source,

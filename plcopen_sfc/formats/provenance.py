@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
@@ -63,12 +65,32 @@ def read_later(model: type[L], fields: dict[str, Any], read: Callable[[], L]) ->
     return thing
 
 
+_KNOWN: ContextVar[dict[int, tuple[LateElement, bool]] | None] = ContextVar("untouched", default=None)
+"""What is known to be untouched or not while nothing edits it, by its `id()`, with the object, which keeps its id."""
+
+
+@contextmanager
+def without_edits() -> Iterator[None]:
+    """Ask each object once if it is untouched, as long as this is open: nothing is edited inside."""
+    token = _KNOWN.set({} if (known := _KNOWN.get()) is None else known)
+    try:
+        yield
+    finally:
+        _KNOWN.reset(token)
+
+
 def is_untouched(thing: ProjectObject | SfcNetwork) -> bool:
     """True if the content is as it was read. False for what was not read late, such as objects made by scripts."""
     if thing.is_unread:
         return True
+    known = _KNOWN.get()
+    if known is not None and id(thing) in known:
+        return known[id(thing)][1]
     digest = _provenance(thing).digest
-    return digest is not None and digest == _own_digest(thing)
+    found = digest is not None and digest == _own_digest(thing)
+    if known is not None:
+        known[id(thing)] = (thing, found)
+    return found
 
 
 def content_digest(thing: ProjectObject) -> bytes:

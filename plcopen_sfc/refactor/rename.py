@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any
 
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import Location, ModelError, check_argument
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, the_one
@@ -80,7 +81,7 @@ def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[
     key = wanted[declaration].casefold()
     transition = declaration.kind is Kind.TRANSITION
     alike = [other for other, new in wanted.items() if new.casefold() == key and other != declaration]
-    for level in names.levels():
+    for level in names.levels_with(declaration):
         if declaration in level:
             for other in level.named(key):
                 stays = other != declaration and other not in alike and not _leaves(other, wanted)
@@ -109,6 +110,7 @@ def _is_hidden(declaration: Declaration, other: Declaration) -> bool:
 _SHOWN = 10
 
 
+@collecting_rarely()
 def rename(project: Project, what: Declaration | Model | str, new: str, journal: Journal | None = None) -> RenameResult:
     """Give what is declared as `what` the name `new`, wherever the project names it.
 
@@ -125,6 +127,7 @@ def rename(project: Project, what: Declaration | Model | str, new: str, journal:
     return _rename(names, {_original(names, what): new}, journal)[0]
 
 
+@collecting_rarely()
 def rename_many(
     project: Project, table: Mapping[Declaration | str, str], journal: Journal | None = None
 ) -> list[RenameResult]:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import chain
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding.name_resolution import Resolver
@@ -23,6 +24,7 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextS
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag
@@ -202,9 +204,24 @@ class Names:
         yield from scopes.every_type()
         yield from (scopes.data_block(block) for block in self.project.data_blocks)
 
+    def levels_with(self, declaration: Declaration) -> Iterator[Level]:
+        """Every scope that may have `declaration`: for a step or a transition those of its POU."""
+        pou = declaration.pou
+        if declaration.kind in (Kind.STEP, Kind.TRANSITION) and pou is not None:
+            yield self.resolver.scopes.pou(pou)
+            for method in pou.methods:
+                yield self.resolver.scopes.method(pou, method)
+        else:
+            yield from self.levels()
+
     def declaration_of(self, thing: Model) -> Declaration:
         """The declaration of an object of the model: a step, a variable, a POU .. Raises `ModelError`."""
-        for declaration in self.declarations():
+        owner: object = thing
+        while isinstance(owner, Owned) and not isinstance(owner, Pou):
+            owner = owner.owner
+        is_inside = isinstance(owner, Pou) and owner is not thing and owner.project is self.project
+        near = self.resolver.scopes.pou(owner) if is_inside and isinstance(owner, Pou) else ()
+        for declaration in chain(near, self.declarations()):
             if id(thing) in map(id, declaration.holders):
                 return declaration
         raise ModelError(f"the project declares no such {type(thing).__name__}")
