@@ -46,6 +46,7 @@ def _app() -> typer.Typer:
         _lower,
         _draw,
         _page,
+        _normalize,
         _git_setup,
         _schema,
     ):
@@ -470,6 +471,24 @@ def _page(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import page  # noqa: PLC0415
 
         screen.exit_code = page.run(screen, file, target, lang=lang)
+
+
+def _normalize(  # noqa: PLR0917  # typer calls it by name
+    files: o.Files,
+    dry_run: o.OnlyList = False,
+    report: o.Report = None,
+    as_json: o.AsJson = False,
+    quiet: o.Quiet = False,
+    verbose: o.Verbose = 0,
+) -> None:
+    """Leave out of files what their tool ignores, for git.
+
+    Changes files of TIA Portal in place: the time of an export and the like go. The exit code is 1 where one changed.
+    """
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
+        from plcopen_sfc.cli.commands import normalize  # noqa: PLC0415
+
+        screen.exit_code = normalize.run(screen, files, dry_run=dry_run)
 
 
 def _git_setup(

@@ -67,6 +67,7 @@ Partial = Annotated[bool, _option("--partial", "Write a file that does not execu
 Strict = Annotated[bool, _option("--strict", "Refuse all that changes behaviour, not only what is not executed.")]
 Fresh = Annotated[bool, _option("--fresh", "Write from the model alone and not into the old text.")]
 Normalize = Annotated[bool, _option("--normalize", "Leave out what TIA Portal ignores, such as the time of export.")]
+OnlyList = Annotated[bool, _option("--dry-run", "List what would change and write nothing.")]
 DryRun = Annotated[bool, _option("--dry-run", "Show the changes as a diff and write nothing.")]
 
 # -- what every command prints ----------------------------------------------------------------------------------------
@@ -139,7 +140,9 @@ FailOn = Annotated[
     _option("--fail-on", "End with exit code 1 from this severity on: error, warning (default), info, never.",
             "SEVERITY"),
 ]  # fmt: skip
-Form = Annotated[str, _option("--format", "Print the result as text, json, or sarif (2.1.0).", "FORMAT")]
+Form = Annotated[
+    str, _option("--format", "Print the result as text, json, sarif (2.1.0), or github (annotations).", "FORMAT")
+]
 Markdown = Annotated[bool, _option("--markdown", "Print the page docs/checks.md.")]
 
 # -- comparing --------------------------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -283,6 +284,18 @@ def conforms(value: Any, schema: Any, path: str = "$") -> None:
         assert value in schema, path
     else:
         assert type(value) is schema, path
+
+
+def test_github_shows_findings_beside_their_lines(cli, fixtures, tmp_path):
+    odd = tmp_path / "a,b.csv"
+    odd.write_text("Step,Next,Condition\nA,A,x\nB,B,100% AND y\n", encoding="utf-8")
+    lines = cli("check", odd, "broken/truncated.xml", "--format", "github").out.splitlines()
+    assert all(
+        re.match(r"::(error|warning|notice) file=[^:]*,title=[A-Z]", line) or "cannot be read" in line for line in lines
+    )
+    assert any("a%2Cb.csv" in line for line in lines)
+    assert lines[-1].startswith("::error file=broken/truncated.xml,line=")
+    assert all(line.startswith("::") for line in lines), "a hint is in the line of its finding"
 
 
 class TestSarif:

@@ -18,8 +18,8 @@ import plcopen_sfc as sfc
 ROOT = Path(__file__).resolve().parents[2]
 CHAIN = ROOT / "fixtures" / "training-chain" / "plcopen_2.01.xml"
 COMMANDS = (
-    "formats info validate check rules convert diff rename renumber merge apply simulate lower draw page git-setup "
-    "schema"
+    "formats info validate check rules convert diff rename renumber merge apply simulate lower draw page "
+    "normalize git-setup schema"
 ).split()
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path, PurePath, PurePosixPath
@@ -157,6 +157,34 @@ def _result(finding: Diagnostic, places: dict[str, int]) -> dict[str, Any]:
     return result | ({"locations": locations} if locations else {})
 
 
+_COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}
+"""Words of GitHub for severities."""
+
+
+def github_annotations(findings: Sequence[Diagnostic], errors: Iterable[SfcError] = ()) -> Iterator[str]:
+    """Yield workflow commands of GitHub Actions, which shows each finding beside its line of the file."""
+    for found in findings:
+        where = f"{found.location.path}: " if found.location.path else ""
+        text = f"{where}{found.message}" + (f"\n{found.hint}" if found.hint else "")
+        yield _annotation(_COMMANDS[found.severity], found.location, found.code, text)
+    for error in errors:
+        yield _annotation("error", error.location, "cannot be read", error.message)
+
+
+def _annotation(word: str, location: Location, title: str, text: str) -> str:
+    fields = {"file": location.file, "line": location.line, "col": location.column, "title": title}
+    listed = ",".join(
+        f"{name}={_escaped(str(value)).replace(':', '%3A').replace(',', '%2C')}"
+        for name, value in fields.items()
+        if value is not None
+    )
+    return f"::{word} {listed}::{_escaped(text)}"
+
+
+def _escaped(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
 def _notification(error: SfcError) -> dict[str, Any]:
     notification: dict[str, Any] = {"level": "error", "message": {"text": error.message}}
     locations = _locations(error.location)
@@ -191,7 +219,7 @@ _ORDER = {Severity.INFO: 0, Severity.WARNING: 1, Severity.ERROR: 2}
 _SAID_BY_RULES = frozenset({"SFC103", "SFC104", "SFC106", "SFC109", "SFC110", "SFC111", "SFC112"})
 """Findings of readers that a rule reports too."""
 
-FORMATS = ("text", "json", "sarif")
+FORMATS = ("text", "json", "sarif", "github")
 FAIL_ON = ("error", "warning", "info", "never")
 
 
@@ -237,6 +265,10 @@ def run(screen: Screen, patterns: Sequence[str], how: CheckOptions) -> int:
             screen.finding(finding, result=False)
         if how.format == "text":
             _print(screen, loaded, found)
+    if how.format == "github":
+        screen.as_json = False
+        for line in github_annotations(everything, errors):
+            screen.line(line)
     if how.format == "sarif":
         screen.json(sarif(everything, errors))
         screen.as_json = False
