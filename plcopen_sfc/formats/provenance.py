@@ -51,8 +51,10 @@ def _provenance(thing: LateElement) -> _Provenance:
     return found if isinstance(found, _Provenance) else _NOWHERE
 
 
-def read_later(model: type[L], fields: dict[str, Any], read: Callable[[], L]) -> L:
-    """Return an element with `fields` that `read` reads when a script looks at more of it."""
+def read_later(
+    model: type[L], fields: dict[str, Any], read: Callable[[], L], text: Callable[[], str] | None = None
+) -> L:
+    """Return an element with `fields` that `read` reads when a script looks at more of it. `text`: `LateElement`."""
 
     def supply(thing: L) -> L:
         whole = read()
@@ -60,7 +62,7 @@ def read_later(model: type[L], fields: dict[str, Any], read: Callable[[], L]) ->
         thing._provenance = replace(_provenance(thing), digest=_own_digest(whole), folder=folder)
         return whole
 
-    thing = model.late(fields, supply)
+    thing = model.late(fields, supply, text)
     thing._provenance = _Provenance(tuple(fields))
     return thing
 

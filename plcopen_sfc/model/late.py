@@ -8,7 +8,7 @@ renaming, must not miss an element because it has not been read. See docs/decisi
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from typing import TYPE_CHECKING, Any, Self
 
@@ -22,15 +22,30 @@ class LateElement(Owned, Element):
     """An element that may be unread: then it has the fields that `late` got, and asks for the rest."""
 
     _supply: Callable[[Any], Any] | None = PrivateAttr(default=None)
+    _unread_text: Callable[[], str] | None = PrivateAttr(default=None)
     _provenance: Any = PrivateAttr(default=None)
     """What a reader remembers of it. No method of the model looks at it, and equal elements may differ in it."""
 
     @classmethod
-    def late(cls, fields: dict[str, Any], supply: Callable[[Self], Self]) -> Self:
-        """An unread element with `fields`; `supply` gets it and returns the whole when a script asks for more."""
+    def late(
+        cls, fields: dict[str, Any], supply: Callable[[Self], Self], text: Callable[[], str] | None = None
+    ) -> Self:
+        """An unread element with `fields`; `supply` gets it and returns the whole when a script asks for more.
+
+        `text` returns a text in which every text of the whole occurs, for who looks for names.
+        """
         thing: Self = _bare(cls).model_copy(update=fields)
         thing._supply = supply
+        thing._unread_text = text
         return thing
+
+    def may_mention(self, words: Iterable[str]) -> bool:
+        """False if the element is unread and none of `words`, in ASCII and small letters, occurs in it."""
+        text = self._unread_text if self.is_unread else None
+        if text is None:
+            return True
+        content = text().casefold()
+        return any(not word.isascii() or word in content for word in words)
 
     @property
     def is_unread(self) -> bool:

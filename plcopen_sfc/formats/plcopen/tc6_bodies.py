@@ -66,7 +66,7 @@ def finished_body(fields: Fields) -> Fields | SfcBody:
     if not isinstance(chart, UnreadChart):
         return fields
     rest = {name: value for name, value in fields.items() if name != "chart"}
-    return SfcBody.model_validate({**rest, "chart": read_later(SfcNetwork, {}, lambda: _read_chart(chart))})
+    return SfcBody.model_validate({**rest, "chart": read_later(SfcNetwork, {}, lambda: _read_chart(chart), chart.text)})
 
 
 def _read_chart(unread: UnreadChart) -> SfcNetwork:

@@ -64,6 +64,11 @@ class UnreadChart:
         self.ahead = read(self)
         return self.executed
 
+    def text(self) -> str:
+        """Return a text with every text of the chart in it: as it is written, and without markup inside of words."""
+        written = etree.tostring(self.element, encoding="unicode")
+        return "\0".join([written, "".join(map(str, self.element.itertext())), repr(self.late)])
+
     def warn_of_edit(self, what: str) -> None:
         """Warn that extension data keep something of the source which counts no more."""
         outer, self.ctx.place = self.ctx.place, self.place

@@ -213,6 +213,11 @@ class Resolver:
 
     def _externals(self, declaration: Declaration, site: Site) -> Iterator[NamedObject]:
         """The variables in VAR_EXTERNAL of a POU or method that are this global variable."""
+        around = site.method or site.pou
+        key = declaration.name.casefold()
+        declared = around.interface.variables(SectionKind.EXTERNAL) if around and around.interface is not None else []
+        if not any(variable.name.casefold() == key for variable in declared):
+            return  # its charts need not be read for that
         for level in self.scopes.local(site)[:1]:
             for own in level.named(declaration.name):
                 if self.scopes.is_external(own) and self._of_external(own, site).declaration == declaration != own:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import chain
@@ -97,8 +97,8 @@ class Names:
         self.project = project
         self.dialect = dialect_of(project)
         self.resolver = Resolver(project, self.dialect)
-        self._text_sites: list[TextSite] | None = None
-        self._by_path: dict[str, list[Declaration]] = {}
+        self._text_sites: dict[frozenset[str], list[TextSite]] = {}
+        self._by_path: dict[str, dict[str, list[Declaration]]] = {}
 
     def after_edits(self) -> Names:
         """The names of the project anew, after texts and names in it have changed but nothing else."""
@@ -108,8 +108,8 @@ class Names:
 
     def occurrences(self, *words: str) -> Iterator[Occurrence]:
         """Every place where one of `words` stands as a name, in upper or lower case, with what it means there."""
-        keys = {word.casefold() for word in words}
-        for text_site in self.text_sites():
+        keys = frozenset(word.casefold() for word in words)
+        for text_site in self.text_sites(keys):
             text = text_site.text.casefold()
             if any(key in text for key in keys):
                 for reference in references(text_site, self.dialect):
@@ -174,11 +174,11 @@ class Names:
             if with_actions or each.kind is not Kind.ACTION
         ]
 
-    def text_sites(self) -> list[TextSite]:
-        """Every text that may name something."""
-        if self._text_sites is None:
-            self._text_sites = list(text_sites(self.project))
-        return self._text_sites
+    def text_sites(self, words: frozenset[str] = frozenset()) -> list[TextSite]:
+        """Every text that may name something; with `words`, of the unread charts those that mention one of them."""
+        if words not in self._text_sites:
+            self._text_sites[words] = list(text_sites(self.project, words))
+        return self._text_sites[words]
 
     def uses(self, declaration: Declaration) -> list[Occurrence]:
         """Every use of a declaration."""
@@ -186,18 +186,21 @@ class Names:
 
     def declarations(self) -> Iterator[Declaration]:
         """Everything that is declared and that a name can mean."""
+        return self._in(self.levels())
+
+    def _in(self, levels: Iterable[Level]) -> Iterator[Declaration]:
         seen: set[Declaration] = set()
-        for level in self.levels():
+        for level in levels:
             for declaration in level:
                 if declaration not in seen:
                     seen.add(declaration)
                     yield declaration
 
-    def levels(self) -> Iterator[Level]:
-        """Every scope of the project."""
+    def levels(self, wanted: Callable[[Pou], bool] = lambda _: True) -> Iterator[Level]:
+        """Every scope of the project, but for those of POUs that are not wanted."""
         scopes = self.resolver.scopes
         yield from scopes.every_place()
-        for pou in self.project.pous:
+        for pou in filter(wanted, self.project.pous):
             yield scopes.pou(pou)
             for method in pou.methods:
                 yield scopes.method(pou, method)
@@ -228,10 +231,13 @@ class Names:
 
     def find(self, path: str) -> list[Declaration]:
         """The declarations of this path (``Main.S3``); case does not matter."""
-        if not self._by_path:
-            for declaration in self.declarations():
-                self._by_path.setdefault(declaration.path.casefold(), []).append(declaration)
-        return self._by_path.get(path.casefold(), [])
+        head = path.casefold().partition(".")[0]
+        if head not in self._by_path:
+            found = self._by_path[head] = {}
+            # what is in a POU has its name in front: the charts of others stay unread
+            for declaration in self._in(self.levels(lambda pou: pou.name.casefold() == head)):
+                found.setdefault(declaration.path.casefold(), []).append(declaration)
+        return self._by_path[head].get(path.casefold(), [])
 
 
 def _is_for_text(declaration: Declaration) -> bool:

@@ -6,7 +6,7 @@ it hold no names; a test holds that every text of the model is in one of the two
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
@@ -237,6 +237,7 @@ class _Where:
     owner: Any = None
     nodes: dict[int, Any] | None = None
     report_path: str = ""
+    words: Collection[str] = ()
 
     def at(self, label: str) -> _Where:
         return replace(self, path=_below_path(self.path, label), report_path=_below_path(self.report_path, label))
@@ -250,10 +251,14 @@ def _below_path(path: str, label: str) -> str:
     return f"{path} / {label}" if path else label
 
 
-def text_sites(project: Project) -> Iterator[TextSite]:
-    """Every text of `project` that may name something."""
-    project.read_all()
-    yield from _fields(project, _Where(Site(), "", "project"))
+def text_sites(project: Project, words: Collection[str] = ()) -> Iterator[TextSite]:
+    """Every text of `project` that may name something.
+
+    With `words` (in small letters), charts that are unread and mention none of them are left out and stay unread.
+    """
+    if not words:
+        project.read_all()
+    yield from _fields(project, _Where(Site(), "", "project", words=words))
 
 
 def text_sites_in(thing: Model) -> Iterator[TextSite]:
@@ -262,6 +267,8 @@ def text_sites_in(thing: Model) -> Iterator[TextSite]:
 
 
 def _walk(thing: Any, where: _Where) -> Iterator[TextSite]:
+    if where.words and isinstance(thing, LateElement) and not thing.may_mention(where.words):
+        return
     entering = _ENTERING.get(type(thing))
     if entering is not None:
         where = entering(thing, where)
