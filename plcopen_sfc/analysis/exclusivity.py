@@ -7,7 +7,7 @@ numbers: a REAL that is none (NaN) is not thought of.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeAlias
@@ -120,6 +120,48 @@ def covered(
     first, *rest = formula.terms([r for r in read if isinstance(r, JudgedCondition)])
     possible, _, _ = formula.check([first, negation(disjunction(rest))])
     return _not(possible)
+
+
+def overlapping(
+    conditions: Sequence[AnyCondition], *, dialect: Dialect = Dialect.IEC, knowledge: Knowledge | None = None
+) -> Iterator[tuple[int, int]]:
+    """Yield the places of each two conditions that are not known to exclude each other.
+
+    Halves are compared as wholes first, so that a thousand conditions that exclude each other, as those that compare
+    a number do, cost a thousand questions and not half a million.
+    """
+    read = [_read(condition, dialect) for condition in conditions]
+    judged = {place: one for place, one in enumerate(read) if isinstance(one, JudgedCondition) and not one.own}
+    formula = Formula(dialect, knowledge)
+    terms = dict(zip(judged, formula.terms([*judged.values()]), strict=True))
+
+    def between(left: Sequence[int], right: Sequence[int]) -> Iterator[tuple[int, int]]:
+        if terms.keys() >= {*left, *right}:
+            either = [disjunction([terms[place] for place in side]) for side in (left, right)]
+            if formula.check(either)[0] is False:
+                return
+        if len(left) == len(right) == 1:
+            yield left[0], right[0]
+        elif len(left) >= len(right):
+            for half in _halves(left):
+                yield from between(half, right)
+        else:
+            for half in _halves(right):
+                yield from between(left, half)
+
+    def among(places: Sequence[int]) -> Iterator[tuple[int, int]]:
+        if len(places) > 1:
+            left, right = _halves(places)
+            yield from among(left)
+            yield from among(right)
+            yield from between(left, right)
+
+    return among(range(len(conditions)))
+
+
+def _halves(places: Sequence[int]) -> tuple[Sequence[int], Sequence[int]]:
+    middle = len(places) // 2
+    return places[:middle], places[middle:]
 
 
 def _not(possible: bool | None) -> Answer:

@@ -240,7 +240,7 @@ class Formula:
     def check(self, terms: list[Any]) -> tuple[bool | None, dict[str, str], str]:
         """Return whether all terms can be true together, in which situation, and why that is unknown (None)."""
         z3, context = z3_context()
-        solver = z3.Solver(ctx=context)
+        solver = z3.SimpleSolver(ctx=context)
         solver.set("rlimit", _EFFORT)
         solver.add(*terms, *self._bounds)
         found = solver.check()
@@ -303,7 +303,7 @@ class Formula:
 
     def _solver(self, terms: list[Any], known: Mapping[str, bool | int | float | str | date | None]) -> tuple[Any, Any]:
         z3, context = z3_context()
-        solver = z3.Solver(ctx=context)
+        solver = z3.SimpleSolver(ctx=context)
         solver.set("rlimit", _EFFORT_FOR_A_MODEL)
         solver.add(*terms, *self._bounds)
         for atom in self._atoms.values():

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from itertools import combinations
 
-from plcopen_sfc.analysis.exclusivity import Truth, truth
+from plcopen_sfc.analysis.exclusivity import Truth, overlapping, truth
 from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
 from plcopen_sfc.diagnostics import Severity
@@ -266,6 +267,10 @@ class CheckedProject:
             yield from self.charts_of(pou)
 
 
+_FEW = 3
+"""Competing transitions that are compared two by two at once: most selections have no more."""
+
+
 class CheckedChart:
     """A chart with all that rules ask about it. Nothing is worked out before it is asked for."""
 
@@ -281,6 +286,7 @@ class CheckedChart:
         self.root = CheckedSheet(chart, place)
         self._conditions: dict[int, NetworkExpression] = {}
         self._truths: dict[int, Truth] = {}
+        self._overlaps: dict[tuple[int, ...], list[tuple[int, int]]] = {}
         self._terms = TermTexts()
 
     @cached_property
@@ -354,6 +360,16 @@ class CheckedChart:
             found = Truth.VARIES if simple else truth(condition, dialect=self.dialect, knowledge=self.knowledge)
             self._truths[id(transition)] = found
         return found
+
+    def overlaps(self, sheet: CheckedSheet, leaving: Sequence[Transition]) -> list[tuple[int, int]]:
+        """Return the places of each two competing transitions that are not known to exclude each other, in order."""
+        if len(leaving) <= _FEW:
+            return [*combinations(range(len(leaving)), 2)]
+        key = tuple(id(transition) for transition in leaving)
+        if key not in self._overlaps:
+            conditions = [self.condition(sheet, transition) for transition in leaving]
+            self._overlaps[key] = sorted(overlapping(conditions, dialect=self.dialect, knowledge=self.knowledge))
+        return self._overlaps[key]
 
     def place_of(self, element: NetStep | NetTransition) -> FindingPlace:
         """The place of a step or transition of the net."""

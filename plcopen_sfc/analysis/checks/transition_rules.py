@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations
 
 from plcopen_sfc.analysis.checks.action_targets import continuous_operands, output_operands
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet, Finding, Rule
@@ -40,7 +39,7 @@ def _competing(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, Transi
     """Pairs of competing transitions that only their conditions keep apart, and whether these exclude each other."""
     seen: set[tuple[int, int]] = set()
     for sheet, step, leaving in _selections(chart):
-        for first, second in combinations(leaving, 2):
+        for first, second in ((leaving[one], leaving[other]) for one, other in chart.overlaps(sheet, leaving)):
             if first.priority is not None and second.priority is not None and first.priority != second.priority:
                 continue
             if (id(first), id(second)) in seen:
@@ -80,8 +79,12 @@ def _undecided(chart: CheckedChart) -> Iterator[Finding]:
 
 def _shadowed(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, step, leaving in _selections(chart):
-        for place, later in enumerate(leaving[1:], start=1):
-            before = [t for t in leaving[:place] if set(t.sources) <= set(later.sources)]
+        overlapping: dict[int, list[Transition]] = {}
+        for one, other in chart.overlaps(sheet, leaving):
+            overlapping.setdefault(other, []).append(leaving[one])
+        for place, possible in sorted(overlapping.items()):  # one that excludes another cannot be hidden by it
+            later = leaving[place]
+            before = [t for t in possible if set(t.sources) <= set(later.sources)]
             if not before or chart.truth(sheet, later) is Truth.NEVER:
                 continue
             conditions = [chart.condition(sheet, t) for t in (later, *before)]

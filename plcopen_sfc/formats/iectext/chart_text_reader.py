@@ -316,11 +316,11 @@ def number(src: TextSource, chart: ChartText, fields: Fields) -> None:
         if "id" not in thing:
             thing["id"] = next(free)
     by_name: dict[str, int] = {}
-    for element, step in zip(chart.steps, steps, strict=True):
+    for element, step in zip(chart.steps, steps, strict=False):  # a pragma may have added some
         if element.name.casefold() in by_name:
             src.note("SFC109", f"two steps have the name {element.name!r}", element.start, element.path)
         by_name.setdefault(element.name.casefold(), step["id"])
-    for element, transition in zip(chart.transitions, transitions, strict=True):
+    for element, transition in zip(chart.transitions, transitions, strict=False):
         for side, names in element.sides.items():
             if side not in transition:
                 found = [by_name[name.casefold()] for name in names if name.casefold() in by_name]

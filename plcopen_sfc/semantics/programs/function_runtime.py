@@ -245,13 +245,23 @@ def mid(text: str, count: int, position: int) -> str:
 
 def concat(*texts: str) -> str:
     """CONCAT."""
+    size = sum(map(len, texts))
+    if size > LONGEST_TEXT:
+        raise SimulationError(
+            f"a string of {size} characters is longer than the simulator takes ({LONGEST_TEXT})",
+            hint="Declare the length of the strings: STRING[80].",
+        )
     return "".join(texts)
+
+
+LONGEST_TEXT = 1_000_000
+"""Characters of a string that is made of others: they may double in every scan."""
 
 
 def insert(text: str, inserted: str, position: int) -> str:
     """INSERT: behind a position."""
     position = max(position, 0)
-    return text[:position] + inserted + text[position:]
+    return concat(text[:position], inserted, text[position:])
 
 
 def delete(text: str, count: int, position: int) -> str:
@@ -263,7 +273,7 @@ def delete(text: str, count: int, position: int) -> str:
 def replace(text: str, by: str, count: int, position: int) -> str:
     """REPLACE."""
     start = max(position - 1, 0)
-    return text[:start] + by + text[start + max(count, 0) :]
+    return concat(text[:start], by, text[start + max(count, 0) :])
 
 
 def find(text: str, part: str) -> int:
