@@ -123,7 +123,7 @@ def _steps(owner: Part, part: Part, key: Key) -> tuple[str, ...]:
     """The paths of the step that a part is, or of the steps that a transition leaves."""
     if key.kind == "step":
         return (part.path,)
-    return tuple(p.path for name in part.leaves for k, p in owner.parts.items() if k[:2] == ("step", name))
+    return tuple(step.path for name in part.leaves for step in owner.steps_named(name))
 
 
 def _in_order_of(mine: Meaning | None, theirs: Meaning | None) -> Meaning | None:

@@ -78,6 +78,8 @@ class ExecutedChartReader:
         self.called = called
         self.is_written = owner.detail is Detail.WRITTEN
         self.names = {step.id: step.name for step in chart.steps if owner.detail or not step.exclude}
+        self.timed = [step for step in chart.steps if step.min_time]
+        self.labels = chart.labels()
         self.excluded = {step.id for step in chart.steps if step.exclude and not owner.detail}
         declared = {variable.name.casefold() for variable in pou.variables()} | owner.global_names
         self.flags = flags_in_use(chart, owner.profile, lambda name: name.casefold() in declared)
@@ -316,7 +318,7 @@ class ExecutedChartReader:
         sources = "+".join(sorted(plain_name(self.names.get(i, "?")) for i in transition.sources))
         targets = "+".join(sorted(plain_name(self.names.get(i, "?")) for i in transition.targets))
         name = f"{sources} -> {targets}"
-        label = self.chart.label(transition)
+        label = self.labels[transition.id]
         part = chart.add("transition", name, f"{self.path} / transition {label}", transition)
         part.leaves = tuple(plain_name(self.names.get(i, "?")) for i in transition.sources)
         if transition.condition is not None:
@@ -339,7 +341,7 @@ class ExecutedChartReader:
     def _waiting(self, transition: Transition) -> Meaning | None:
         """The condition together with the minimum times of the steps that a transition leaves."""
         condition = transition.condition
-        sources = [step for step in self.chart.steps if step.id in transition.sources and step.min_time]
+        sources = [step for step in self.timed if step.id in transition.sources]
         if condition is None or not sources:
             return None
         local = "#" if self.owner.dialect is Dialect.SCL else ""
@@ -361,7 +363,7 @@ class ExecutedChartReader:
                 leaving.setdefault(source, []).append(keys[transition.id])
         for source, order in leaving.items():
             if source in self.names and len(order) > 1:
-                step = next(p for k, p in chart.parts.items() if k[:2] == ("step", plain_name(self.names[source])))
+                step = chart.steps_named(plain_name(self.names[source]))[0]
                 names = tuple(key.name for key in order)
                 step.tell("order of transitions", Meaning.of(names, ", ".join(names)))
                 step.order = tuple(order)

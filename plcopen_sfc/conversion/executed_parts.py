@@ -81,7 +81,18 @@ class Part:
     is_called: bool = False
     order: tuple[Key, ...] = ()
     subject: NamedObject | None = field(default=None, repr=False, compare=False)
+    _steps: dict[str, list[Part]] = field(default_factory=dict, repr=False, compare=False)
+    _steps_of: int = field(default=0, repr=False, compare=False)
     _counts: Counter[tuple[str, str]] = field(default_factory=Counter, repr=False, compare=False)
+
+    def steps_named(self, name: str) -> list[Part]:
+        """The steps of a chart that have a plain name."""
+        if self._steps_of != len(self.parts):
+            self._steps_of, self._steps = len(self.parts), {}
+            for key, part in self.parts.items():
+                if key.kind == "step":
+                    self._steps.setdefault(key.name, []).append(part)
+        return self._steps.get(name, [])
 
     def tell(self, aspect: str, meaning: Meaning | None) -> None:
         """Note an aspect; None is nothing to note."""

@@ -207,15 +207,14 @@ def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
     ]
     for old, new in pairs:
         steps = {step.id: step for step in old.chart.steps}
-        transitions = {transition.id: transition for transition in old.chart.transitions}
+        labels, earlier = new.chart.labels(), old.chart.labels()
         for step in new.chart.steps:  # a writer may add steps
             if step.id in steps:
                 called[f"{new.report_path} / step {step.name}"] = f"{old.report_path} / step {steps[step.id].name}"
         for transition in new.chart.transitions:
-            if transition.id in transitions:
-                path = f"{new.report_path} / transition {new.chart.label(transition)}"
-                label = old.chart.label(transitions[transition.id])
-                called[path] = f"{old.report_path} / transition {label}"
+            if transition.id in earlier:
+                path = f"{new.report_path} / transition {labels[transition.id]}"
+                called[path] = f"{old.report_path} / transition {earlier[transition.id]}"
     return {path: old for path, old in called.items() if path != old}
 
 

@@ -379,7 +379,8 @@ def _drawn(project: Project, dialect: Dialect) -> Iterator[tuple[str, Pou, State
             yield pou.report_path_of(name), pou, body_statements(body, dialect).tree
     for chart in project.charts():
         read = condition_reader(chart.chart, dialect, transitions=chart.pou.transitions)
-        conditions = [(f"transition {chart.chart.label(t)}", t.condition) for t in chart.chart.transitions]
+        labels = chart.chart.labels()
+        conditions = [(f"transition {labels[t.id]}", t.condition) for t in chart.chart.transitions]
         for step in chart.chart.steps:
             for kind, part in (("interlock", step.interlock), ("supervision", step.supervision)):
                 conditions.append((f"step {step.name} / {kind}", part.condition if part is not None else None))

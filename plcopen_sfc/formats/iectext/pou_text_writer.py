@@ -62,6 +62,7 @@ class ChartTextWriter:
     write_action: WriteAction
     indent: str = INDENT
     names: dict[int, str] = field(default_factory=dict)
+    names_by_id: dict[int, str] = field(default_factory=dict)
     explicit: frozenset[int] = frozenset()
     unused: list[int] = field(default_factory=list)
     unique: bool = True
@@ -109,6 +110,7 @@ class ChartTextWriter:
                 self.printer.used = own | {name.casefold()}
             taken.add(name.casefold())
             self.names[index] = name
+            self.names_by_id.setdefault(step.id, name)
 
     def _ids(self) -> list[int]:
         ids = [i for s in self.chart.steps for i in (s.id, *(a.id for a in s.actions))]
@@ -316,9 +318,7 @@ class ChartTextWriter:
 
     def _side(self, keyword: str, side: str, transition: Transition, read_back: Fields) -> str:
         ids = getattr(transition, side)
-        by_id: dict[int, str] = {}
-        for index, step in enumerate(self.chart.steps):
-            by_id.setdefault(step.id, self.names[index])
+        by_id = self.names_by_id
         names = [by_id[i] for i in ids if i in by_id]
         if names:
             read_back[side] = [i for i in ids if i in by_id]

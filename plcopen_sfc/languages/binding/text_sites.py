@@ -6,8 +6,8 @@ it hold no names; a test holds that every text of the model is in one of the two
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -236,6 +236,7 @@ class _Where:
     language: str
     owner: Any = None
     nodes: dict[int, Any] | None = None
+    labels: Mapping[int, str] = field(default_factory=dict)
     report_path: str = ""
     words: Collection[str] = ()
 
@@ -373,7 +374,8 @@ def _body(body: b.BodyBase, where: _Where) -> _Where:
 
 def _chart(chart: s.SfcNetwork, where: _Where) -> _Where:
     site = replace(where.site, charts=(chart, *where.site.charts))
-    return replace(where, site=site, nodes={node.id: node for node in chart.logic}, owner=chart)
+    nodes = {node.id: node for node in chart.logic}
+    return replace(where, site=site, nodes=nodes, labels=chart.labels(), owner=chart)
 
 
 def _network(network: n.LogicNetwork, where: _Where) -> _Where:
@@ -381,8 +383,7 @@ def _network(network: n.LogicNetwork, where: _Where) -> _Where:
 
 
 def _transition(transition: s.Transition, where: _Where) -> _Where:
-    chart = where.site.charts[0] if where.site.charts else None
-    return where.at(f"transition {chart.label(transition) if chart is not None else transition.name}")
+    return where.at(f"transition {where.labels.get(transition.id, transition.name)}")
 
 
 def _section(section: VariableSection, where: _Where) -> _Where:

@@ -91,7 +91,7 @@ class Input:
         self._steps = 0
         for association in plain:
             self._steps |= association.steps
-        self._others = tuple(a for a in associations if a not in plain)
+        self._others = tuple(a for a in associations if a.inverted or a.condition is not None)
 
     def is_on(self, situation: int, frame: Frame) -> bool:
         """True if any association acts."""

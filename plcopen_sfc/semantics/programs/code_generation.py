@@ -94,7 +94,10 @@ def _code(source: str) -> CodeType:
     return next(value for value in scratch.values() if isinstance(value, FunctionType)).__code__
 
 
-_FUNCTIONS = {each.__name__: each for each in (abs, all, bool, float, int, len, max, min, range, round, str)}
+_FUNCTIONS = {
+    **{each.__name__: each for each in (abs, all, any, bool, divmod, enumerate, float, int, isinstance, len, list)},
+    **{each.__name__: each for each in (max, min, range, round, str, sum, tuple, zip)},
+}
 """What generated code has of Python: nothing that opens, imports or looks into an object."""
 
 

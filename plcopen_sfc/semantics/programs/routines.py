@@ -212,6 +212,7 @@ class Routines:
 
     def __init__(self, scope: Scope) -> None:
         self._scope = scope
+        self._names: list[str] = []
         self._library = scope.library
         self._parameters = "f, this" if scope.around is not None else "f"
 
@@ -264,7 +265,7 @@ class Routines:
                 transition,
                 self._library.dialect,
                 transitions=transitions,
-                taken=self._taken(),
+                taken=() if condition.kind == "expression" else self._taken(),
             )
             self._check(read)
             if read.tree is None:
@@ -365,8 +366,10 @@ class Routines:
         raise SimulationError(f"a body in {source} is not known to the simulator")
 
     def _taken(self) -> list[str]:
-        names = [field.name for field in self._scope.layout.fields]
-        return [*names, *self._scope.aliases]
+        fields, aliases = self._scope.layout.fields, self._scope.aliases
+        new = fields[len(self._names) :]  # a chart asks for each of its conditions, and declares something for each
+        self._names += [field.name for field in new]
+        return [*self._names, *aliases]
 
     def _check(self, read: NetworkText) -> None:
         for wrong in read.obstacles:
