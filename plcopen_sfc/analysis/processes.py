@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -28,10 +29,11 @@ def results(
 ) -> Iterator[Made]:
     """Yield what `work` makes of each thing, in their order, with up to `jobs` processes.
 
-    One job works in this process. In others `work`, the things and what is made of them are pickled copies. A process
-    that ends in the middle (memory, a signal) loses nothing: what it worked on is done again, once; then `lost` makes
-    the result from the thing and the reason, or that is an error. `scheduler` is the address of a Dask scheduler
-    (``tcp://host:8786``), whose workers take the place of processes; they need the same files under the same paths.
+    One job works in this process. In others `work`, the things and what is made of them are pickled copies; that one
+    cannot be pickled is an error. A process that ends in the middle (memory, a signal) loses nothing: what it worked on
+    is done again, once; then `lost` makes the result from the thing and the reason, or that is an error. `scheduler` is
+    the address of a Dask scheduler (``tcp://host:8786``), whose workers take the place of processes; they need the same
+    files under the same paths.
     Raises `ArgumentError` where `jobs` is less than one.
     """
     if jobs < 1:
@@ -53,7 +55,7 @@ def _in_processes(
     try:
         while True:
             for thing in islice(waiting, jobs * _AHEAD - len(given)):
-                given.append((thing, pool.submit(work, thing)))
+                given.append((thing, _submitted(pool, work, thing)))
             if not given:
                 return
             thing, future = given.popleft()
@@ -65,16 +67,32 @@ def _in_processes(
                 made = _alone(work, thing, lost)
                 pool = ProcessPoolExecutor(jobs)
                 again = [other for other, _ in given]
-                given = deque((other, pool.submit(work, other)) for other in again)
+                given = deque((other, _submitted(pool, work, other)) for other in again)
             yield made
     finally:
         pool.shutdown(cancel_futures=True)
 
 
+def _submitted(pool: ProcessPoolExecutor, work: Callable[[Given], Made], thing: Given) -> Future[Made]:
+    """Submit work as a pickle: a pool that fails to pickle never ends its processes (seen with CPython 3.11.7)."""
+    try:
+        pickled = pickle.dumps((work, thing))
+    except (pickle.PicklingError, TypeError, AttributeError) as error:
+        raise SfcError(
+            f"it cannot be sent to another process: {error}", hint="One job works in this process: --jobs 1, jobs=1."
+        ) from error
+    return pool.submit(_unpickled, pickled)
+
+
+def _unpickled(pickled: bytes) -> Any:
+    work, thing = pickle.loads(pickled)  # noqa: S301  # made by `_submitted`
+    return work(thing)
+
+
 def _alone(work: Callable[[Given], Made], thing: Given, lost: Callable[[Given, str], Made] | None) -> Made:
     with ProcessPoolExecutor(1) as pool:
         try:
-            return pool.submit(work, thing).result()
+            return _submitted(pool, work, thing).result()
         except BrokenProcessPool:
             return _as_lost(thing, "the process that worked on it has ended, twice", lost)
 

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching
@@ -94,7 +93,7 @@ def lower_to_file(
     verify: bool = True,
     accept_untested: bool = False,
     free_inputs: Iterable[str] | str = (),
-    functions: Mapping[str, Callable[..., Any]] = MappingProxyType({}),
+    functions: Mapping[str, Callable[..., Any]] | None = None,
     limit: float | str | None = None,
     progress: Callable[[SearchProgress], None] | None = None,
     jobs: int = 1,
@@ -110,7 +109,7 @@ def lower_to_file(
     name = format_to_write(project, format, tia, target)
     searching: Searching = {
         "free_inputs": free_inputs,
-        "functions": functions,
+        "functions": functions or {},
         "limit": limit,
         "progress": progress,
     }

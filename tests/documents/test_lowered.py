@@ -11,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.analysis.verdict import UntestedError
-from plcopen_sfc.errors import ArgumentError, LoweringError
+from plcopen_sfc.errors import ArgumentError, LoweringError, SfcError
 from tests.lowering.charts import boolean, training_chain
 
 
@@ -65,18 +65,25 @@ def test_verdicts_and_their_order_are_the_same_in_several_processes(tmp_path: Pa
     assert (tmp_path / "1.scl").read_bytes() == (tmp_path / "2.scl").read_bytes()
 
 
+def test_functions_that_no_other_process_can_get_are_an_error(tmp_path: Path) -> None:
+    """It waited for ever: a pool whose work cannot be pickled does not end."""
+    functions = {"Twice": lambda value: 2 * value}
+    with pytest.raises(SfcError, match="cannot be sent to another process"):
+        sfc.lower_to_file(plant("A", "B"), str(tmp_path / "a.scl"), "case", functions=functions, jobs=2)
+
+
 def test_jobs_are_a_number_of_processes(tmp_path: Path) -> None:
     with pytest.raises(ArgumentError, match="jobs needs a number of processes, not 0"):
         sfc.lower_to_file(plant("Ablauf"), str(tmp_path / "a.scl"), "case", jobs=0)
 
 
 def test_code_that_only_we_read_is_not_saved(tmp_path: Path) -> None:
-    """SCL has no actions: the one that returns stays a call, and its statements would be in a comment."""
+    """SCL has no actions: the one that returns stays a call and is refused, else it would be in a comment."""
     project = with_action("IF NOT B5 THEN RETURN; END_IF\nQ5 := NOT Q5;")
     lowered = sfc.lower(project, "case", target="scl")
     assert lowered.proof is not None
     assert lowered.proof.proven
-    with pytest.raises(LoweringError, match=r"comments or extension data.*POU Ablauf / actions") as caught:
+    with pytest.raises(LoweringError, match="no actions and methods to call: Blink") as caught:
         sfc.save(lowered, tmp_path / "chain.scl", format="scl", partial=True)
     assert caught.value.location.path == "POU Ablauf"
     assert list(tmp_path.iterdir()) == []
