@@ -25,6 +25,7 @@ def deep_copy(thing: M, memo: dict[int, Any]) -> M:
     kind = type(thing)
     made = kind.__new__(kind)
     memo[id(thing)] = made
+    _put(made, "__pydantic_private__", None)  # what is copied meanwhile may look at it: extension data lead to charts
     _put(made, "__dict__", _copies_in(thing.__dict__, memo))
     _put(made, "__pydantic_extra__", None)
     _put(made, "__pydantic_fields_set__", {*thing.__pydantic_fields_set__})

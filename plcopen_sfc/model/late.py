@@ -63,7 +63,7 @@ class LateElement(Owned, Element):
         if supply is None:
             return
         whole: Self = supply(self)
-        self._supply = None
+        self._supply = self._unread_text = None
         known = dict(self.__dict__)
         self.__dict__.clear()  # its order is that of the fields in JSON
         self.__dict__.update(whole.__dict__ | known)

@@ -201,17 +201,14 @@ def mutants(text: str) -> Iterator[tuple[str, str]]:
         return text[: node.span[0]] + new + text[node.span[1] :]
 
     tree = parse_statements(text).tree
-    # ELSIF sets a variable back that other code may write too: here is none, so that it may do so in every scan
-    backs = {branch.span for node in walk(tree) if isinstance(node, n.If) for branch in node.branches[1:]}
     for node in walk(tree):
         match node:
-            case n.Branch(condition=condition):
-                assert condition.span is not None
-                yield "negated", put(condition, f"NOT ({text[slice(*condition.span)]})")
-                if node.span not in backs:
-                    yield "always", put(condition, "TRUE")
-            case n.Assignment(value=n.Literal(text="TRUE")):
-                yield "nowhere", put(node, ";")
+            # bits of transitions and steps; an action may be set back in vain, as it is written again
+            case n.Assignment(target=n.Name(identifier=name), value=value) if name.startswith(("T", "X")):
+                assert value.span is not None
+                yield "negated", put(value, f"NOT ({text[slice(*value.span)]})")
+                yield "always", put(value, "TRUE")
+                yield "nowhere", put(value, "FALSE")
             case n.Assignment(value=n.Operation(Operator.ADD, (_, n.Literal() as one))):
                 yield "by two", put(one, "2")
 

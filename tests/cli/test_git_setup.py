@@ -80,5 +80,7 @@ def test_the_hooks_of_pre_commit_are_commands(capsys):
         program, *arguments = entry.split()
         assert program == "plcopen-sfc"
         assert main([*arguments, str(ROOT / "fixtures" / "training-chain" / "codesys.xml")]) == 0
-        assert main([*arguments, str(ROOT / "fixtures" / "broken" / "truncated.xml")]) == 2
+        # nothing of a file of TC6 is left out, whatever it is like
+        broken = main([*arguments, str(ROOT / "fixtures" / "broken" / "truncated.xml")])
+        assert broken == (0 if arguments == ["normalize"] else 2)
         capsys.readouterr()

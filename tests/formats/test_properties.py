@@ -61,9 +61,18 @@ def net(chart: m.SfcNetwork, *, codesys: bool) -> Any:
         content = plain(one)
         content["sources"] = sorted(said[0][i] for i in one.sources)
         content["targets"] = sorted(said[0][i] for i in one.targets)
+        # priorities are written where the order of the document cannot be that of competing transitions
+        content.pop("priority", None)
+        content["order"] = sorted([said[0][i], place_in(chart, i, one)] for i in one.sources)
         transitions.append(content)
     # competing transitions keep their order; transitions of different steps have none among them
     return steps, sorted(transitions, key=lambda t: t["sources"])
+
+
+def place_in(chart: m.SfcNetwork, step: int, transition: m.Transition) -> int:
+    """In which place a transition is tried when the step is active."""
+    source = next(each for each in chart.steps if each.id == step)
+    return [each.id for each in chart.outgoing(source)].index(transition.id)
 
 
 @pytest.mark.slow
