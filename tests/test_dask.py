@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import re
 import shutil
 import subprocess
@@ -86,3 +87,11 @@ def test_a_worker_that_is_killed_loses_nothing_and_nothing_is_done_twice(
     for path in paths:
         (chart,) = sfc.load(path).charts()
         assert [step.name.count("Z_") for step in chart.chart.steps] == [1, *[0] * (len(chart.chart.steps) - 1)]
+
+
+@pytest.mark.parametrize("data", [b"<a><b></a>", b'<?xml version="1.0" encoding="utf-8"?><a>\xe9</a>', b"<a>" * 400])
+def test_errors_of_files_reach_another_machine(data: bytes) -> None:
+    """Dask pickles an error with its context; those of lxml cannot be pickled."""
+    with pytest.raises(sfc.SfcError) as caught:
+        sfc.loads(data, format="plcopen")
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)  # noqa: S301  # our own bytes

@@ -61,9 +61,11 @@ def net(chart: m.SfcNetwork, *, codesys: bool) -> Any:
         content = plain(one)
         content["sources"] = sorted(said[0][i] for i in one.sources)
         content["targets"] = sorted(said[0][i] for i in one.targets)
-        # priorities are written where the order of the document cannot be that of competing transitions
+        # priorities are written where the order of the document cannot be that of competing transitions; CODESYS, which
+        # has none, reports such an order
         content.pop("priority", None)
-        content["order"] = sorted([said[0][i], place_in(chart, i, one)] for i in one.sources)
+        if not codesys:
+            content["order"] = sorted([said[0][i], place_in(chart, i, one)] for i in one.sources)
         transitions.append(content)
     # competing transitions keep their order; transitions of different steps have none among them
     return steps, sorted(transitions, key=lambda t: t["sources"])

@@ -140,13 +140,12 @@ def parsed_markup(markup: str) -> etree._Element:
     """Return the element that extension data are. Raises `ModelError` where they are none, as scripts can have it."""
     try:
         return etree.fromstring(markup, etree.XMLParser(resolve_entities=False, huge_tree=True))
-    except (
-        etree.XMLSyntaxError,
-        ValueError,
-    ) as error:  # ValueError: it has control characters, or declares an encoding
-        shown = markup if len(markup) <= _SHOWN else f"{markup[:_SHOWN]}.."
-        hint = "Nothing was written. Mend the extension data (`carried`) of the object that has them, or remove them."
-        raise ModelError(f"extension data are no well-formed XML: {error}: {shown}", hint=hint) from error
+    except (etree.XMLSyntaxError, ValueError) as error:  # ValueError: control characters, or a declared encoding
+        why = str(error)
+    shown = markup if len(markup) <= _SHOWN else f"{markup[:_SHOWN]}.."
+    hint = "Nothing was written. Mend the extension data (`carried`) of the object that has them, or remove them."
+    # without the error of lxml as its context: it could not be pickled
+    raise ModelError(f"extension data are no well-formed XML: {why}: {shown}", hint=hint)
 
 
 _SHOWN = 80

@@ -162,10 +162,14 @@ def parse_xml(data: bytes, *, file: str | None = None) -> etree._Element:
         text, _ = decode_xml(data, file=file)
         plain = text.encode("utf-8", "surrogatepass")
     _refuse_entities(plain, file)
+    refused: etree.XMLSyntaxError | None = None
     try:
         root = etree.fromstring(plain, _parser())
     except etree.XMLSyntaxError as error:
-        root = _second_try(data, plain, error, file)
+        # what is raised for it has no context: Dask pickles the context of an error, and this one cannot be pickled
+        refused = error
+    if refused is not None:
+        root = _second_try(data, plain, refused, file)
     _refuse_declared_entities(root, file)
     return root
 
@@ -190,7 +194,7 @@ def _second_try(data: bytes, plain: bytes, error: etree.XMLSyntaxError, file: st
             return etree.fromstring(plain, _parser(huge=True))
         except etree.XMLSyntaxError as second:
             error = second
-    raise explain_syntax_error(plain, error, file) from error
+    raise explain_syntax_error(plain, error, file)
 
 
 def _too_deep(file: str | None, line: int | None) -> UnsafeXmlError:
