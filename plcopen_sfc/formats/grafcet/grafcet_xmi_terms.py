@@ -59,7 +59,7 @@ def _operand(element: etree._Element, variable: Callable[[etree._Element], str])
 
 
 @dataclass(frozen=True, slots=True)
-class TimeTerm:
+class DelayTerm:
     """A time in a condition: ``first/operand/last``."""
 
     first: str | None
@@ -72,7 +72,7 @@ class ReadCondition:
 
     def __init__(self, text: str) -> None:
         self._edges: dict[str, tuple[str, bool]] = {}
-        self._delays: dict[str, TimeTerm] = {}
+        self._delays: dict[str, DelayTerm] = {}
         try:
             read = to_structured_text(text, self)
         except ConditionError as error:
@@ -89,7 +89,7 @@ class ReadCondition:
     def delay(self, operand: str, first: str | None, last: str | None) -> str:
         """Return the name of a time."""
         name = f"GRAFCET_TIME_{len(self._delays) + 1}"
-        self._delays[name] = TimeTerm(first, operand, last)
+        self._delays[name] = DelayTerm(first, operand, last)
         return name
 
     def _parsed(self, text: str) -> n.Expression:
