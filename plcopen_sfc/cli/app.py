@@ -2,13 +2,15 @@
 
 # No `from __future__ import annotations`: typer reads the annotations at run time.
 
+import inspect
 import sys
-from typing import Annotated
+from collections.abc import Callable
+from typing import Annotated, Any
 
 import typer
 
 from plcopen_sfc.cli import options as o
-from plcopen_sfc.cli.screen import guarded, is_terminal, prepare_streams
+from plcopen_sfc.cli.screen import Screen, guarded, is_terminal, prepare_streams
 from plcopen_sfc.version import __version__
 
 
@@ -71,95 +73,105 @@ def _common(
     """
 
 
+def _command(function: Callable[..., int]) -> Callable[..., None]:
+    """Make a command of a function that is given a screen and returns the exit code.
+
+    Its parameters are the arguments and options of the command; those that all commands share are added here.
+    """
+
+    def command(**given: Any) -> None:
+        shared = {name: given[name] if name in own else given.pop(name) for name in _SHARED}
+        with guarded(**shared) as screen:
+            screen.exit_code = function(screen, **given)
+
+    own = dict(list(inspect.signature(function).parameters.items())[1:])
+    added = {
+        name: inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+        for name, (annotation, default) in _SHARED.items()
+        if name not in own
+    }
+    parameters = [*own.values(), *added.values()]
+    command.__name__, command.__doc__ = function.__name__, function.__doc__
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # what typer reads
+    command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    return command
+
+
+_SHARED: dict[str, tuple[Any, Any]] = {
+    "report": (o.Report, None),
+    "as_json": (o.AsJson, False),
+    "quiet": (o.Quiet, False),
+    "verbose": (o.Verbose, 0),
+}
+
 # The first line of each docstring is its help in the list of commands: one sentence of at most 62 characters, so that
 # it fits on a line of a terminal of 80.
 
 
-def _formats(as_json: o.AsJson = False, quiet: o.Quiet = False, verbose: o.Verbose = 0) -> None:
+@_command
+def _formats(screen: Screen) -> int:
     """List the formats and what charts keep in each of them."""
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
-        from plcopen_sfc.cli.commands import formats  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import formats
 
-        screen.exit_code = formats.run(screen)
+    return formats.run(screen)
 
 
-def _info(  # noqa: PLR0917  # typer calls it by name
-    files: o.Files,
-    charts: o.Charts = None,
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+@_command
+def _info(screen: Screen, files: o.Files, charts: o.Charts = None) -> int:
     """Show what files hold, with an outline of each chart.
 
     Shows tool and version, POUs, steps, transitions and actions. What is wrong with the charts goes to standard error.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import info  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import info
 
-        screen.exit_code = info.run(screen, files, outlines=charts)
+    return info.run(screen, files, outlines=charts)
 
 
-def _validate(
-    files: o.Files,
-    *,
-    tool: o.Importer = "",
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+@_command
+def _validate(screen: Screen, files: o.Files, tool: o.Importer = "") -> int:
     """Check files against the schema of their format.
 
     Also reports charts that cannot be executed and program text that cannot be parsed; with --for what a tool would not
     do of them.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import validate  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import validate
 
-        screen.exit_code = validate.run(screen, files, tool)
+    return validate.run(screen, files, tool)
 
 
-def _check(  # noqa: PLR0917  # typer calls it by name
+@_command
+def _check(
+    screen: Screen,
     files: o.Files,
     select: o.Select = None,
     ignore: o.Ignore = None,
     profile: o.Profile = None,
     fail_on: o.FailOn = None,
     form: o.Form = "text",
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+) -> int:
     """Check charts against the numbered rules.
 
     `plcopen-sfc rules` lists the rules.
     """
-    with guarded(as_json=as_json or form != "text", quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import check  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import check
 
-        chosen = "json" if as_json else form
-        how = check.CheckOptions(check.codes(select), check.codes(ignore), profile, fail_on, chosen)
-        screen.exit_code = check.run(screen, files, how)
+    chosen = "json" if screen.as_json else form
+    screen.as_json = chosen != "text"
+    how = check.CheckOptions(check.codes(select), check.codes(ignore), profile, fail_on, chosen)
+    return check.run(screen, files, how)
 
 
-def _rules(
-    codes: o.Codes = None,
-    markdown: o.Markdown = False,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+@_command
+def _rules(screen: Screen, codes: o.Codes = None, markdown: o.Markdown = False) -> int:
     """List the rules of `check`, or explain some of them."""
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
-        from plcopen_sfc.cli.commands import rules  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import rules
 
-        screen.exit_code = rules.run(screen, codes or [], markdown=markdown)
+    return rules.run(screen, codes or [], markdown=markdown)
 
 
-def _convert(  # noqa: PLR0917  # typer calls it by name
+@_command
+def _convert(
+    screen: Screen,
     source: o.Source,
     to: o.To,
     target: o.Target = None,
@@ -176,31 +188,31 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     accept_untested: o.AcceptUntested = False,
     report: o.ConvertReport = None,
     lang: o.PageLanguage = "en",
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+) -> int:
     """Write a file in another format and report every item."""
+    from plcopen_sfc.cli.commands import convert
+
     page = report if report is not None and report.suffix.casefold() in {".html", ".htm"} else None
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=None if page else report) as screen:
-        from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
+    if page is not None:
+        screen.report = None
+    seconds, resting = convert.seconds_to_run(limit), o.names(at_rest)
+    how = convert.ConvertOptions(to, flavour, tia, strict, partial, fresh, normalize, seconds, resting)
+    return convert.run(
+        screen,
+        source,
+        target,
+        how,
+        as_tool=as_tool,
+        accept_errors=accept_errors,
+        accept_untested=accept_untested,
+        page=page,
+        lang=lang,
+    )
 
-        seconds, resting = convert.seconds_to_run(limit), o.names(at_rest)
-        how = convert.ConvertOptions(to, flavour, tia, strict, partial, fresh, normalize, seconds, resting)
-        screen.exit_code = convert.run(
-            screen,
-            source,
-            target,
-            how,
-            as_tool=as_tool,
-            accept_errors=accept_errors,
-            accept_untested=accept_untested,
-            page=page,
-            lang=lang,
-        )
 
-
-def _diff(  # noqa: PLR0917  # typer calls it by name
+@_command
+def _diff(
+    screen: Screen,
     before: o.Before,
     after: o.After,
     layout: o.Layout = False,
@@ -209,85 +221,62 @@ def _diff(  # noqa: PLR0917  # typer calls it by name
     exit_code: o.ExitCode = False,
     html: o.DiffHtml = None,
     lang: o.PageLanguage = "en",
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+) -> int:
     """Show what changed between two files, in the words of charts.
 
     Compares what they mean: the files may have different formats. Layout and ids do not count.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import diff  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import diff
 
-        how = diff.DiffOptions(layout=layout, prove=prove, limit=limit, exit_code=exit_code, html=html, lang=lang)
-        screen.exit_code = diff.run(screen, before, after, how)
+    how = diff.DiffOptions(layout=layout, prove=prove, limit=limit, exit_code=exit_code, html=html, lang=lang)
+    return diff.run(screen, before, after, how)
 
 
-def _rename(  # noqa: PLR0917  # typer calls it by name
-    file: o.File,
-    old: o.OldName,
-    new: o.NewName,
-    dry_run: o.DryRun = False,
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+@_command
+def _rename(screen: Screen, file: o.File, old: o.OldName, new: o.NewName, dry_run: o.DryRun = False) -> int:
     """Rename a step, a variable or a POU wherever the file names it.
 
     Changes the file in place. With - the file is read from standard input and written to standard output.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import rename  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import rename
 
-        screen.exit_code = rename.run(screen, file, old, new, dry_run=dry_run)
+    return rename.run(screen, file, old, new, dry_run=dry_run)
 
 
-def _renumber(  # noqa: PLR0917  # typer calls it by name
+@_command
+def _renumber(
+    screen: Screen,
     file: o.File,
     start: o.Start = 1,
     increment: o.Increment = 1,
     names: o.NamesOfSteps = "",
     pou: o.PouName = None,
     dry_run: o.DryRun = False,
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+) -> int:
     """Number steps along the flow, and name them by their numbers.
 
     Changes the file in place. With - the file is read from standard input and written to standard output.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import renumber  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import renumber
 
-        how = renumber.Numbering(start, increment, names, pou or "")
-        screen.exit_code = renumber.run(screen, file, how, dry_run=dry_run)
+    how = renumber.Numbering(start, increment, names, pou or "")
+    return renumber.run(screen, file, how, dry_run=dry_run)
 
 
-def _merge(  # noqa: PLR0917  # typer calls it by name
-    source: o.StepList,
-    file: o.ListedFile,
-    dry_run: o.DryRun = False,
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+@_command
+def _merge(screen: Screen, source: o.StepList, file: o.ListedFile, dry_run: o.DryRun = False) -> int:
     """Put what was edited in a step list into its file.
 
     The list is what `convert FILE list.xlsx` wrote, with changes. What is the same in it stays as it is in the file.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import merge  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import merge
 
-        screen.exit_code = merge.run(screen, source, file, dry_run=dry_run)
+    return merge.run(screen, source, file, dry_run=dry_run)
 
 
-def _apply(  # noqa: PLR0917  # typer calls it by name
+@_command
+def _apply(
+    screen: Screen,
     script: o.Script,
     files: o.Files,
     settings: o.ScriptSettings = None,
@@ -297,23 +286,20 @@ def _apply(  # noqa: PLR0917  # typer calls it by name
     scheduler: o.Scheduler = "",
     prove: o.ProveSame = False,
     resume: o.Journal = None,
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+) -> int:
     """Run a script on many files, and show what it changes.
 
     The script is a Python file with a function refactor(project), or a plugin. Files are changed with --write only.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import apply  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import apply
 
-        how = apply.ApplyOptions(write, diff, jobs, scheduler, prove, resume)
-        screen.exit_code = apply.run(screen, script, files, settings or [], how)
+    how = apply.ApplyOptions(write, diff, jobs, scheduler, prove, resume)
+    return apply.run(screen, script, files, settings or [], how)
 
 
-def _simulate(  # noqa: PLR0917  # typer calls it by name
+@_command
+def _simulate(
+    screen: Screen,
     file: o.File,
     pou: o.PouName = None,
     inputs: o.Inputs = None,
@@ -331,32 +317,29 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
     svg: o.TraceSvg = None,
     html: o.TraceHtml = None,
     lang: o.PageLanguage = "en",
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+) -> int:
     """Run a chart or a program scan by scan and show what it does."""
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import simulate  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import simulate
 
-        how = simulate.SimulateOptions(
-            pou,
-            inputs,
-            seed,
-            system_inputs,
-            scans,
-            profile,
-            scan_time,
-            settings or (),
-            record or (),
-            free or (),
-            functions,
-        )
-        screen.exit_code = simulate.run(screen, file, how, files=simulate.TraceFiles(csv, vcd, svg, html, lang))
+    how = simulate.SimulateOptions(
+        pou,
+        inputs,
+        seed,
+        system_inputs,
+        scans,
+        profile,
+        scan_time,
+        settings or (),
+        record or (),
+        free or (),
+        functions,
+    )
+    return simulate.run(screen, file, how, files=simulate.TraceFiles(csv, vcd, svg, html, lang))
 
 
-def _lower(  # noqa: PLR0917  # typer calls it by name
+@_command
+def _lower(
+    screen: Screen,
     file: o.File,
     to: o.To,
     target: o.Target = None,
@@ -385,53 +368,50 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
     skip_refused: o.SkipRefused = False,
     tia: o.Tia = "",
     accept_errors: o.AcceptErrors = False,
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+) -> int:
     """Make program code of charts and prove that it does the same."""
     if no_init and init is not None:
         raise typer.BadParameter("--init and --no-init exclude each other")
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import lower  # noqa: PLC0415
-        from plcopen_sfc.lowering.project_lowering import LoweringOptions  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import lower
+    from plcopen_sfc.lowering.project_lowering import LoweringOptions
 
-        options: LoweringOptions = {
-            "style": style,
-            "language": language,
-            "profile": profile,
-            "init": "" if no_init else init,
-            "stop": stop,
-            "reset_actions": reset_actions,
-            "states": states,
-            "actions": actions,
-            "flags": flags,
-            "flag_names": flag_names,
-            "modes": modes or (),
-            "at_rest": o.names(at_rest),
-            "lang": lang,
-        }
-        wanted = tuple(free or ())
-        how = lower.LowerOptions(
-            to,
-            tia,
-            pou,
-            construction,
-            options,
-            skip_refused,
-            verify,
-            accept_untested,
-            wanted,
-            functions,
-            limit,
-            jobs,
-            accept_errors,
-        )
-        screen.exit_code = lower.run(screen, file, target, how)
+    options: LoweringOptions = {
+        "style": style,
+        "language": language,
+        "profile": profile,
+        "init": "" if no_init else init,
+        "stop": stop,
+        "reset_actions": reset_actions,
+        "states": states,
+        "actions": actions,
+        "flags": flags,
+        "flag_names": flag_names,
+        "modes": modes or (),
+        "at_rest": o.names(at_rest),
+        "lang": lang,
+    }
+    wanted = tuple(free or ())
+    how = lower.LowerOptions(
+        to,
+        tia,
+        pou,
+        construction,
+        options,
+        skip_refused,
+        verify,
+        accept_untested,
+        wanted,
+        functions,
+        limit,
+        jobs,
+        accept_errors,
+    )
+    return lower.run(screen, file, target, how)
 
 
-def _draw(  # noqa: PLR0917  # typer calls it by name
+@_command
+def _draw(
+    screen: Screen,
     file: o.File,
     target: o.Target = None,
     pou: o.PouName = None,
@@ -439,78 +419,54 @@ def _draw(  # noqa: PLR0917  # typer calls it by name
     theme: o.Theme = "light",
     paper: o.Paper = None,
     to: o.PictureFormat = None,
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+) -> int:
     """Draw charts as pictures: SVG, PNG or PDF.
 
     A file with several charts needs a folder for them, or --pou.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import draw  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import draw
 
-        screen.exit_code = draw.run(screen, file, target, pou=pou, style=style, theme=theme, format=to, paper=paper)
+    return draw.run(screen, file, target, pou=pou, style=style, theme=theme, format=to, paper=paper)
 
 
-def _page(  # noqa: PLR0917  # typer calls it by name
-    file: o.File,
-    target: o.Target = None,
-    lang: o.PageLanguage = "en",
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+@_command
+def _page(screen: Screen, file: o.File, target: o.Target = None, lang: o.PageLanguage = "en") -> int:
     """Write a project as one HTML page: charts, texts, findings.
 
     The page needs no network: charts, declarations, cross references and the findings of `check` are in it.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import page  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import page
 
-        screen.exit_code = page.run(screen, file, target, lang=lang)
+    return page.run(screen, file, target, lang=lang)
 
 
-def _normalize(  # noqa: PLR0917  # typer calls it by name
-    files: o.Files,
-    dry_run: o.OnlyList = False,
-    report: o.Report = None,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+@_command
+def _normalize(screen: Screen, files: o.Files, dry_run: o.OnlyList = False) -> int:
     """Leave out of files what their tool ignores, for git.
 
     Changes files of TIA Portal in place: the time of an export and the like go. The exit code is 1 where one changed.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose, report=report) as screen:
-        from plcopen_sfc.cli.commands import normalize  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import normalize
 
-        screen.exit_code = normalize.run(screen, files, dry_run=dry_run)
+    return normalize.run(screen, files, dry_run=dry_run)
 
 
-def _git_setup(
-    patterns: o.Patterns = None,
-    undo: o.Undo = False,
-    as_json: o.AsJson = False,
-    quiet: o.Quiet = False,
-    verbose: o.Verbose = 0,
-) -> None:
+@_command
+def _git_setup(screen: Screen, patterns: o.Patterns = None, undo: o.Undo = False) -> int:
     """Let git diff show changes in the words of charts.
 
     Writes lines to .gitattributes and to the configuration of the repository that you are in.
     """
-    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
-        from plcopen_sfc.cli.commands import git_setup  # noqa: PLC0415
+    from plcopen_sfc.cli.commands import git_setup
 
-        screen.exit_code = git_setup.run(screen, patterns or [], undo=undo)
+    return git_setup.run(screen, patterns or [], undo=undo)
 
 
-def _schema(quiet: o.Quiet = False, verbose: o.Verbose = 0) -> None:
+@_command
+def _schema(screen: Screen) -> int:
     """Print the JSON Schema of the model, for other languages."""
-    with guarded(as_json=True, quiet=quiet, verbose=verbose) as screen:
-        from plcopen_sfc.cli.commands import schema  # noqa: PLC0415
+    from plcopen_sfc.model import Project
 
-        screen.exit_code = schema.run(screen)
+    screen.as_json = True
+    screen.result({"$schema": "https://json-schema.org/draft/2020-12/schema", **Project.model_json_schema()})
+    return 0

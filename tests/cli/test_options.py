@@ -88,6 +88,8 @@ class TestStandardStreams:
 
 
 REPORTING = [
+    ["formats"],
+    ["rules", "SEL01"],
     ["info", "CHAIN"],
     ["validate", "CHAIN"],
     ["check", "CHAIN"],

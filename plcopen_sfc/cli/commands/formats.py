@@ -12,8 +12,8 @@ from plcopen_sfc.formats.registry import all_formats
 def run(screen: Screen) -> int:
     """Print the table of formats."""
     formats = [_data(kind) for kind in all_formats()]
+    screen.result({"formats": formats})
     if screen.as_json:
-        screen.json({"formats": formats})
         return 0
     table = Table(["format", "extensions", "what it is", "charts keep"])
     for kind in formats:

@@ -13,9 +13,10 @@ from plcopen_sfc.cli.screen import Screen, Table
 def run(screen: Screen, codes: Sequence[str], *, markdown: bool) -> int:
     """List all rules, or explain those with these codes."""
     rules = selected(all_rules(), codes, ())
+    screen.result({"rules": [_data(rule) for rule in rules]})
     if screen.as_json:
-        screen.json({"rules": [_data(rule) for rule in rules]})
-    elif markdown:
+        return 0
+    if markdown:
         screen.lines([[(line, "")] for line in catalogue(rules).splitlines()])
     elif codes:
         for rule in rules:
