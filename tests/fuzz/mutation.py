@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import copy
+import io
 import json
 import re
+import zipfile
+import zlib
 from collections.abc import Callable
 from functools import cache
 from random import Random
@@ -17,13 +20,14 @@ from tests import mutants
 from tests.samples import FIXTURES
 
 FORMATS = (
-    *("plcopen", "codesys", "codesys23", "twincat", "simaticml"),
-    *("scl", "iec-text", "grafcet", "grafcet-text", "json"),
+    *("plcopen", "codesys", "codesys-export", "codesys23", "twincat", "simaticml"),
+    *("scl", "iec-text", "grafcet", "grafcet-text", "json", "csv", "xlsx"),
 )
 _LARGEST = 120_000
 _SOURCES = {
     "plcopen": ("plcopen/*.xml", "training-chain/plcopen_*.xml"),
     "codesys": ("codesys/*.xml", "twincat/*.xml", "training-chain/c*codesys.xml"),
+    "codesys-export": ("codesys-export/*.export",),
     "codesys23": ("codesys23/*",),
     "twincat": ("twincat-belt/*", "twincat-belt/*/*"),
     "simaticml": ("simaticml/*.xml", "simaticml-plc/*/*.xml", "simaticml-training-chain/*.xml"),
@@ -31,10 +35,19 @@ _SOURCES = {
     "iec-text": ("iectext/*.st", "training-chain/*.st"),
     "grafcet-text": ("grafcet/*.gct",),
     "json": ("training-chain/*.json",),
+    "csv": ("steplist/*.csv",),
+    "xlsx": ("steplist/*.xlsx",),
 }
 _CONVERTED = {
+    "plcopen": ("scl", "csv"),
+    "codesys": ("scl", "csv"),
+    "iec-text": ("scl", "csv"),
+    "codesys-export": ("scl", "csv"),
+    "codesys23": ("scl", "csv"),
+    "twincat": ("scl", "iec-text"),
     "grafcet": ("grafcet-text",),
-    "json": ("grafcet-text", "iec-text", "simaticml"),
+    "json": ("grafcet-text", "iec-text", "simaticml", "csv"),
+    "xlsx": ("csv",),
 }
 """Formats that are also made of fixtures of other formats."""
 
@@ -67,7 +80,11 @@ def sources(kind: str) -> tuple[tuple[str, bytes], ...]:
     for other in _CONVERTED.get(kind, ()):
         for name, data in sources(other):
             project = sfc.loads(data, format=other)
-            made = sfc.dumps(project, format=kind, partial=True)
+            project.accept_errors()
+            try:
+                made = sfc.dumps(project, format=kind, partial=True)
+            except sfc.ModelError:  # more than a file of this format holds
+                continue
             if len(made) < _LARGEST:
                 found.append((f"{name} as {kind}", made))
     return tuple(found)
@@ -76,12 +93,15 @@ def sources(kind: str) -> tuple[tuple[str, bytes], ...]:
 def mutant(kind: str, seed: int) -> Mutant:
     """The mutant number `seed` of a format."""
     chance = Random(f"{kind} {seed}")  # noqa: S311  # no secret
-    name, data = chance.choice(sources(kind))
+    pool = sources(kind)
+    name, data = chance.choices(pool, [1 / (_SMALL + len(each)) for _, each in pool])[0]
     others = [each for _, each in sources(kind)]
     for _ in range(chance.choice((1, 1, 1, 2, 3))):
         damage: Callable[[bytes, Random, list[bytes]], bytes]
         if chance.random() < _ROUGH:
             damage = _damaged_bytes
+        elif kind == "xlsx":
+            damage = _damaged_workbook
         elif kind == "json":
             damage = _damaged_json
         elif data.lstrip(b"\xef\xbb\xbf \r\n").startswith(b"<"):
@@ -93,6 +113,8 @@ def mutant(kind: str, seed: int) -> Mutant:
 
 
 _ROUGH, _STRUCTURAL = 0.04, 0.6
+_SMALL = 8000
+"""Files much larger than this are taken less often, so that many mutants can be tried."""
 
 
 def _damaged_bytes(data: bytes, chance: Random, others: list[bytes]) -> bytes:
@@ -148,6 +170,30 @@ def _damaged_xml(data: bytes, chance: Random, others: list[bytes]) -> bytes:
         except (AttributeError, IndexError, ValueError):  # the root alone, or what XML does not have
             return _replaced_word(data, chance, others)
     return etree.tostring(changed, xml_declaration=True, encoding="utf-8")
+
+
+def _damaged_workbook(data: bytes, chance: Random, others: list[bytes]) -> bytes:
+    """A workbook with one part gone, doubled in another's place, or damaged; mostly cells and texts."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            parts = {name: archive.read(name) for name in archive.namelist()}
+    except (zipfile.BadZipFile, zlib.error, ValueError, NotImplementedError, OSError, RuntimeError):
+        return _damaged_bytes(data, chance, others)
+    telling = [name for name in parts if "sheet" in name.casefold() or "strings" in name.casefold()]
+    name = chance.choice(telling if telling and chance.random() < 0.8 else list(parts))
+    match chance.choice(("remove", "exchange", *("damage",) * 18)):
+        case "remove":
+            del parts[name]
+        case "exchange":
+            parts[name] = parts[chance.choice(list(parts))]
+        case _:
+            damage = _damaged_xml if chance.random() < _STRUCTURAL else _replaced_word
+            parts[name] = damage(parts[name], chance, [parts[name]])
+    written = io.BytesIO()
+    with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED) as archive:
+        for each, content in parts.items():
+            archive.writestr(zipfile.ZipInfo(each), content)
+    return written.getvalue()
 
 
 def _damaged_text(data: bytes, chance: Random, others: list[bytes]) -> bytes:

@@ -21,7 +21,22 @@ from tests.fuzz.mutation import FORMATS, Mutant
 CPU_SECONDS = 10
 """More than this is a hang."""
 _HOUSE = Path(sfc.__file__).parent
-_VERSIONS = ("plcopen-1.01", "plcopen-2.01", "codesys", "simaticml", "scl", "iec-text", "codesys23", "twincat", "json")
+_VERSIONS = (
+    "plcopen-1.01",
+    "plcopen-2.01",
+    "codesys",
+    "simaticml",
+    "scl",
+    "iec-text",
+    "codesys23",
+    "twincat",
+    "json",
+    "codesys-export",
+    "csv",
+    "xlsx",
+)
+_WITHOUT_LINES = ("xlsx",)
+"""A cell of a workbook has its place; an archive that cannot be opened has none."""
 _TARGETS = {**dict.fromkeys(FORMATS, _VERSIONS), "grafcet": ("grafcet-text", "json"), "grafcet-text": ("grafcet",)}
 
 
@@ -156,7 +171,12 @@ class _Trial:
             self.found.append(
                 Fault(f"unreadable result: {what}: {type(error).__name__} in {_where(error, 1)}", str(error))
             )
-        elif placed and error.location.line is None and not isinstance(error, UnknownFormatError):
+        elif (
+            placed
+            and error.location.line is None
+            and self.mutant.format not in _WITHOUT_LINES
+            and not isinstance(error, UnknownFormatError)
+        ):
             self.found.append(Fault(f"no line: {what}: {type(error).__name__} in {_where(error, 1)}", str(error)))
         elif placed and error.location.file is None:
             self.found.append(Fault(f"no file: {what}: {type(error).__name__} in {_where(error, 1)}", str(error)))
