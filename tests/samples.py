@@ -24,7 +24,7 @@ FIXTURES = ROOT / "fixtures"
 UNREADABLE = frozenset(
     """
     not_xml.txt truncated.xml wrong_root.xml unknown_version.xml lying_encoding.xml entity_bomb.xml external_entity.xml
-    empty.xml
+    empty.xml added_configuration_with_a_field_of_nobody.xml no_headings.csv quote_without_end.csv
     """.split()
 )
 TC6 = (

@@ -59,6 +59,9 @@ UNREADABLE = (
     "broken/entity_bomb.xml",
     "broken/external_entity.xml",
     "broken/empty.xml",
+    "broken/added_configuration_with_a_field_of_nobody.xml",
+    "broken/no_headings.csv",
+    "broken/quote_without_end.csv",
 )
 FOUND = (
     "broken/comment_in_code.xml",
@@ -70,6 +73,8 @@ FOUND = (
     "broken/two_macro_steps_of_one_name.grafcet",
     "broken/type_without_its_end.st",
     "broken/value_of_another_kind.json",
+    "broken/view_without_entries.export",
+    "broken/wires_from_nothing.json",
 )
 SOUND = (*CODESYS, *TWINCAT, *PLCOPEN, *ENCODINGS)
 VALID = (*SOUND, *DEFECTS)

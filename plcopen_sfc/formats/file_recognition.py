@@ -212,7 +212,7 @@ def _refusal(kind: UnreadFormat, file: str | None) -> UnreadFormatError:
 
 # -- pieces of programs --------------------------------------------------------------------------------------------
 
-_QUIET = re.compile(r"\(\*.*?\*\)|/\*.*?\*/|//[^\r\n]*|'(?:\$.|[^'$\r\n])*'", re.DOTALL)
+_QUIET = re.compile(r"\(\*.*?\*\)|/\*.*?\*/|//[^\r\n]*|'[^'$\r\n]*+(?:\$.[^'$\r\n]*+)*+'", re.DOTALL)
 _OF_SCL = re.compile(r'#[^\W\d]\w*|#"|"[^"\r\n]+"\s*(?:\.|:=|\()|^\s*(?:END_)?REGION\b|^\s*BEGIN\s*$', re.MULTILINE)
 _STATEMENT = re.compile(r":=[^;]*;|\bEND_(?:IF|CASE|FOR|WHILE|REPEAT)\b", re.IGNORECASE)
 _SECTION = re.compile(r"\s*VAR(?:_\w+)?\b", re.IGNORECASE)

@@ -86,7 +86,7 @@ def format_key(key: str) -> str:
 
 
 _TOKEN = re.compile(
-    r"\s*(?:(?P<string>'(?:\$.|[^$'])*')|(?P<number>[-+]?(?:\d[\d.]*(?:[eE][-+]?\d+)?|inf|nan)\b)"
+    r"\s*(?:(?P<string>'[^$']*+(?:\$.[^$']*+)*+')|(?P<number>[-+]?(?:\d[\d.]*(?:[eE][-+]?\d+)?|inf|nan)\b)"
     r"|(?P<word>[A-Za-z_]\w*)|(?P<mark>:=|[()\[\],.#]))",
     re.DOTALL | re.ASCII,
 )

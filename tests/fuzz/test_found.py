@@ -14,6 +14,8 @@ from tests.samples import FIXTURES, UNREADABLE
 FORMATS = {
     **{".st": "iec-text", ".json": "json", ".exp": "codesys23", ".gct": "grafcet-text", ".grafcet": "grafcet"},
     ".xml": "plcopen",
+    ".csv": "csv",
+    ".export": "codesys-export",
 }
 BROKEN = FIXTURES / "broken"
 
@@ -31,11 +33,14 @@ def test_nothing_but_own_errors_comes_of_a_broken_file_and_nothing_is_lost(path:
     [
         ("value_of_another_kind.json", 13, "pous.0.bodies.0.SFC.chart.steps.1.name"),
         ("delay_that_is_no_time.gct", 7, None),
+        ("added_configuration_with_a_field_of_nobody.xml", 14, "Plant"),
+        ("no_headings.csv", 1, None),
+        ("quote_without_end.csv", 3, None),
     ],
 )
 def test_what_does_not_fit_the_model_has_its_line(name: str, line: int, place: str | None) -> None:
     with pytest.raises(sfc.FormatError) as caught:
-        sfc.load(BROKEN / name)
+        sfc.load(BROKEN / name, format=FORMATS[Path(name).suffix])
     location = caught.value.location
     assert (location.file, location.line, location.path) == (str(BROKEN / name), line, place)
 
@@ -60,3 +65,13 @@ def test_a_condition_without_wires_comes_back_through_every_version() -> None:
     project.accept_errors()
     back = sfc.loads(sfc.dumps(project, format="plcopen-1.01", partial=True))
     assert next(back.charts()).chart.transitions[0].condition == next(project.charts()).chart.transitions[0].condition
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen-2.01"])
+def test_wires_from_nothing_come_from_nothing_in_every_format(target: str) -> None:
+    back = sfc.loads(sfc.dumps(sfc.load(BROKEN / "wires_from_nothing.json"), format=target, partial=True))
+    nodes = [node for network in back.pou("Lamps").bodies[0].networks for node in network.nodes]
+    assert [node.expression for node in nodes] == ["green", "red"]
+    starts = {wire.source for node in nodes for wire in node.input.connections}
+    assert len(starts) == 2
+    assert not starts & {node.id for node in nodes}

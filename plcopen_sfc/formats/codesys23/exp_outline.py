@@ -28,7 +28,7 @@ _END_OF_DECLARATION = re.compile(r"^[ \t]*(\(\*[ \t]*@END_DECLARATION\b[^*]*\*\)
 _UNIT = re.compile(r"(PROGRAM|FUNCTION_BLOCK|FUNCTION)[ \t]+(\w+)|(TYPE)\b|(VAR_GLOBAL)\b", re.IGNORECASE)
 _ACTION = re.compile(r"ACTION[ \t]+(\w+)[ \t]*:", re.IGNORECASE)
 _MARKER = re.compile(r"[\s\ufeff]*_[A-Z]+_BODY\b")
-_MARKS = re.compile(r"'(?:\$.|[^'$\r\n])*'|\"(?:\$.|[^\"$\r\n])*\"|\(\*|\*\)")
+_MARKS = re.compile(r"'[^'$\r\n]*+(?:\$.[^'$\r\n]*+)*+'|\"[^\"$\r\n]*+(?:\$.[^\"$\r\n]*+)*+\"|\(\*|\*\)")
 OWN_LINE = re.compile(r"^\(\* (\{plcopen_sfc [^\r\n]*\}) \*\)", re.MULTILINE)
 """A comment of this package: content that the text cannot express."""
 

@@ -116,8 +116,9 @@ def _lay_out(root: etree._Element) -> None:
     """Lay out a file as the tool does: each archive begins again at the left."""
     root.text = f"\n{_INDENT}"
     for view in root:
-        etree.indent(view[0], _INDENT)
-        view.text, view[0].tail = "\n", _INDENT
+        if len(view):  # else it is damaged, and something else
+            etree.indent(view[0], _INDENT)
+            view.text, view[0].tail = "\n", _INDENT
         view.tail = f"\n{_INDENT}" if view is not root[-1] else "\n"
     for each in root.iter("Single"):  # values without a text are closed by a tag of their own
         if each.get("Type") == "string" and not each.text:

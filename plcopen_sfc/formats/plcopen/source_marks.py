@@ -10,7 +10,9 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pydantic import ValidationError
 
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
@@ -36,6 +38,8 @@ SYSTEM_DATA_FIELD = "system_data"
 
 RETAINED_FIELD = "retained"
 """At an interface: the sections of which TIA Portal retains some members, by their place and how many they became."""
+
+_M = TypeVar("_M", bound=Model)
 
 SourceMarks = dict[int, dict[str, Any]]
 """Fields to keep at objects of a project, by their `id()`."""
@@ -227,6 +231,14 @@ def _put(thing: Step | Transition, mark: dict[str, Any], names: Iterable[str]) -
         setattr(thing, name, getattr(source, name))
 
 
+def _fitting(kind: type[_M], fields: Fields) -> _M | None:
+    """Return an object with these fields; None where they do not fit, which the reader of the whole tells later."""
+    try:
+        return kind.model_validate(fields)
+    except ValidationError:
+        return None
+
+
 def added_parts(parts: list[Fields]) -> tuple[set[str], set[str]]:
     """Return the names, in lower case, of actions or transition objects that were added, and of those edited since.
 
@@ -251,7 +263,7 @@ def added_variables(section: Fields) -> set[str]:
     Takes the mark of the list.
     """
     mark = section.pop(ADDED_FIELD, None)
-    if mark is None or mark != _of_section(VariableSection.model_validate(section)):
+    if mark is None or (written := _fitting(VariableSection, section)) is None or mark != _of_section(written):
         return set()
     return {str(variable["name"]).casefold() for variable in section["variables"]}
 
@@ -262,7 +274,7 @@ def sources_of_section(section: Fields) -> list[Fields] | None:
     Takes the marks of the list.
     """
     mark, source = section.pop(ADDED_FIELD, None), section.pop("list", None)
-    if mark is None or mark != _of_section(VariableSection.model_validate(section)):
+    if mark is None or (written := _fitting(VariableSection, section)) is None or mark != _of_section(written):
         return None
     return [source] if isinstance(source, dict) else []
 
@@ -310,8 +322,10 @@ def added_configuration(configuration: Configuration) -> dict[str, Any]:
 def is_added_configuration(configuration: Fields) -> bool:
     """True if a configuration is as it was added, and has nothing else but lists of variables. Takes its mark."""
     added = configuration.pop(ADDED_FIELD, None)
-    used = configuration["global_variables"], configuration.get("access_variables")
-    return added is not None and added == list(_executed(Configuration.model_validate(configuration))) and not any(used)
+    if added is None or configuration["global_variables"] or configuration.get("access_variables"):
+        return False
+    written = _fitting(Configuration, configuration)
+    return written is not None and added == list(_executed(written))
 
 
 def _executed(configuration: Configuration) -> Iterator[str]:

@@ -52,7 +52,7 @@ AS_EVENTS = {Qualifier.P1: ActionEvent.S1, Qualifier.P: ActionEvent.S1, Qualifie
 """Qualifiers of IEC 61131-3 that GRAPH expresses with an event: once at activation (P1, P), or at deactivation (P0)."""
 _WIDEST = 999
 _LEXEMES = re.compile(
-    r"""\n|[ \t]+|'(?:[^'$]|\$.)*'|:=|=>|<=|>=|<>|\*\*
+    r"""\n|[ \t]+|'[^'$]*+(?:\$.[^'$]*+)*+'|:=|=>|<=|>=|<>|\*\*
     |(?:\#?"[^"]*"|\#?[^\W\d]\w*(?:\#[\w.+-]+)?)(?:\.(?:"[^"]*"|%?\w+)|\[[^\[\]\n]*\])*|\d[\w.\#]*|%\w+(?:\.\d)?|.""",
     re.VERBOSE | re.DOTALL,
 )

@@ -42,14 +42,15 @@ def _sheet(source: SourceText, file: str | None) -> Sheet:
     """Return the rows of a text, and the lines in which they begin."""
     text = source.text.removeprefix("\ufeff")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=_delimiter(text), strict=True)
-    rows, lines = [], []
+    rows, lines, line = [], [], 1
     try:
-        while (line := reader.line_num + 1) and (row := next(reader, None)) is not None:
+        while (row := next(reader, None)) is not None:
             rows.append(row)
             lines.append(line)
+            line = reader.line_num + 1
     except csv.Error as error:
         hint = "A cell with quotation marks is in quotation marks, and they are doubled in it."
-        raise StructureError(f"this is no CSV: {error}", location=Location(file), hint=hint) from error
+        raise StructureError(f"this is no CSV: {error}", location=Location(file, line), hint=hint) from error
     return Sheet("", [[cell[1:] if _QUOTED.match(cell) else cell for cell in row] for row in rows], lines)
 
 

@@ -65,7 +65,8 @@ def read_list(sheets: Sequence[Sheet], file: str | None) -> ReadResult:
     tables = list(tables_in(sheets))
     if not tables:
         hint = "A step list has a row with the headings Step, Action, Condition, Next; see docs/formats/xlsx.md."
-        raise StructureError("no sheet has the headings of a step list", location=Location(file), hint=hint)
+        where = Location(file, 1 if any(sheet.lines for sheet in sheets) else None)
+        raise StructureError("no sheet has the headings of a step list", location=where, hint=hint)
     return _Reader(tables, file).run()
 
 

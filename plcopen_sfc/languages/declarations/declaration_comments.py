@@ -73,7 +73,7 @@ def comment_lines(text: str, dialect: Dialect) -> list[str]:
     return [f"// {line}".rstrip() for line in lines]
 
 
-_ATTRIBUTE = r"\s*(\w+)\s*:=\s*'((?:\$[\s\S]|[^$'])*)'\s*"
+_ATTRIBUTE = r"\s*(\w+)\s*:=\s*'([^$']*+(?:\$[\s\S][^$']*+)*+)'\s*"
 _LIST = re.compile(rf"\{{{_ATTRIBUTE}(?:;{_ATTRIBUTE})*;?\s*\}}")
 
 

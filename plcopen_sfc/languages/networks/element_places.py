@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import count
 from typing import NamedTuple
 
 from plcopen_sfc.languages.networks.network_graph import apart, wires_of
@@ -185,7 +186,8 @@ def on_one_sheet(networks: Sequence[LogicNetwork], tool: Tool | None = None) -> 
     """
     copies = [network.model_copy(deep=True) for network in apart(networks)[0]]
     is_ladder = any(isinstance(node, LeftPowerRail) for copy in copies for node in copy.nodes)
-    order, top, free = 0, float(_MARGIN), max((node.id for copy in copies for node in copy.nodes), default=0) + 1
+    used = [number for copy in copies for node in copy.nodes for number in (node.id, *_starts(node))]
+    order, top, free = 0, float(_MARGIN), max(used, default=0) + 1
     for copy in copies:
         heads = list(_heads(copy, free, titled=tool is Tool.CODESYS and is_ladder))
         free += len(heads)
@@ -202,6 +204,11 @@ def on_one_sheet(networks: Sequence[LogicNetwork], tool: Tool | None = None) -> 
         _number_by_network(copies)
     nodes = [node for copy in copies for node in copy.nodes]
     return LogicNetwork(nodes=_with_common_rails(nodes) if tool is Tool.CODESYS and is_ladder else nodes)
+
+
+def _starts(node: Node) -> Iterator[int]:
+    """Yield the ids of the elements at which the wires to an element start."""
+    return (wire.source for wire in wires_of(node))
 
 
 def _heads(network: LogicNetwork, free: int, *, titled: bool) -> Iterator[Node]:
@@ -232,10 +239,7 @@ def _number_by_network(networks: Sequence[LogicNetwork]) -> None:
         for number, network in enumerate(networks, 1)
         for place, node in enumerate(network.nodes)
     }
-    for node in (node for network in networks for node in network.nodes):
-        node.id = new[node.id]
-        for wire in wires_of(node):
-            wire.source = new[wire.source]
+    _renumber([node for network in networks for node in network.nodes], new)
 
 
 def _with_common_rails(nodes: Sequence[Node]) -> list[Node]:
@@ -264,8 +268,16 @@ def _with_common_rails(nodes: Sequence[Node]) -> list[Node]:
     new = {node.id: place for place, node in enumerate(found)} | {rail.id: 0 for rail in lefts}
     if rights:
         new[rights[0].id] = _RIGHT_RAIL_ID
-    for node in found:
+    _renumber(found, new)
+    return found
+
+
+def _renumber(nodes: Sequence[Node], new: dict[int, int]) -> None:
+    """Give elements their `new` ids. A wire that starts at no element starts at none afterwards."""
+    free = count(max(new.values()) + 1)
+    for node in nodes:
         node.id = new[node.id]
         for wire in wires_of(node):
+            if wire.source not in new:
+                new[wire.source] = next(free)
             wire.source = new[wire.source]
-    return found

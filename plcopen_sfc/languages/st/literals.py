@@ -176,7 +176,8 @@ def _string(text: str, type: str, dialect: Dialect) -> LiteralValue:
     # without a type, double quotes tell a wide string
     wide = type.startswith("W") or (not type and quote == '"')
     digits = 4 if wide else 2
-    value, position, end = "", 1, len(text) - 1
+    found: list[str] = []
+    position, end = 1, len(text) - 1
     while position < end:
         character = text[position]
         position += 1
@@ -193,7 +194,8 @@ def _string(text: str, type: str, dialect: Dialect) -> LiteralValue:
                     raise LiteralError(f"{text} has a $ that starts nothing", hint="$$ stands for a dollar sign")
                 character = _ESCAPES[mark]
                 position += 1
-        value += character
+        found.append(character)
+    value = "".join(found)
     if type in ("CHAR", "WCHAR") and len(value) != 1:
         raise LiteralError(f"{text} is no {type}: it has {len(value)} characters")
     return LiteralValue(LiteralKind.STRING, value, type or ("WSTRING" if wide else "STRING"))
