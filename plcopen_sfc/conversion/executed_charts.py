@@ -438,8 +438,9 @@ def _shown_name(condition: NamedCondition) -> str:
 
 
 def _executed_by(step: Step) -> Iterator[str]:
-    """The names of what a step executes, in every association and step action."""
-    for action in (*(row.target for row in step.actions), step.entry_action, step.main_action, step.exit_action):
+    """The names of what a step executes, in every association and step action; assignments share no control."""
+    targets = (row.target for row in step.actions if row.value is None)
+    for action in (*targets, step.entry_action, step.main_action, step.exit_action):
         if isinstance(action, str):
             yield plain_name(action)
 

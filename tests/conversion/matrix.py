@@ -56,15 +56,10 @@ REASONS = {
         "negated action|macro-step|drawn logic": "textual SFC has no such element",
     },
     "simaticml": {
-        "qualifier SD|qualifier DS|qualifier SL": (
-            "S7-GRAPH has no such qualifier, and what it would take, a timer that permanent instructions call, is not "
-            "written yet"
-        ),
-        "action in ST with S": "what a step stores in S7-GRAPH is an operand, and no rows call a block while it is set",
         "action that is a chart": "S7-GRAPH has no charts in actions, and no block is written for one yet",
         "SFCInit|SFCReset|SFCPause|maximum time": "S7-GRAPH has no SFC flags; statements for them are not written yet",
         "priority of a convergence": "a branch of S7-GRAPH cannot begin where a simultaneous one ends",
-        "negated action|macro-step|drawn logic": "S7-GRAPH has no such element",
+        "macro-step|drawn logic": "S7-GRAPH has no such element",
     },
     "codesys|twincat|codesys-export": {
         "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",

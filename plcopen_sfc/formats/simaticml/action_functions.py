@@ -11,6 +11,7 @@ the S7-1500 and the S7-1200. No sample shows how it exports them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_globals import global_names
@@ -30,6 +31,24 @@ _LONGEST = 120
 """Most characters of a name: TIA Portal takes 125, and a number may follow."""
 _INSTANCES = {own: block for block, own in S7_INSTANCES.items()}
 _LOCAL = (n.Quoting.LOCAL, n.Quoting.LOCAL_QUOTED)
+
+
+@dataclass(frozen=True, slots=True)
+class ControlNetwork:
+    """A network of an action control; `label` names the action."""
+
+    label: str
+    body: LdBody
+
+
+@dataclass
+class ActionControls:
+    """The action controls of a chart: added variables and networks, and the associations that need no row."""
+
+    variables: list[Variable] = field(default_factory=list)
+    networks: list[ControlNetwork] = field(default_factory=list)
+    controlled: dict[tuple[int, int], str] = field(default_factory=dict)
+    """What is told of each association, by the ids of its step and its own."""
 
 
 class ActionFunctions:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.action_functions import ActionFunctions, call_of
+from plcopen_sfc.formats.simaticml.action_controls import action_controls
+from plcopen_sfc.formats.simaticml.action_functions import ActionControls, ActionFunctions, call_of
 from plcopen_sfc.formats.simaticml.added_elements import mark_added
 from plcopen_sfc.formats.simaticml.element_reader import ASSOCIATION
 from plcopen_sfc.formats.simaticml.element_writer import (
@@ -58,20 +59,31 @@ class PlannedRows:
 class RowPlanner:
     """Decides for each action of the chart of a block which rows express it.
 
-    Statements that are no rows are in `functions`. `of_tia`: the block is one of TIA Portal; a row that no rule fits is
-    written as it was read.
+    Statements that are no rows are in `functions`, associations that need no rows in `controls`. `of_tia`: the block
+    is one of TIA Portal; a row that no rule fits is written as it was read.
     """
 
-    def __init__(self, project: Project, pou: Pou | None, functions: ActionFunctions, *, of_tia: bool) -> None:
+    def __init__(
+        self,
+        project: Project,
+        pou: Pou | None,
+        functions: ActionFunctions,
+        controls: ActionControls | None,
+        *,
+        of_tia: bool,
+    ) -> None:
         self._project = project
         self._pou = pou
         self._functions = functions
+        self._controlled = controls.controlled if controls is not None else {}
         self._of_tia = of_tia
 
     def association(self, action: ActionAssociation, step: Step) -> PlannedRows:
         """Return the rows of an association of `step`."""
         if action.exclude:
             return PlannedRows((), Outcome.TRANSLATED, "it is excluded from the build; it is not written")
+        if (step.id, action.id) in self._controlled:
+            return PlannedRows((), Outcome.TRANSLATED, self._controlled[step.id, action.id])
         reason = _reason_against_rows(action, inverted=step.negated)
         if reason:
             return PlannedRows(why=reason)
@@ -427,7 +439,8 @@ def action_functions(project: Project) -> ActionFunctions:
     functions = ActionFunctions(project)
     charts = [(pou, body.chart) for pou in project.pous for body in pou.bodies if isinstance(body, SfcBody)]
     for pou, chart in charts:
-        planner = RowPlanner(project, pou, functions, of_tia=markup_of(project) is Markup.SIMATICML)
+        controls = action_controls(project, pou, chart, functions)
+        planner = RowPlanner(project, pou, functions, controls, of_tia=markup_of(project) is Markup.SIMATICML)
         for step in (each for each in chart.steps if not each.exclude):
             for code, event in ((step.entry_action, _S1), (step.main_action, None), (step.exit_action, _S0)):
                 if code is not None:
@@ -435,3 +448,10 @@ def action_functions(project: Project) -> ActionFunctions:
             for action in step.actions:
                 planner.association(action, step)
     return functions
+
+
+def functions_of(ctx: DocumentWriting) -> ActionFunctions:
+    """Return the functions of all actions of the project that is written; they are made once."""
+    if ctx.action_functions is None:
+        ctx.action_functions = action_functions(ctx.project)
+    return ctx.action_functions

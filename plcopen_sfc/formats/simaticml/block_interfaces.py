@@ -9,13 +9,13 @@ the member itself, where it is an array too (seen in exports of V16: ``Path="62,
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from lxml import etree
 from pydantic import TypeAdapter
 
-from plcopen_sfc.formats.simaticml.added_elements import add_system_parts, is_added, write_result
+from plcopen_sfc.formats.simaticml.added_elements import add_system_parts, is_added, mark_added, write_result
 from plcopen_sfc.formats.simaticml.declaration_spelling import (
     LAYOUT,
     SECTIONS,
@@ -323,7 +323,7 @@ _INFORMATIVE = frozenset({"UserVisible", "UserReadOnly", "UserDeletable", "Offse
 _SPELLED = frozenset({"elementary", "string", "array", "struct", "derived"})
 """Kinds of types that TIA Portal spells; others are carried."""
 _INTEGERS = frozenset({"Offset", "PaddedSize"})
-_ADDABLE = frozenset({"Base", "Input", "Output", "Return"})
+_ADDABLE = frozenset({"Static", "Base", "Input", "Output", "Return"})
 _ELEMENTARY_TYPES: dict[str, ElementaryType] = {}
 _NAMES = {kind: name for name, kind in SECTIONS.items()}
 
@@ -339,7 +339,10 @@ def read_interface(ctx: DocumentReading, element: etree._Element) -> Fields:
             continue
         ctx.note_schema(sections)
         for section in children(sections):
-            if section.get("Name") in _ADDABLE and is_added(section) and _is_all_added(section):
+            is_addable = section.get("Name") in _ADDABLE and not (
+                ctx.edited_controls and section.get("Name") == "Static"
+            )
+            if is_addable and is_added(section) and _is_all_added(section):
                 continue
             kind = SECTIONS.get(section.get("Name", ""))
             if local(section) != "Section" or kind is None or len(section.attrib) > 1:
@@ -366,11 +369,12 @@ def write_interface(
     *,
     graph: bool = False,
     static: bool = True,
+    added: Sequence[Variable] = (),
 ) -> etree._Element:
     """Write ``Interface``. `renamed` are new names of members that the chart of the block names.
 
     `graph`: the block has a chart, and needs the system parts of every sequencer. `static`: it has static variables,
-    which functions have not.
+    which functions have not. `added` are static variables that only TIA Portal wants.
     """
     element = sub(parent, "Interface")
     for key, value in (interface.carried.attributes if interface.carried is not None else {}).items():
@@ -396,6 +400,8 @@ def write_interface(
             ctx.note(outcome, "section", section.kind.value, "TIA Portal has no such section")
     if graph:
         add_system_parts(ctx, sections)
+    if added:
+        _add_static(ctx, sections, added)
     if interface.return_type is not None:
         write_result(sections, ctx.s7_types.type(interface.return_type))
         left["return_type"] = interface.return_type.model_dump(mode="json", exclude_none=True)
@@ -403,11 +409,25 @@ def write_interface(
     return element
 
 
+def _add_static(ctx: DocumentWriting, sections: etree._Element, added: Sequence[Variable]) -> None:
+    """Add static variables that a reader drops."""
+    section = next((each for each in children(sections) if each.get("Name") == "Static"), None)
+    if section is None:
+        section = sub(sections, "Section", {"Name": "Static"})
+        mark_added(section)
+        behind = [each for each in children(sections) if each.get("Name") in ("Temp", "Constant")]
+        if behind:
+            behind[0].addprevious(section)
+    for variable in added:
+        write_member(ctx, section, variable)
+        mark_added(section[-1])
+
+
 def _read_section(ctx: DocumentReading, element: etree._Element, kind: SectionKind) -> Fields:
     fields: Fields = {"kind": kind, "variables": []}
     for child in children(element):
         if local(child) == "Member":
-            if not is_added(child):
+            if not is_added(child) or (ctx.edited_controls and element.get("Name") == "Static"):
                 fields["variables"].append(read_member(ctx, child))
         else:
             carry_element(fields, child)

@@ -61,6 +61,8 @@ class DocumentReading:
         """Types of the variables of the block being read, as TIA Portal spells them, by ``#name``."""
         self.constants: frozenset[str] = frozenset()
         """Constants of that block, as its texts name them, in lower case."""
+        self.edited_controls = False
+        """True in a block in which a network that controls an action was edited: all of these networks count."""
         self.edited_copies: set[str] = set()
         """Objects that were added for TIA Portal and edited since, in lower case."""
         self.place: list[str] = []

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 from lxml import etree
 
 from plcopen_sfc.formats.format_interface import WriteOptions
-from plcopen_sfc.formats.simaticml.action_functions import ActionFunctions
+from plcopen_sfc.formats.simaticml.action_functions import ActionControls, ActionFunctions
 from plcopen_sfc.formats.simaticml.declaration_spelling import LAYOUT
 from plcopen_sfc.formats.simaticml.element_reader import VERBATIM, N
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, concrete, namespace
@@ -71,6 +71,8 @@ class DocumentWriting:
         """Actions of that block whose outcome the report lists already at their steps."""
         self.action_functions: ActionFunctions | None = None
         """Functions that hold the statements of actions; made with the first chart."""
+        self.action_controls: ActionControls | None = None
+        """Action controls of the chart of the block being written."""
         self.body_name = ""
         """Name of the body being written, as `Pou.named_bodies` gives it."""
 

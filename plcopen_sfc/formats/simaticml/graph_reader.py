@@ -6,7 +6,7 @@ import copy
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.added_elements import is_added
+from plcopen_sfc.formats.simaticml.added_elements import AddedMark, is_added, mark_of
 from plcopen_sfc.formats.simaticml.element_reader import (
     ASSOCIATION,
     TRUTHS,
@@ -58,6 +58,8 @@ USUAL_CATEGORIES = (
 """Alarm categories (name, id, display class, text) that TIA Portal writes: up to Graph v2, and from v4 on."""
 ALL_CATEGORIES = 4
 """Number of the schema of GRAPH that has all of them."""
+CONTROLLED = "controls"
+"""Field in our comments that names the action which an added permanent instruction controls."""
 CONNECTIONS = "Connections"
 """Carried attribute of a sequence: the order of its connections, where it is not the one that our writer gives."""
 
@@ -86,6 +88,8 @@ class _ChartReader:
         """Actions that only comments of this package hold."""
         self._edited: list[int] = []
         """Steps whose rows were edited."""
+        self._controlled: set[str] = set()
+        """Actions of which the networks count that control them, and not what comments keep of their associations."""
         self._elements: dict[int, etree._Element] = {}
         """Elements of the steps of which comments keep something."""
 
@@ -97,6 +101,7 @@ class _ChartReader:
     def read(self, element: etree._Element, late: Fields) -> Fields:
         """Read the whole block."""
         chart = self.chart
+        self._root = element
         categories: list[Fields] = []
         for child in children(element):
             kind = local(child)
@@ -113,6 +118,7 @@ class _ChartReader:
         _keep_attributes(chart, element)
         self._structure()
         # after all connections: a condition that counts ends the minimum times of the steps that its transition leaves
+        self._forget_controlled()
         self._forget_edited()
         self._check_names()
         read_comments(self.ctx, element, chart)
@@ -135,6 +141,18 @@ class _ChartReader:
             self.ctx.place.append(f"step {element.get('Name', '')}")
             warn_of_edit(self.ctx, f"the {what}", element)
             self.ctx.place.pop()
+
+    def _forget_controlled(self) -> None:
+        """Forget the associations of actions whose control was edited in this file."""
+        for step in self.chart["steps"] if self._controlled else ():
+            step["actions"] = [
+                row
+                for row in step["actions"]
+                if row["id"] not in self._unwritten
+                or control_label(step["name"], row.get("target")) not in self._controlled
+            ]
+        for name in sorted(self._controlled):
+            warn_of_edit(self.ctx, f"the action {name}", self._root)
 
     def _check_names(self) -> None:
         """Steps and transitions are members of the block: no two members have the same name."""
@@ -175,12 +193,17 @@ class _ChartReader:
             if local(child) != "PermanentOperation":
                 shell.append(copy.deepcopy(child))
                 continue
+            if self.ctx.trusting and not self.ctx.edited_controls and is_added(child):
+                continue
             fields: Fields = {"body": read_flgnet_body(self.ctx, child)}
             _keep_attributes(fields, child, "ProgrammingLanguage")
             for part in children(child):
                 if not _text(fields, part, "Title", "title") and not _is_network(child, part):
                     carry_element(fields, part)
             read_comments(self.ctx, child, fields)
+            controlled = fields.pop(CONTROLLED, None)
+            if isinstance(controlled, str):
+                self._controlled.add(controlled)
             found.append(fields)
         _keep_shell(self.chart, shell)
         return found
@@ -479,6 +502,20 @@ def _category(element: etree._Element) -> Fields | None:
             return None
         text = tokens[0].get("Text")
     return {"name": local(element), "id": number, "display_class": whole_number(display), "text": text}
+
+
+def control_label(step: str, target: str | None) -> str:
+    """Return the name of a controlled action for people: that of the action, or of the step that has it in place."""
+    return target.replace("#", "").replace('"', "") if target is not None else f"{step}_action"
+
+
+def are_controls_edited(block: etree._Element) -> bool:
+    """True if a network that controls an action was edited since it was added."""
+    return any(
+        mark_of(each) is AddedMark.EDITED
+        and f'"{CONTROLLED}"' in "".join(c.text or "" for c in each.iterchildren(etree.Comment))
+        for each in block.iter("{*}PermanentOperation")
+    )
 
 
 def carried_order(links: str) -> dict[str, int]:

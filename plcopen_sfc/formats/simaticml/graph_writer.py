@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.action_rows import RowPlanner, RowsWriter, action_functions
+from plcopen_sfc.formats.simaticml.action_rows import RowPlanner, RowsWriter, functions_of
 from plcopen_sfc.formats.simaticml.added_elements import mark_added
 from plcopen_sfc.formats.simaticml.element_reader import children, local
 from plcopen_sfc.formats.simaticml.element_writer import (
@@ -25,7 +25,13 @@ from plcopen_sfc.formats.simaticml.graph_conditions import (
     empty_network,
     untranslated_body,
 )
-from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, USUAL_CATEGORIES, carried_order
+from plcopen_sfc.formats.simaticml.graph_reader import (
+    CONNECTIONS,
+    CONTROLLED,
+    RESULT_OF,
+    USUAL_CATEGORIES,
+    carried_order,
+)
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import write_flgnet_body
 from plcopen_sfc.formats.simaticml.replaced_elements import INSTEAD, WRITTEN, rows_digest
 from plcopen_sfc.formats.simaticml.sequence_rules import (
@@ -101,9 +107,8 @@ class _ChartWriter:
         self.last_transition = max(self.transition_numbers.values(), default=0)
         self.of_tia = markup_of(ctx.project) is Markup.SIMATICML
         pou = next((pou for pou in ctx.project.pous if pou.name == ctx.body_name), None)
-        if ctx.action_functions is None:
-            ctx.action_functions = action_functions(ctx.project)
-        self.rows = RowsWriter(ctx, RowPlanner(ctx.project, pou, ctx.action_functions, of_tia=self.of_tia))
+        planner = RowPlanner(ctx.project, pou, functions_of(ctx), ctx.action_controls, of_tia=self.of_tia)
+        self.rows = RowsWriter(ctx, planner)
         transitions = pou.transitions if pou is not None else []
         self.declared = {variable.name.casefold() for variable in pou.variables()} if pou is not None else set()
         self.conditions = ConditionWriter(ctx, condition_reader(chart, Dialect.SCL, transitions=transitions))
@@ -116,6 +121,7 @@ class _ChartWriter:
         for sequence, transitions in self._sequences():
             self._sequence(root, sequence, transitions)
         self._operations(root, "PostOperations", chart.permanent_post)
+        self._controls(root[-1])
         self._alarms(root)
         own = ("PreOperations", "PostOperations", "AlarmsSettings")
         for content in _unknown(chart.carried):
@@ -151,6 +157,19 @@ class _ChartWriter:
             _set_attributes(child, "PermanentOperation", operation.carried)
             self.ctx.keep("permanent operation")
             finish(self.ctx, child, operation, frozenset({"title", "body"}))
+
+    def _controls(self, parent: etree._Element) -> None:
+        """Write the networks that control actions."""
+        networks = self.ctx.action_controls.networks if self.ctx.action_controls is not None else []
+        for network in networks:
+            child = sub(parent, "PermanentOperation")
+            write_languages(self.ctx, child, "Title", network.label)
+            write_flgnet_body(self.ctx, child, network.body)
+            keep_fields(child, {CONTROLLED: network.label})
+            mark_added(child)
+        if networks:
+            why = "the networks that control actions"
+            self.ctx.note(Outcome.TRANSLATED, "permanent instruction after the sequence", why=why)
 
     def _fill_shell(self, element: etree._Element, carried: Carried | None, name: str) -> None:
         """Add the parts of an element that were not understood."""
@@ -331,6 +350,10 @@ class _ChartWriter:
         if step.max_time is not None and self._watches_times():
             why = f"nothing happens when the step lasts longer than {step.max_time}: S7-GRAPH has no SFCError"
             note(Outcome.NOT_EXECUTED, "max time", why=why)
+        controls = self.ctx.action_controls
+        rows = [row for row in step.actions if not row.exclude]
+        if step.negated and controls is not None and all((step.id, row.id) in controls.controlled for row in rows):
+            note(Outcome.TRANSLATED, "negation", why="networks behind the sequence control its actions")
         if step.macro is not None:
             note(Outcome.NOT_EXECUTED, "macro", why="S7-GRAPH has no macro-steps: the chart in it is not executed")
         if step.encloses:

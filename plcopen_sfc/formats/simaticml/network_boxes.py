@@ -292,7 +292,7 @@ def mark_calls(project: Project) -> None:
                 if isinstance(node, Block) and pou is not None and node.call in (None, _CALLS[pou.kind]):
                     if pou.kind is PouKind.FUNCTION:
                         _name_pins(node, pou, network)
-                    _mark_call(node, pou)
+                    mark_call(node, pou)
 
 
 def put_standard_blocks(project: Project) -> None:
@@ -346,7 +346,8 @@ def _name_pins(block: Block, pou: Pou, network: LogicNetwork) -> None:
             _mark(pin, Type=write_type(interface.return_type), Section=RETURN)
 
 
-def _mark_call(block: Block, pou: Pou) -> None:
+def mark_call(block: Block, pou: Pou) -> None:
+    """Mark a box as a call of a block, with the types and sections of its pins."""
     block.call = _CALLS[pou.kind]
     sections = pou.interface.sections if pou.interface is not None else []
     declared = {v.name.casefold(): (section.kind, v.type) for section in sections for v in section.variables}

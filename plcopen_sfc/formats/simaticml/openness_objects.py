@@ -6,6 +6,8 @@ from typing import Any
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.action_controls import action_controls, are_rows_alone
+from plcopen_sfc.formats.simaticml.action_rows import functions_of
 from plcopen_sfc.formats.simaticml.added_elements import bodies_with_result, is_added, mark_added, name_result
 from plcopen_sfc.formats.simaticml.block_interfaces import (
     read_interface,
@@ -44,6 +46,7 @@ from plcopen_sfc.formats.simaticml.element_writer import (
     sub,
     write_object_text,
 )
+from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, are_controls_edited
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, interface_digest
 from plcopen_sfc.languages.s7_globals import UNCALLED, local_tags
 from plcopen_sfc.languages.s7_programs import report_program
@@ -97,6 +100,7 @@ def read_pou(ctx: DocumentReading, element: etree._Element) -> Fields:
     fields: Fields = {"kind": POUS[local(element)], "bodies": []}
     values = _start(ctx, element, fields)
     interface = values.pop("Interface", None)
+    ctx.edited_controls = are_controls_edited(element)
     if interface is not None:
         read = read_interface(ctx, interface)
         if read != {"sections": []} or not is_added(interface):
@@ -137,11 +141,20 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     elif pou.kind is PouKind.PROGRAM:
         report_program(ctx.project, pou, ctx.report)
     chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
+    added: list[Variable] = []
+    ctx.action_controls = None
+    if chart is not None and _may_have_controls(ctx):
+        alone = are_rows_alone(ctx.options)
+        controls = action_controls(ctx.project, pou, chart.chart, functions_of(ctx), alone=alone)
+        ctx.action_controls, added = controls, controls.variables
+        ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
     if pou.interface is not None:
         static = pou.kind is not PouKind.FUNCTION or ctx.keeps_sections
-        write_interface(ctx, writer.values, pou.interface, _renamed(ctx, pou), graph=chart is not None, static=static)
+        renamed = _renamed(ctx, pou)
+        is_chart = chart is not None
+        write_interface(ctx, writer.values, pou.interface, renamed, graph=is_chart, static=static, added=added)
     elif chart is not None:
-        mark_added(write_interface(ctx, writer.values, Interface(), graph=True))
+        mark_added(write_interface(ctx, writer.values, Interface(), graph=True, added=added))
     kept = pou.carried.attributes.get("ProgrammingLanguage") if pou.carried is not None else None
     writer.set("ProgrammingLanguage", kept or block_language([language_of(body) for body in pou.bodies]) or "LAD")
     if chart is not None and ctx.body_name not in ctx.options.untouched:
@@ -163,6 +176,12 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
         _without_graph(writer.values)
     ctx.place.pop()
+
+
+def _may_have_controls(ctx: DocumentWriting) -> bool:
+    """True unless associations act one after the other, as in matiec, or the chart stays as TIA Portal wrote it."""
+    is_untouched = ctx.body_name in ctx.options.untouched and f'"{CONTROLLED}"'.encode() not in ctx.options.source
+    return not ctx.options.of_matiec and not is_untouched
 
 
 def _without_graph(values: etree._Element) -> None:

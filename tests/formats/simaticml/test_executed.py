@@ -173,13 +173,13 @@ BODIES = [
     ("P1", "Set", Outcome.TRANSLATED, [("N", "S1", "#q", "TRUE"), ("N", "S1", "#level", "#n")]),
     ("P0", "Clear", Outcome.TRANSLATED, [("N", "S0", "#q", "FALSE")]),
     ("N", "Clear", Outcome.TRANSLATED, [("N", "", "#q", "FALSE"), ("N", "S0", "#q", "FALSE")]),
-    ("P", "Clear", Outcome.APPROXIMATED, [("N", "S1", "#q", "FALSE")]),
+    ("P", "Clear", Outcome.TRANSLATED, []),
     ("N", "Nothing", Outcome.APPROXIMATED, []),
-    *((q, "Clear", Outcome.NOT_EXECUTED, []) for q in ("S", "R", "L", "D", "SD", "DS", "SL")),
+    *((q, "Clear", Outcome.TRANSLATED, []) for q in ("S", "R", "L", "D", "SD", "DS", "SL")),
     ("P1", "Choose", Outcome.TRANSLATED, [("CALL", "S1", None, None)]),
     ("P0", "Choose", Outcome.TRANSLATED, [("CALL", "S0", None, None)]),
     ("N", "Choose", Outcome.TRANSLATED, [("CALL", "", None, None), ("CALL", "S0", None, None)]),
-    ("P", "Choose", Outcome.APPROXIMATED, [("CALL", "S1", None, None)]),
+    ("P", "Choose", Outcome.TRANSLATED, []),
     ("N", "Chart", Outcome.NOT_EXECUTED, []),
 ]
 

@@ -1,0 +1,369 @@
+"""Action controls in permanent instructions: qualifiers and conditions that no row of S7-GRAPH expresses.
+
+An action of IEC 61131-3 has one control for all its associations (ACTION_CONTROL, ed. 3, 6.7.4.6). Rows of S7-GRAPH act
+for their step alone, with N, S, R, L and D for an operand. Where that is not enough, none of the associations becomes
+a row: networks behind the sequence compute the control from the flags of the steps, as one would draw it by hand. A
+stored action is a bit that holds itself, a delay a timer of the block, and what is executed is the coil of a variable
+or the call of a function.
+
+``K2`` with SD in Wait and R in Done::
+
+    #K2_stored := (#K2_stored OR #Wait.X) AND NOT #Done.X;
+    #K2_delay(IN := #K2_stored, PT := T#5s);
+    #K2 := #K2_delay.Q AND NOT #Done.X;
+
+The variables and the networks are added elements: a reader drops them, and comments keep the associations.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+
+from plcopen_sfc.formats.format_interface import WriteOptions
+from plcopen_sfc.formats.simaticml.action_functions import ActionControls, ActionFunctions, ControlNetwork
+from plcopen_sfc.formats.simaticml.added_elements import system_members
+from plcopen_sfc.formats.simaticml.coils_and_contacts import lacks_power, put_assignments, put_in_series, types_of
+from plcopen_sfc.formats.simaticml.graph_conditions import give_types
+from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, control_label
+from plcopen_sfc.formats.simaticml.network_boxes import mark_call
+from plcopen_sfc.formats.simaticml.network_operands import parse_operand
+from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, GRAPH_QUALIFIERS
+from plcopen_sfc.languages.networks import condition_reader, draw_ld, draw_ld_expression
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
+from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
+from plcopen_sfc.model.body import Body, LdBody
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.network import (
+    Block,
+    BlockCall,
+    BlockParameters,
+    BlockVariable,
+    InputPin,
+    LogicNetwork,
+    OutputPin,
+)
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
+
+Q = Qualifier
+_RESETS = (Q.R, Q.R0)
+_PLAIN = (Q.N, Q.NONE)
+_IEC = frozenset({*_RESETS, *_PLAIN, Q.S, Q.L, Q.D, Q.P, Q.P1, Q.P0, Q.SD, Q.DS, Q.SL})
+_OF_ROWS = GRAPH_QUALIFIERS | AS_EVENTS.keys() | {Q.R0}
+_AT_ONCE = frozenset({Q.P1, Q.P0})
+_KINDS = frozenset({None, ActionKind.CONTINUOUS})
+
+
+def action_controls(
+    project: Project,
+    pou: Pou,
+    chart: SfcNetwork,
+    functions: ActionFunctions,
+    *,
+    alone: Callable[[str], bool] = lambda _: False,
+) -> ActionControls:
+    """Return the action controls that the chart of a block needs.
+
+    `alone`: whether each association of an action acts for its step alone already, as rows do.
+    """
+    return _Planner(project, pou, chart, functions, alone).plan()
+
+
+def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
+    """Return which actions have no control of their own in the source, by the names that people see.
+
+    In a file of TIA Portal those have one that this package has added.
+    """
+    if not options.same:
+        return lambda _: options.of_graph
+    found = {json.loads(text) for text in _CONTROLS.findall(options.source.decode("utf-8", "replace"))}
+    return lambda label: label not in found
+
+
+_CONTROLS = re.compile(rf'{{"{CONTROLLED}": ("(?:[^"\\]|\\.)*")}}')
+
+
+@dataclass
+class _Draft:
+    """The control of one action while it is planned."""
+
+    label: str
+    variables: list[Variable] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)
+
+
+class _ImpossibleError(Exception):
+    """No network expresses a control."""
+
+
+class _Planner:
+    def __init__(
+        self,
+        project: Project,
+        pou: Pou,
+        chart: SfcNetwork,
+        functions: ActionFunctions,
+        alone: Callable[[str], bool],
+    ) -> None:
+        self._pou, self._chart, self._functions, self._alone = pou, chart, functions, alone
+        self._read = condition_reader(chart, Dialect.SCL, transitions=pou.transitions)
+        variables = {variable.name.casefold() for variable in pou.variables()}
+        self._taken = variables | system_members(variables)
+        self._types = types_of(project, pou)
+        self._taken |= {step.name.casefold() for step in chart.steps}
+        self._taken |= {transition.name.casefold() for transition in chart.transitions}
+
+    def plan(self) -> ActionControls:
+        """Plan the controls of all actions that need one."""
+        found = ActionControls()
+        for rows in self._actions():
+            taken = set(self._taken)
+            try:
+                draft, networks = self._control(rows)
+            except _ImpossibleError:
+                self._taken = taken
+                continue
+            found.variables += draft.variables
+            found.networks += networks
+            for step, row in rows:
+                why = f"networks behind the sequence control {draft.label}: no row says {_shown(step, row)}"
+                found.controlled[step.id, row.id] = why
+        return found
+
+    def _actions(self) -> Iterator[list[tuple[Step, ActionAssociation]]]:
+        """The associations of each action that needs a control."""
+        found: dict[str, list[tuple[Step, ActionAssociation]]] = {}
+        for step in self._chart.steps:
+            for row in step.actions if not step.exclude else ():
+                if not row.exclude:
+                    key = (row.target or f" {step.id} {row.id}").casefold()
+                    found.setdefault(key, []).append((step, row))
+        for rows in found.values():
+            if all(map(_is_of_iec, (row for _, row in rows))) and self._needs_control(rows):
+                yield rows
+
+    def _needs_control(self, rows: list[tuple[Step, ActionAssociation]]) -> bool:
+        """True if rows of S7-GRAPH do not act as the associations together do."""
+        used = {row.qualifier for _, row in rows}
+        if used - _OF_ROWS or any(row.negated or step.negated or row.condition is not None for step, row in rows):
+            return True
+        if self._code(rows[0][1]) is not None:
+            return bool(used - {*_PLAIN, *_AT_ONCE}) or (len(rows) > 1 and used <= _AT_ONCE)
+        if len(rows) == 1 or self._alone(control_label(rows[0][0].name, rows[0][1].target)):
+            return False
+        is_stored = bool(used & {Q.S, *_RESETS})
+        return any(row.qualifier.needs_duration for _, row in rows) or (is_stored and bool(used & {*_PLAIN, Q.P}))
+
+    def _code(self, row: ActionAssociation) -> Body | None:
+        if row.target is None:
+            return row.body
+        found = self._pou.find_action(row.target.removeprefix("#").strip('"'))
+        return found.body if found is not None else None
+
+    def _control(self, rows: list[tuple[Step, ActionAssociation]]) -> tuple[_Draft, list[ControlNetwork]]:
+        step, row = rows[0]
+        label = control_label(step.name, row.target)
+        draft, code = _Draft(label), self._code(row)
+        if code is None and (row.target is None or parse_operand(row.target) is None):
+            raise _ImpossibleError
+        reset = self._plain(draft, "reset", self._on(rows, *_RESETS))
+        lasting = self._masked(list(self._parts(draft, rows, reset)), reset)
+        pulses = self._masked(list(self._pulses(draft, rows)), reset)
+        wanted = _or(filter(None, (lasting, pulses)))
+        if code is None:
+            draft.lines.append(f"{row.target} := {wanted};")
+            return draft, self._drawn(draft)
+        function = self._functions.function(self._pou, label, code)
+        if isinstance(function, str):
+            raise _ImpossibleError
+        active, ended = self._bit(draft, "active"), self._bit(draft, "ended")
+        draft.lines.append(f"{active} := {lasting or 'FALSE'};")
+        networks = self._drawn(draft)
+        networks.append(ControlNetwork(label, self._call(draft, _or(filter(None, (active, ended, pulses))), function)))
+        draft.lines = [f"{ended} := {active};"]
+        return draft, [*networks, *self._drawn(draft)]
+
+    # -- the control as statements
+
+    def _parts(self, draft: _Draft, rows: list[tuple[Step, ActionAssociation]], reset: str) -> Iterator[str]:
+        """What makes the output TRUE and is followed by the final scan; the statements before it go into `draft`."""
+
+        def on(*qualifiers: Qualifier) -> str:
+            return self._on(rows, *qualifiers)
+
+        def timer(qualifier: Qualifier, role: str, start: str) -> str:
+            times = {row.duration for _, row in rows if row.qualifier is qualifier}
+            if len(times) != 1 or None in times:
+                raise _ImpossibleError
+            name = self._variable(draft, f"{role}_time", DerivedType(name="TON_TIME"))
+            draft.lines.append(f"{name}(IN := {self._plain(draft, role, start)}, PT := {times.pop()});")
+            return self._assigned(draft, role, f"{name}.Q")
+
+        def stored(role: str, start: str) -> str:
+            bit = self._bit(draft, role)
+            draft.lines.append(f"{bit} := {self._masked([_or([bit, start])], reset)};")
+            return bit
+
+        if plain := on(*_PLAIN):
+            yield plain
+        if start := on(Q.S):
+            yield stored("stored", start)
+        if start := on(Q.L):
+            yield _and([start, _not(timer(Q.L, "limit", start))])
+        if start := on(Q.D):
+            yield timer(Q.D, "delay", start)
+        if start := on(Q.P):
+            yield self._edge(draft, "pulse", start)
+        if start := on(Q.SD):
+            yield timer(Q.SD, "late", stored("waits", start))
+        if start := on(Q.DS):
+            yield stored("kept", timer(Q.DS, "wait", start))
+        if start := on(Q.SL):
+            bit = stored("begun", start)
+            yield _and([bit, _not(timer(Q.SL, "end", bit))])
+
+    def _pulses(self, draft: _Draft, rows: list[tuple[Step, ActionAssociation]]) -> Iterator[str]:
+        """What makes the output TRUE for one scan, without a final one."""
+        if start := self._on(rows, Q.P1):
+            yield self._edge(draft, "start", start)
+        if start := self._on(rows, Q.P0):
+            yield self._edge(draft, "stop", start, falling=True)
+
+    def _edge(self, draft: _Draft, role: str, start: str, *, falling: bool = False) -> str:
+        start = self._plain(draft, f"{role}_begins", start)
+        bit, before = self._bit(draft, role), self._bit(draft, f"{role}_before")
+        now = [_not(start), before] if falling else [start, _not(before)]
+        draft.lines += [f"{bit} := {_and(now)};", f"{before} := {start};"]
+        return bit
+
+    def _on(self, rows: list[tuple[Step, ActionAssociation]], *qualifiers: Qualifier) -> str:
+        """TRUE while an association with one of the qualifiers acts; empty without one."""
+        return _or(self._acts(step, row) for step, row in rows if row.qualifier in qualifiers)
+
+    def _acts(self, step: Step, row: ActionAssociation) -> str:
+        name = f'"{step.name}"' if needs_quotes(step.name) else step.name
+        flag = f"#{name}.X"
+        acts = _not(flag) if step.negated is not row.negated else flag
+        if row.condition is None:
+            return acts
+        found = self._read(row.condition)
+        if found.tree is None or found.before or found.helpers or not found.complete:
+            raise _ImpossibleError
+        return _and([acts, print_node(found.tree, Dialect.SCL)])
+
+    def _plain(self, draft: _Draft, role: str, text: str) -> str:
+        """An expression that a contact can negate: it becomes a bit, unless it is one."""
+        return self._assigned(draft, f"{role}_input", text) if " " in text else text
+
+    def _assigned(self, draft: _Draft, role: str, text: str) -> str:
+        bit = self._bit(draft, role)
+        draft.lines.append(f"{bit} := {text};")
+        return bit
+
+    def _masked(self, parts: list[str], reset: str) -> str:
+        wanted = _or(parts)
+        return _and([wanted, _not(reset)]) if wanted and reset else wanted
+
+    def _bit(self, draft: _Draft, role: str) -> str:
+        return self._variable(draft, role, ElementaryType(name=Elementary.BOOL))
+
+    def _variable(self, draft: _Draft, role: str, type_: ElementaryType | DerivedType) -> str:
+        stem = "".join(each if each.isalnum() else "_" for each in draft.label)
+        name, number = f"{stem}_{role}", 1
+        while name.casefold() in self._taken:
+            number += 1
+            name = f"{stem}_{role}_{number}"
+        self._taken.add(name.casefold())
+        draft.variables.append(Variable(name=name, type=type_))
+        return f"#{name}"
+
+    # -- networks
+
+    def _rules(self, draft: _Draft) -> DrawingRules:
+        timers = [Variable(name=f"#{v.name}", type=DerivedType(name="TON")) for v in draft.variables if _is_timer(v)]
+        return declared_rules(timers, Dialect.SCL, Tool.S7)
+
+    def _drawn(self, draft: _Draft) -> list[ControlNetwork]:
+        tree = parse_statements("\n".join(draft.lines), Dialect.SCL)
+        drawn = draw_ld(tree.tree.statements, self._rules(draft), divided=True)
+        if tree.problems or drawn.problems:
+            raise _ImpossibleError
+        return [ControlNetwork(draft.label, self._typed(draft, network)) for network in drawn.body.networks]
+
+    def _call(self, draft: _Draft, condition: str, function: Pou) -> LdBody:
+        """A network that calls a function while a condition is TRUE."""
+        tree = parse_expression(condition, Dialect.SCL).tree
+        if tree is None:
+            raise _ImpossibleError
+        drawn = draw_ld_expression(tree, self._rules(draft))
+        if drawn.problems or drawn.negated:
+            raise _ImpossibleError
+        pins = [BlockVariable(name="EN", input=InputPin(connections=list(drawn.outputs)))]
+        names = [variable.name for variable in function.variables()]
+        pins += [BlockVariable(name=name, input=InputPin(expression=f"#{name}")) for name in names]
+        outputs = [BlockVariable(name="ENO", output=OutputPin())]
+        parameters = BlockParameters(inputs=pins, outputs=outputs)
+        number = max(node.id for node in drawn.network.nodes) + 1
+        block = Block(id=number, type_name=function.name, call=BlockCall.FUNCTION, parameters=parameters)
+        mark_call(block, function)
+        return self._typed(draft, LogicNetwork(nodes=[*drawn.network.nodes, block]))
+
+    def _typed(self, draft: _Draft, network: LogicNetwork) -> LdBody:
+        types = self._types | {f"#{v.name.lower()}": "Bool" for v in draft.variables if not _is_timer(v)}
+        boxes = [node.type_name for node in network.nodes if isinstance(node, Block)]
+        if boxes != ["TON"] and give_types(network, types) is not None:
+            raise _ImpossibleError
+        put_assignments(network, types)
+        if lacks_power(network):
+            put_in_series(network)
+        return LdBody(networks=[network])
+
+
+def _is_of_iec(row: ActionAssociation) -> bool:
+    """True if an association has nothing beside its qualifier, its time and its condition."""
+    special = (row.event, row.value, row.forcing)
+    return not row.interlock and row.kind in _KINDS and row.qualifier in _IEC and not any(special)
+
+
+def _is_timer(variable: Variable) -> bool:
+    return isinstance(variable.type, DerivedType)
+
+
+def _shown(step: Step, row: ActionAssociation) -> str:
+    if step.negated or row.negated:
+        return "that it acts while its step is not active"
+    if row.condition is not None:
+        return "on which condition it acts"
+    return f"{row.qualifier} as its other steps mean it" if row.qualifier in _OF_ROWS else str(row.qualifier)
+
+
+def _or(parts: Iterable[str]) -> str:
+    return _joined(" OR ", parts)
+
+
+def _and(parts: Iterable[str]) -> str:
+    return _joined(" AND ", parts)
+
+
+def _joined(word: str, parts: Iterable[str]) -> str:
+    found = [part for part in parts if part]
+    return word.join(map(_term, found)) if len(found) > 1 else "".join(found)
+
+
+def _not(text: str) -> str:
+    return f"NOT {_term(text)}"
+
+
+def _term(text: str) -> str:
+    """Return an expression as a part of another one."""
+    tree = parse_expression(text, Dialect.SCL).tree
+    return f"({text})" if isinstance(tree, n.Operation | n.Unary) else text

@@ -1,0 +1,116 @@
+"""Qualifiers and conditions that no row of S7-GRAPH has: networks behind the sequence do what they mean."""
+
+from __future__ import annotations
+
+import difflib
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import Outcome
+from tests.conversion.features import Feature, Rig, feature_project
+from tests.conversion.matrix import same_behaviour
+
+T = "T#50ms"
+
+
+def _chart(*rows: tuple[str, str, str, str | None], source: str = "plcopen") -> m.Project:
+    """A ring of three steps with actions: step, target, qualifier, time."""
+
+    def build(rig: Rig) -> None:
+        for step, target, qualifier, duration in rows:
+            rig.act(step, target, qualifier, duration=duration)
+
+    return _loaded(feature_project(Feature("control", (source,), build), source), source)
+
+
+def _loaded(project: m.Project, source: str) -> m.Project:
+    return sfc.loads(sfc.dumps(project, format=source, partial=True), format=source)
+
+
+SHARED = {
+    "N beside SD": (("Idle", "q", "N", None), ("Work", "q", "SD", T), ("Done", "q", "R", None)),
+    "L in two steps": (("Idle", "q", "L", T), ("Work", "q", "L", T)),
+    "D in two steps": (("Idle", "q", "D", T), ("Work", "q", "D", T), ("Done", "q", "R", None)),
+    "S, N and R": (("Idle", "q", "S", None), ("Work", "q", "N", None), ("Done", "q", "R", None)),
+    "two resets": (("Idle", "q", "SL", T), ("Work", "q", "R", None), ("Done", "q", "R", None)),
+    "two controls": (
+        ("Idle", "q", "SD", T),
+        ("Work", "r", "DS", T),
+        ("Work", "q", "R", None),
+        ("Done", "r", "R", None),
+    ),
+}
+
+
+@pytest.mark.parametrize(("name", "source"), [*((name, "plcopen") for name in SHARED), ("N beside SD", "codesys")])
+def test_associations_of_several_steps_have_one_control(name: str, source: str) -> None:
+    """What runs is the same with all inputs, and nothing is lost."""
+    project = _chart(*SHARED[name], source=source)
+    data, report = sfc.convert(project, "simaticml")
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    verdict = same_behaviour(project, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.equal, verdict
+
+
+def test_conditions_of_associations_are_contacts() -> None:
+    project = _chart(("Work", "q", "N", None), ("Done", "r", "D", T))
+    rows = [row for _, row in next(iter(project.charts())).chart.associations()]
+    for row, text in zip(rows, ("a AND NOT c", "c"), strict=True):
+        row.condition = m.Expression(text=text)
+    data, report = sfc.convert(project, "simaticml")
+    assert not report.losses
+    seen = sfc.loads(data, format="simaticml", as_tool=True)
+    assert [body.body.language for body in seen.pou("Main").chart.permanent_post if body.body] == ["LD"] * 4
+    verdict = same_behaviour(project, seen)
+    assert verdict is not None
+    assert verdict.equal, verdict
+
+
+def test_there_and_back_the_associations_are_those_of_the_source() -> None:
+    project = _chart(*SHARED["N beside SD"])
+    data, _ = sfc.convert(project, "simaticml")
+    back = sfc.loads(data, format="simaticml").pou("Main")
+    assert not back.chart.permanent_post
+    assert not [variable for variable in back.variables() if variable.name.startswith("q_")]
+    of_source, of_back = (
+        [(step.name, row.qualifier, row.duration) for step, row in each.associations()]
+        for each in (project.pou("Main").chart, back.chart)
+    )
+    assert of_back == of_source
+
+
+def test_a_renamed_step_changes_its_contacts_too() -> None:
+    data, _ = sfc.convert(_chart(*SHARED["N beside SD"]), "simaticml")
+    project = sfc.loads(data, format="simaticml")
+    project.pou("Main").chart.rename_step("Done", "Ready")
+    lines = difflib.unified_diff(
+        data.decode().splitlines(), sfc.dumps(project, format="simaticml").decode().splitlines()
+    )
+    added = [line.strip("+ ") for line in lines if line.startswith("+ ")]
+    seals = [line for line in added if line.startswith("<!--")]
+    assert {"Ready" in line for line in added if line not in seals} == {True}
+    assert 2 <= len(added) - len(seals) <= 6, added
+
+
+def test_networks_that_were_edited_count() -> None:
+    """An edit in TIA Portal that keeps the comments is not lost: no association acts beside the network."""
+    data, _ = sfc.convert(_chart(*SHARED["N beside SD"]), "simaticml")
+    text = data.decode("utf-8-sig")
+    networks = text.index("<PostOperations>")
+    edited = text[:networks] + text[networks:].replace('<Component Name="Idle" />', '<Component Name="Work" />')
+    project = sfc.loads(edited.encode(), format="simaticml")
+    main = project.pou("Main")
+    assert not [row for _, row in main.chart.associations()]
+    assert len(main.chart.permanent_post) > 1
+    assert "q_waits" in {variable.name for variable in main.variables()}
+    assert [each.code for each in project.diagnostics] == ["XML214"]
+
+
+def test_a_time_for_each_step_is_refused() -> None:
+    """One timer has one time: two delays that differ are not executed, and the report says so."""
+    project = _chart(("Idle", "q", "SD", "T#50ms"), ("Work", "q", "SD", "T#75ms"), ("Done", "q", "R", None))
+    _, report = sfc.convert(project, "simaticml", partial=True)
+    assert {"has no qualifier SD" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)} == {True}
