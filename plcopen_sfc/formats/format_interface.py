@@ -204,12 +204,14 @@ class ChartHost:
     `title` is what reports call it. `is_codesys`: associations take an action of the POU by its name, steps have entry,
     main and exit actions and minimum times, conditions are expressions or names of transition objects and never
     negated. Other tools take bodies in place, with the qualifiers P1 and P0. `has_tasks`: its files hold tasks.
-    `il_conditions`: conditions may be instruction list.
+    `has_methods`: its language is object-oriented, with the keywords for that. `il_conditions`: conditions may be
+    instruction list.
     """
 
     title: str
     is_codesys: bool
     has_tasks: bool = True
+    has_methods: bool = True
     il_conditions: bool = False
 
     @property

@@ -41,6 +41,15 @@ IEC_KEYWORDS = (
 TRANSLATED_KEYWORDS = KEYWORDS | frozenset("AND_THEN OR_ELSE GOTO JMP REGION END_REGION VAR_STAT EN ENO".split())
 """Words that are no names of variables in CODESYS or SCL; many tools take the others of IEC 61131-3 as names."""
 
+CODESYS23_KEYWORDS = KEYWORDS | {"JMP", "VAR_STAT"}
+CODESYS_KEYWORDS = CODESYS23_KEYWORDS | frozenset(
+    """
+    ABSTRACT AND_THEN END_INTERFACE END_METHOD END_PROPERTY EXTENDS FINAL IMPLEMENTS INTERNAL OR_ELSE OVERRIDE PRIVATE
+    PROPERTY PROTECTED PUBLIC REFERENCE VAR_INST
+    """.split()
+)
+"""Words that are no names in CODESYS V3 and TwinCAT 3: no project in reach has one, but for names such as ``Step``."""
+
 
 def is_plain(name: str) -> bool:
     """True if a name consists of letters of any alphabet, digits and underscores, and starts with no digit."""

@@ -524,3 +524,21 @@ def test_members_that_tia_portal_retains_come_back(target: str) -> None:
     block = sfc.loads(edited).pou("FB_Drill")
     assert {"Parts", "Dwelling"} <= {variable.name for variable in block.variables()}
     assert not any(section.retain for section in block.interface.sections)
+
+
+@pytest.mark.parametrize(
+    ("target", "words"), [("codesys", {"Abstract", "This", "Property"}), ("codesys23", {"This"})], ids=["V3", "2.3"]
+)
+def test_keywords_of_the_target_are_no_names_there(target: str, words: set[str]) -> None:
+    """TwinCAT and CODESYS V3 are object-oriented; no file of theirs declares such a name."""
+    text = """PROGRAM Main
+VAR Abstract : BOOL; This : BOOL; Step : INT; END_VAR
+INITIAL_STEP Property: END_STEP
+TRANSITION FROM Property TO Run := Abstract AND This; END_TRANSITION
+STEP Run: END_STEP
+TRANSITION FROM Run TO Property := TRUE; END_TRANSITION
+END_PROGRAM
+"""
+    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True)
+    lost = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if "is a keyword" in item.why]
+    assert {item.path.split(" ")[-1] for item in lost} == words

@@ -49,12 +49,13 @@ def test_rows_of_one_operand_are_compared_by_what_they_do() -> None:
 
 
 def test_an_action_that_is_not_written_is_not_mistaken_for_a_row_of_another() -> None:
-    source = project(PAIR.format(condition="a", actions="q(SD, T#1s); r(N);"))
+    source = project(PAIR.format(condition="a", actions="q(D, T#1s); r(N);"))
+    chart_of(source).step("S1").actions[0].qualifier = m.Qualifier.DL
     chart_of(source).step("S1").entry_action = m.StBody(text="q := a;")
     source.dialect = m.Dialect.CODESYS
     found = losses(source)
     assert [(item.what, item.path) for item in found] == [("action", "POU Main / step S1 / action q")]
-    assert "no qualifier SD" in found[0].why
+    assert "no qualifier DL" in found[0].why
 
 
 def test_steps_that_s7_graph_wants_between_branches_are_one_item_each() -> None:

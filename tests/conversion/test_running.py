@@ -40,13 +40,12 @@ def saved(project: sfc.Project, target: str, **options: bool) -> ConversionRepor
 @pytest.mark.parametrize(
     ("project", "target"),
     [
-        (chart("q(N); q(S);"), "simaticml"),
         (chart("q(D, t);"), "simaticml"),
         (chart("q(N);", "Set(P1);"), "codesys"),
         (chart("q(N);", initial=" := TRUE"), "codesys"),
         (chart("Zz(N); Aa(N);"), "codesys"),
     ],
-    ids=["N and S", "a time that changes", "N and an assignment", "TRUE at the start", "order of actions"],
+    ids=["a time that changes", "N and an assignment", "TRUE at the start", "order of actions"],
 )
 def test_what_looks_the_same_and_acts_otherwise_is_approximated(project: sfc.Project, target: str) -> None:
     report = saved(project, target)

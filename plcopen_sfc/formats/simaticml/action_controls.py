@@ -38,7 +38,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, print_n
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, LdBody
+from plcopen_sfc.model.body import Body, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
@@ -179,8 +179,17 @@ class _Planner:
         lasting = self._masked(list(self._parts(draft, rows, reset)), reset)
         pulses = self._masked(list(self._pulses(draft, rows)), reset)
         wanted = _or(filter(None, (lasting, pulses)))
-        if code is None:
+        if code is None and not self._is_named_elsewhere(label):
             draft.lines.append(f"{row.target} := {wanted};")
+            return draft, self._drawn(draft)
+        if code is None:  # what others write stays: TRUE while the action is on, and FALSE once when it ends
+            active, ended = self._bit(draft, "active"), self._bit(draft, "ended")
+            draft.lines += [
+                f"{active} := {wanted};",
+                f"IF {active} THEN {row.target} := TRUE; END_IF;",
+                f"IF {_and([_not(active), ended])} THEN {row.target} := FALSE; END_IF;",
+                f"{ended} := {active};",
+            ]
             return draft, self._drawn(draft)
         function = self._functions.function(self._pou, label, code)
         if isinstance(function, str):
@@ -191,6 +200,14 @@ class _Planner:
         networks.append(ControlNetwork(label, self._call(draft, _or(filter(None, (active, ended, pulses))), function)))
         draft.lines = [f"{ended} := {active};"]
         return draft, [*networks, *self._drawn(draft)]
+
+    def _is_named_elsewhere(self, label: str) -> bool:
+        """True if a text of the block may write the variable too."""
+        codes = [getattr(step, f"{when}_action") for step in self._chart.steps for when in ("entry", "main", "exit")]
+        codes += [row.body for _, row in self._chart.associations()]
+        bodies = [action.body for action in self._pou.actions] + [code for code in codes if not isinstance(code, str)]
+        texts = [body.text if isinstance(body, StBody) else str(body) for body in bodies if body is not None]
+        return any(label.casefold() in text.replace("#", "").replace('"', "").casefold() for text in texts)
 
     # -- the control as statements
 

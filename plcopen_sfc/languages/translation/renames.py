@@ -11,7 +11,7 @@ from enum import StrEnum
 from typing import TypeAlias
 
 from plcopen_sfc.languages.standard_blocks import standard_blocks
-from plcopen_sfc.languages.words import TRANSLATED_KEYWORDS
+from plcopen_sfc.languages.words import CODESYS_KEYWORDS, TRANSLATED_KEYWORDS
 from plcopen_sfc.model.base import Carried, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -127,7 +127,7 @@ def identifier(name: str) -> str:
 def is_reserved(name: str, target: Dialect) -> bool:
     """True if `target` reads a name as something else, so that no variable and no member can have it."""
     word = name.upper()
-    return word in TRANSLATED_KEYWORDS or word in (_IEC_WORDS if target is Dialect.IEC else _CODESYS_OPERATORS)
+    return word in TRANSLATED_KEYWORDS or word in (_IEC_WORDS if target is Dialect.IEC else _CODESYS_WORDS)
 
 
 _UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "ẞ": "SS"})
@@ -136,7 +136,7 @@ _IEC_WORDS = frozenset(block.name for block in standard_blocks()) | frozenset(
     PRIORITY READ_ONLY READ_WRITE R_EDGE F_EDGE""".split()
 )
 """Standard functions and blocks, and words of textual charts and configurations; many tools take these as names."""
-_CODESYS_OPERATORS = frozenset(
+_CODESYS_WORDS = CODESYS_KEYWORDS | frozenset(
     """ADD MUL SUB DIV MOVE NOT SHL SHR ROL ROR SEL MAX MIN LIMIT MUX GT LT LE GE EQ NE ADR BITADR INI SIZEOF XSIZEOF
     INDEXOF ABS SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN EXPT TRUNC TRUNC_INT""".split()
 )

@@ -114,3 +114,14 @@ def test_a_time_for_each_step_is_refused() -> None:
     project = _chart(("Idle", "q", "SD", "T#50ms"), ("Work", "q", "SD", "T#75ms"), ("Done", "q", "R", None))
     _, report = sfc.convert(project, "simaticml", partial=True)
     assert {"has no qualifier SD" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)} == {True}
+
+
+def test_a_variable_that_others_write_keeps_what_they_write() -> None:
+    project = _chart(("Work", "q", "SD", T), ("Done", "q", "R", None), source="codesys")
+    main = project.pou("Main")
+    main.actions.append(m.Action(name="First", body=m.StBody(text="q := a;")))
+    main.chart.step("Idle").entry_action = "First"
+    data, _ = sfc.convert(project, "simaticml")
+    verdict = same_behaviour(project, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.equal, verdict
