@@ -29,7 +29,7 @@ from plcopen_sfc.lowering.lowering_options import (
     tool_of,
     without_version,
 )
-from plcopen_sfc.lowering.other_bodies import ContactError, with_actions, with_actions_inside, without_unused_parts
+from plcopen_sfc.lowering.other_bodies import with_actions, with_actions_inside, without_unused_parts
 from plcopen_sfc.lowering.proof import ProofOptions, prove, refuse_untested
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.pou import Pou
@@ -261,26 +261,17 @@ def _constructed(chart: Subject, meant: Subject, wanted: _Wanted, rules: Lowerin
     """Return the code of `chart` and of the charts that it brings along, made from what is executed (`meant`)."""
     dialect = chart.project.dialect
 
-    def code_as(construction: Construction) -> Constructed:
-        made = construct(
-            meant.pou,
-            _chart_of(meant),
-            dialect,
-            rules,
-            construction=construction,
-            style=wanted.style,
-            language=wanted.language,
-            project=meant.project,
-        )
-        return with_actions(made, dialect, rules, wanted.language, chart.project)
-
-    try:
-        made = code_as(wanted.construction)
-    except ContactError as error:
-        if wanted.construction is not Construction.AUTO:
-            raise
-        # a contact can ask for a bit, but not for a comparison
-        made = replace(code_as(Construction.BITS), why=error.message)
+    made = construct(
+        meant.pou,
+        _chart_of(meant),
+        dialect,
+        rules,
+        construction=wanted.construction,
+        style=wanted.style,
+        language=wanted.language,
+        project=meant.project,
+    )
+    made = with_actions(made, dialect, rules, wanted.language, chart.project)
     if rules.target is not None and tool_of(rules.target, dialect) is Tool.S7:
         made = replace(made, pou=with_actions_inside(made.pou, dialect))
     if chart.name == chart.pou.name:

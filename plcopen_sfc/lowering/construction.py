@@ -247,6 +247,7 @@ def construct(
         rules = replace(rules, states=usual_states(style, rules.target, dialect))
     code = _code(source, dialect, rules, language, project)
     # the listings of textbooks have // in every file
+    code.is_textbook = style is Style.CLASSIC
     code.for_others = rules.target is not None and style is Style.EXACT
     if rules.flags != LOCAL:
         code.flags = FlagPlaces(rules, pou.name, project, code.tool)

@@ -45,10 +45,6 @@ def with_step_data(pou: Pou, flags: Mapping[str, str], dialect: Dialect) -> Pou:
     return changed
 
 
-class ContactError(LoweringError):
-    """A contact asks for a step that no variable of the code tells of."""
-
-
 class _Replacing:
     """Replacement of step variables in one body, whose place is `path`."""
 
@@ -68,7 +64,7 @@ class _Replacing:
                     replaced = self._replaced(value)
                     if replaced != value:
                         if isinstance(thing, Contact) and not _OPERAND.fullmatch(replaced):
-                            raise ContactError(
+                            raise LoweringError(
                                 f"a contact cannot ask for {value}, which is {replaced} in the code",
                                 location=Location(path=self._path),
                                 hint="Step bits and flip-flops can be asked for.",

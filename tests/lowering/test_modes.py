@@ -238,7 +238,7 @@ def test_the_report_and_the_code_tell_the_numbers_of_steps(construction: str, la
     body = made.code
     if isinstance(body, m.StBody):
         assert "// Operating modes\n// 1 = S1\n" in body.text
-        assert "// 4 = Inner\n// 5 = Beside\n// 6 = Behind\nSelect_edge" in body.text
+        assert "// 4 = Inner\n// 5 = Beside\n// 6 = Behind\nSelecting" in body.text
     else:
         assert isinstance(body, m.FbdBody)
         assert any(sheet.comment and "\n4 = Inner\n" in str(sheet.comment) for sheet in body.networks)

@@ -89,3 +89,47 @@ def test_times_that_no_timer_reaches_are_refused() -> None:
     END_PROGRAM"""
     with pytest.raises(LoweringError, match="a step time is compared with T#25d"):
         sfc.lower(sfc.loads(text, format="iec-text"), "case", language="ST")
+
+
+TIMED = """PROGRAM Main
+VAR_INPUT a : BOOL; b : BOOL; {flags} END_VAR
+VAR_OUTPUT q : BOOL; p : BOOL; n : INT; END_VAR
+INITIAL_STEP S1: q (D, T#20ms); END_STEP
+STEP S2: {second} END_STEP
+STEP S3: p (L, T#30ms); END_STEP
+TRANSITION FROM S1 TO S2 := a AND S1.T >= T#10ms; END_TRANSITION
+TRANSITION FROM S2 TO S3 := S2.T >= T#20ms OR b; END_TRANSITION
+TRANSITION FROM S3 TO S1 := a; END_TRANSITION
+ACTION Count: n := (n + 1) MOD 3; END_ACTION
+END_PROGRAM"""
+
+
+def timed(profile: str, *, flags: str = "", second: str = "", construction: str = "case") -> sfc.LoweredPou:
+    text = TIMED.format(flags=flags, second=second)
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS if flags else project.dialect  # which has flags
+    made = sfc.lower(project, construction, profile=profile, scan_time="T#10ms")
+    assert made.proof is not None
+    assert made.proof.proven, str(made.proof)
+    return made
+
+
+def timers_of(made: sfc.LoweredPou) -> list[str]:
+    return [v.name for v in made.pou.variables() if isinstance(v.type, m.DerivedType) and v.type.name == "TON"]
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys", "matiec"])
+def test_steps_of_a_case_have_one_timer_together(profile: str) -> None:
+    assert timers_of(timed(profile)) == ["step_time"]
+
+
+def test_quitting_an_error_leaves_times_of_actions() -> None:
+    made = timed("codesys", flags="SFCQuitError : BOOL; SFCError : BOOL;")
+    assert timers_of(made) == ["step_time", "p_L", "q_D"]
+
+
+@pytest.mark.parametrize("qualifier", ["P", "S"])
+def test_one_helper_remembers_a_final_scan(qualifier: str) -> None:
+    made = timed("codesys", second=f"Count ({qualifier});")
+    (helper,) = [v.name for v in made.pou.variables() if v.name.startswith("Count")]
+    assert helper == {"P": "Count_before", "S": "Count_S"}[qualifier]

@@ -31,6 +31,7 @@ from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, C
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net
 
@@ -44,10 +45,19 @@ def unknown_before(steps: Sequence[int]) -> None:
     """Return None: the code does not keep the situation of the last scan."""
 
 
+TimeOver: TypeAlias = "Callable[[int, Expression], n.Operation | None]"
+"""Comparison that is TRUE if a step has been active for a time; None where only a timer of the action can tell."""
+
+
+def unmeasured(step: int, time: Expression) -> None:
+    """Return None: the code does not measure times of steps for actions."""
+
+
 class ActionControlCode:
     """Action control of one action after the other. `active` gives the flag of a step by its index in the net.
 
-    `ending`: a condition that ends stored actions besides R.
+    `ending`: a condition that ends stored actions besides R. `is_over`: when a step has been active for a time, if the
+    code measures that anyway.
     """
 
     def __init__(
@@ -56,9 +66,11 @@ class ActionControlCode:
         active: StepValue,
         ending: Expression = FALSE,
         was_active: EarlierSteps = unknown_before,
+        is_over: TimeOver = unmeasured,
     ) -> None:
         self._memory = memory
         self._active = active
+        self._time_is_over = is_over
         self._ending = ending
         self._was_active = was_active
 
@@ -148,14 +160,25 @@ class ActionControlCode:
         value = self._input(action, Q.L)
         if is_constant(value, FALSE):
             return []
-        over = self._memory.delayed(f"{action.name}_L", value, self._time(action, Q.L, into), into)
-        return [conjunction([value, negation(over)])]
+        over = self._late(action, Q.L)
+        if over is not None:
+            return [conjunction([value, n.Operation(Operator.LESS, over.operands)])]
+        ended = self._memory.delayed(f"{action.name}_L", value, self._time(action, Q.L, into), into)
+        return [conjunction([value, negation(ended)])]
 
     def _delayed(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
         value = self._input(action, Q.D)
         if is_constant(value, FALSE):
             return []
+        over = self._late(action, Q.D)
+        if over is not None:
+            return [conjunction([value, over])]
         return [self._memory.delayed(f"{action.name}_D", value, self._time(action, Q.D, into), into)]
+
+    def _late(self, action: ActionSource, qualifier: Qualifier) -> n.Operation | None:
+        """Return when the time of a step that decides alone is over; None where a timer of the action tells that."""
+        found = _alone(action, qualifier)
+        return self._time_is_over(*found) if found is not None else None
 
     def _pulse(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
         value = self._input(action, Q.P)
@@ -195,6 +218,25 @@ class ActionControlCode:
         for use, time in reversed(list(zip(uses, times, strict=True))):
             into += self._memory.conditional("", self._of(use), [assignment(chosen, time)])
         return chosen
+
+
+def _alone(action: ActionSource, qualifier: Qualifier) -> tuple[int, n.Literal] | None:
+    """Return the step and time of the only D or L of an action, if nothing but the step decides on it."""
+    uses = [use for use in action.uses if use.qualifier is qualifier]
+    if len(uses) != 1 or uses[0].inverted or len(uses[0].steps) != 1 or not is_constant(uses[0].condition, TRUE):
+        return None
+    time = uses[0].duration
+    return (uses[0].steps[0], time) if isinstance(time, n.Literal) else None
+
+
+def timed_alone(source: ChartSource) -> set[int]:
+    """Return the steps that decide alone on a D or L, as the time of the step is that of the action."""
+    # SFCQuitError sets back the times of steps only, a transition from a step to itself too
+    if SfcFlag.QUIT_ERROR in source.flags:
+        return set()
+    found = [_alone(action, qualifier) for action in source.actions for qualifier in (Q.D, Q.L)]
+    again = {step for each in source.net.transitions for step in set(each.sources) & set(each.targets)}
+    return {step for each in found if each is not None and (step := each[0]) not in again}
 
 
 _STORING = frozenset({Q.S, Q.SD, Q.DS, Q.SL})

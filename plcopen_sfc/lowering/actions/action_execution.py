@@ -11,7 +11,7 @@ from textwrap import dedent
 from typing import NamedTuple, Protocol
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.effects import ANYTHING, Path, path_of, reads, writes
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import standard_block
@@ -203,11 +203,14 @@ class _Execution:
             if plain is not None:  # the steps of the last scan tell that it has just ended
                 self._add(action, disjunction(plain))
                 return
+            if self._final_scan and self._verbatim and self._add_stored(action):
+                return
             lasting, single = self._control.outputs(action, statements)
             executed = disjunction([lasting, single])
             if self._final_scan and self._verbatim and not is_constant(lasting, FALSE):
                 # the scan behind the last one: whatever was on in the scan before is executed
-                lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
+                if not self._is_brief(lasting):
+                    lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
                 on = self._memory.variable(self._texts.with_suffix(action.name, "before"), BOOL)
                 self._memory.ends.append(assignment(on, FALSE))
                 self._add(action, disjunction([lasting, single, on]), statements, [assignment(on, lasting)])
@@ -258,6 +261,29 @@ class _Execution:
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
             self._end_when_set_back(driven, action.target)
         self._code.add(self._texts.action(action.name), statements, self._captions(action))
+
+    def _add_stored(self, action: ActionSource) -> bool:
+        """Append an action that is only stored: it is reset behind its final scan. False if something else decides."""
+        stored = self._control.set_and_reset(action) if isinstance(self._control, ActionControlCode) else None
+        if stored is None or not self._is_of_steps(stored[1]):
+            return False
+        set_, reset = stored
+        on = self._memory.variable(f"{action.name}_S", BOOL)
+        self._memory.ends.append(assignment(on, FALSE))
+        begins = assignment(on, disjunction([conjunction([set_, negation(reset)]), on]))
+        self._add(action, on, [begins], self._memory.conditional("", reset, [assignment(on, FALSE)]))
+        return True
+
+    def _is_of_steps(self, expression: Expression) -> bool:
+        """Return True if only the lowered code itself changes the value of an expression."""
+        names = (node.identifier.casefold() for node in walk(expression) if isinstance(node, n.Name))
+        return set(names) <= self._code.own_names
+
+    def _is_brief(self, expression: Expression) -> bool:
+        """Return True if an expression has no more than two operands, whose values stay the same in the action."""
+        operands = expression.operands if isinstance(expression, n.Operation) else (expression,)
+        plain = not any(isinstance(node, n.Operation) for operand in operands for node in _operands_of(operand))
+        return len(operands) <= 2 and plain and self._is_of_steps(expression)
 
     def _end_when_set_back(self, driven: Expression, target: Expression) -> None:
         """Reset a variable that its action has set when SFCInit or SFCReset ends the action: nothing else does."""
@@ -407,6 +433,11 @@ class _Execution:
             any_sees |= any(each < index for each in asking)
             any_sees |= any(self._final_scan or plain & {index, each} for each in using)
         return found if any_sees else set()
+
+
+def _operands_of(expression: Expression) -> tuple[Expression, ...]:
+    inner = n.bare(expression)
+    return inner.operands if isinstance(inner, n.Operation) else ()
 
 
 def has_comments(text: str) -> bool:

@@ -65,6 +65,7 @@ class LoweredCode:
 
     `data_types` are new ones of the project. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
     `tool`: the tool that it is for, where that matters. `for_others`: exact code for a format, not for the project.
+    `is_textbook`: code in the classic style.
     `culture` (``de-DE``): the language of comments, where the target has another usual one.
     `operands`: variables in which boxes of S7 keep their state, with these boxes.
     `texts`: names of variables. `at_rest`: the values of inputs with which the code does what the chart does, in scans
@@ -85,6 +86,7 @@ class LoweredCode:
     one_sheet: bool = False
     tool: Tool | None = None
     for_others: bool = False
+    is_textbook: bool = False
     culture: str = ""
     operands: dict[n.Expression, str] = field(default_factory=dict)
     instances: Mapping[str, str] = field(default_factory=dict)

@@ -44,7 +44,7 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
     gone: set[str] = set()
     for place, network in enumerate(code.networks):
         if isinstance(network, CodeNetwork) and not network.remarks:
-            inliner = _Inliner(network.statements, once, private, timers)
+            inliner = _Inliner(network.statements, once, helpers, private, timers)
             code.networks[place] = CodeNetwork(network.title, tuple(inliner.statements), network.comment)
             gone |= inliner.gone
     code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in gone]
@@ -97,10 +97,15 @@ class _Inliner:
     """Statements of a network without the helpers `once`; `gone` are those that were replaced."""
 
     def __init__(
-        self, statements: tuple[Statement, ...], once: Collection[str], private: set[str], timers: set[Path]
+        self,
+        statements: tuple[Statement, ...],
+        once: Collection[str],
+        helpers: Collection[str],
+        private: set[str],
+        timers: set[Path],
     ) -> None:
         self.statements, self.gone = list(statements), set[str]()
-        self._private, self._once, self._timers = private, once, timers
+        self._private, self._helpers, self._timers = private, helpers, timers
         place = 0
         while place < len(self.statements):
             each = self.statements[place]
@@ -123,7 +128,7 @@ class _Inliner:
         reader = next((i for i in behind if name in _names(self.statements[i])), None)
         if reader is None:
             return False
-        replaced = _replaced(self.statements[reader], name, value, self._once)
+        replaced = _replaced(self.statements[reader], name, value, self._helpers)
         if replaced is None:
             return False
         before: list[Statement] = []
@@ -154,7 +159,7 @@ def _keeps_a_value(statement: Statement) -> bool:
     return isinstance(statement, n.Assignment) and not is_impure(statement.value)
 
 
-def _replaced(reader: Statement, name: str, value: Expression, once: Collection[str]) -> Statement | None:
+def _replaced(reader: Statement, name: str, value: Expression, helpers: Collection[str]) -> Statement | None:
     """Return a statement with a value instead of a name, if it evaluates that before it does anything."""
 
     def change(node: n.Node) -> n.Node:
@@ -167,9 +172,9 @@ def _replaced(reader: Statement, name: str, value: Expression, once: Collection[
         # inside a longer expression the name tells more than its value
         case n.Assignment(target, n.Name(identifier), n.AssignmentKind.ASSIGN) if identifier.casefold() == name:
             return n.Assignment(target, value)
-        # but a helper that is read once itself is a step on the way
+        # but a helper is a step on the way itself
         case n.Assignment(n.Name(target) as helper, whole, n.AssignmentKind.ASSIGN) if (
-            target.casefold() in once and name in _names(whole) and not is_impure(whole)
+            target.casefold() in helpers and name in _names(whole) and not is_impure(whole)
         ):
             return n.Assignment(helper, simplified(transform(whole, change)))
     return None

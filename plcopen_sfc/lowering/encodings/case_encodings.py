@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
 
@@ -39,11 +39,12 @@ from plcopen_sfc.lowering.encodings.case_states import (
 from plcopen_sfc.lowering.encodings.step_branches import BranchCode, StepBranches, UntouchedVariables, branch_lines
 from plcopen_sfc.lowering.lowering_options import ActionPlace, States
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
+from plcopen_sfc.lowering.reading.step_variables import TimedPart
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together, refuse_classic
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.semantics.net import NetStep, NetTransition, indexes
-from plcopen_sfc.semantics.profile import ScanOrder
+from plcopen_sfc.semantics.profile import Evolution, ScanOrder
 
 
 def no_regions(source: ChartSource) -> str:
@@ -67,6 +68,15 @@ class RegionEncoding(ScanSchedule):
         self._last: dict[int, n.Name] = {}
         self._done: dict[int, list[BranchCode]] = {}
         self._entered: n.Name | None = None
+        # a contact in another body cannot compare
+        self._asked = {
+            step: self.code.declare_flag(
+                self.texts.flag_name(self.net.steps[step].step),
+                initial=bool(self.net.initial & self.net.steps[step].bit),
+                comment=self.texts.flag_of(self.net.steps[step].path),
+            )
+            for step in sorted(source.asked_by_contacts)
+        }
 
     def active(self, step: int) -> Expression:
         """Return a comparison of the state of its region."""
@@ -85,6 +95,13 @@ class RegionEncoding(ScanSchedule):
             self._bits[index] = self.code.declare(self.texts.transition_name(self.net, transition), comment=comment)
         super().exact()
 
+    def timed_part(self, step: int) -> TimedPart | None:
+        """Return the region of a step. Textbook code and blocks with actions do not know the step of the last scan."""
+        once = self.profile.evolution is Evolution.SINGLE
+        if self.code.is_textbook or self.rules.actions is ActionPlace.BLOCK or not once:
+            return None
+        return _TimedRegion(self, self.states.machine_of(step))
+
     def while_active(self, parts: Sequence[StepPart], suffix: Suffix) -> list[Statement]:
         """Return one CASE instead of several IFs of the same region."""
         found: list[Statement] = []
@@ -96,15 +113,15 @@ class RegionEncoding(ScanSchedule):
         """Return what compares states with those of the last scan: one memory for all steps of a region."""
         found: list[Statement] = []
         for machine, these in self._by_region(exits):
-            found += self._changed(self._last_state(machine), machine.state, these)
+            found += self._changed(self.last_state(machine), machine.state, these)
         for machine, these in self._by_region(entries):
-            found += self._changed(machine.state, self._last_state(machine), these)
+            found += self._changed(machine.state, self.last_state(machine), these)
         return found
 
     def was_active(self, steps: Sequence[int]) -> Expression:
         """Return a comparison of the states of the last scan."""
         machines = [(self.states.machine_of(step), self.names.step(step)) for step in steps]
-        return disjunction(equal(self._last_state(machine), step) for machine, step in machines)
+        return disjunction(equal(self.last_state(machine), step) for machine, step in machines)
 
     def remember(self) -> None:
         """Append the assignments of the states of the last scan."""
@@ -115,7 +132,7 @@ class RegionEncoding(ScanSchedule):
         self.code.add(self.texts.steps_before, kept)
         self.memory.ends += [assignment(each, self.names.no_state) for each in self._last.values()]
 
-    def _last_state(self, machine: RegionState) -> n.Name:
+    def last_state(self, machine: RegionState) -> n.Name:
         """Return the variable with the state that a region had in the last scan."""
         index = machine.region.index
         if index not in self._last:
@@ -213,7 +230,8 @@ class RegionEncoding(ScanSchedule):
             return
         waiting = [machine for machine in self.machines if self.states.has_following(machine)]
         restart = [when(self.init, *map(self.states.set_back, waiting))] if self.init is not None and waiting else []
-        self.code.add(self.texts.moves, [*restart, *self.states.following_assignments()])
+        asked = [assignment(flag, self.active(step)) for step, flag in self._asked.items()]
+        self.code.add(self.texts.moves, [*restart, *self.states.following_assignments(), *asked])
 
     def any_fires(self) -> Expression:
         """Return an expression that is TRUE if any state will be another one, or a step is left and entered at once."""
@@ -300,7 +318,7 @@ class RegionEncoding(ScanSchedule):
 
     def active_steps(self) -> dict[str, Expression]:
         """Return expressions by the paths of steps, or by ``Fill._x`` if they tell of the next scan."""
-        found = super().active_steps()
+        found = super().active_steps() | {self.net.steps[step].path: flag for step, flag in self._asked.items()}
         return {f"{path}._x": active for path, active in found.items()} if self._is_announced else found
 
     @cached_property
@@ -408,6 +426,24 @@ class RegionEncoding(ScanSchedule):
         loops = set(transition.sources) & set(transition.targets) & set(self._again)
         again = [f"{self.text(self._again[i])} := TRUE;" for i in loops]
         return [*self.states.effect(machine, transition), *again]
+
+
+@dataclass(frozen=True)
+class _TimedRegion:
+    """Region whose steps have one timer together: it starts again when the state changes."""
+
+    encoding: RegionEncoding
+    machine: RegionState
+
+    @property
+    def time_name(self) -> str:
+        """Name of that timer."""
+        name, suffix = self.encoding.texts.step_time, self.encoding.states.suffix(self.machine.region)
+        return f"{name}_{suffix}" if suffix else name
+
+    def changed(self) -> Expression:
+        """Return a comparison with the state of the last scan."""
+        return negation(equal(self.machine.state, self.encoding.last_state(self.machine)))
 
 
 _STORED = (Qualifier.S, Qualifier.R, Qualifier.R0)

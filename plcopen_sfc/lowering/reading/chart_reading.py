@@ -17,7 +17,7 @@ from plcopen_sfc.lowering.reading.chart_source import (
     StepStatements,
     StepTimeLimit,
 )
-from plcopen_sfc.lowering.reading.step_variables import asked_outside
+from plcopen_sfc.lowering.reading.step_variables import asked_by_contacts, asked_outside
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets, ConditionText, TextReader
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, SfcBody, StBody
@@ -131,6 +131,7 @@ class _Reader(TextReader):
             self._flags,
             instances=self.instances,
             asked_outside=asked_outside(self.pou, self._net),
+            asked_by_contacts=asked_by_contacts(self.pou, self._net),
         )
         # a flag can be used by its name alone, which is known when all texts are read
         return replace(source, undeclared_flags=self._undeclared(source.names()))

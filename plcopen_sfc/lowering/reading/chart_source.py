@@ -208,7 +208,8 @@ class ChartSource:
     those of steps, by index; `watches` their longest times where these are watched. `flags` are the SFC flags in use,
     `undeclared_flags` those that only the tool declares. `waited` are, by transition, the minimum times of its steps
     that have passed; they are known when step variables are. `grafcet`: what only IEC 60848 has. `instances` are the
-    types of the instances in drawings by name. `asked_outside`: another body of the POU may ask for its steps.
+    types of the instances in drawings by name. `asked_outside`: another body of the POU may ask for its steps,
+    `asked_by_contacts`: those for which a contact does.
     """
 
     pou: Pou
@@ -227,6 +228,7 @@ class ChartSource:
     grafcet: GrafcetSource | None = None
     instances: Mapping[str, str] = field(default_factory=dict)
     asked_outside: bool = False
+    asked_by_contacts: frozenset[int] = frozenset()
 
     def changed(self, change: Change) -> ChartSource:
         """Return the same chart with `change` applied to every text but the targets of actions."""

@@ -3,21 +3,32 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Statement
-from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment, call, conjunction, disjunction, negation, when
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    call,
+    conjunction,
+    disjunction,
+    negation,
+    when,
+)
 from plcopen_sfc.lowering.code.code_declarations import TIME
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
-from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.body import LdBody, SfcBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.network import Contact
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net, indexes
@@ -28,17 +39,48 @@ FOREVER = n.Literal("T#24d")
 """Longer than any step time: TIME of 32 bits ends at 24 days 20 hours."""
 
 
+class TimedPart(Protocol):
+    """Part of a chart in which one step is active at a time, and whose code tells when that is another one."""
+
+    @property
+    def time_name(self) -> str:
+        """Name for the time of its active step."""
+
+    def changed(self) -> Expression:
+        """Return an expression that is TRUE in a scan in which its active step is another one than in the last."""
+
+
 class StepTimers:
-    """Timers of one chart. `active` gives the flag of a step by its index in the net.
+    """Timers of one chart. `active` gives the flag of a step by its index in the net, `part` the part that it is in.
 
     A step has a timer for each time that its output ``Q`` is asked for; one timer has no end, where the elapsed time
-    itself is asked for.
+    itself is asked for. Several steps of a part, whose times are asked for while they are active, have one together.
     """
 
-    def __init__(self, code: LoweredCode, active: StepValue, name: Callable[[int], str]) -> None:
-        self._code, self._active, self._name = code, active, name
+    def __init__(
+        self,
+        code: LoweredCode,
+        active: StepValue,
+        name: Callable[[int], str],
+        part: Callable[[int], TimedPart | None] = lambda _: None,
+    ) -> None:
+        self._code, self._active, self._name, self._part = code, active, name, part
         self._timers: dict[int, dict[Expression, n.Name]] = {}
         self._kept: dict[int, n.Name] = {}
+        self._shared: dict[n.Name, TimedPart] = {}
+
+    def share(self, steps: Iterable[int]) -> None:
+        """Give the steps of a part one timer, if there are several of it."""
+        parts: dict[TimedPart, list[int]] = {}
+        for step in sorted(steps):
+            part = self._part(step)
+            if part is not None:
+                parts.setdefault(part, []).append(step)
+        for part, these in parts.items():
+            if len(these) > 1:
+                timer = self._code.declare(part.time_name, DerivedType(name="TON"))
+                self._shared[timer] = part
+                self._timers |= {step: {FOREVER: timer} for step in these}
 
     def keep(self, step: int) -> None:
         """Keep the time of a step when it is left, until it is active again (IEC 61131-3 ed. 3, 6.7.2)."""
@@ -57,6 +99,12 @@ class StepTimers:
             return n.Operation(n.Operator.GREATER_OR_EQUAL, (self.elapsed(step), time))
         return n.Member(self._timer(step, time), n.Name("Q"))
 
+    def is_over_together(self, step: int, time: Expression) -> n.Operation | None:
+        """Return the same of a step that has one timer together with others; None for all others."""
+        if self._timers.get(step, {}).get(FOREVER) not in self._shared:
+            return None
+        return n.Operation(n.Operator.GREATER_OR_EQUAL, (self.elapsed(step), time))
+
     def measures(self, step: int) -> bool:
         """Return True if anything asks for the time of a step."""
         return step in self._timers
@@ -70,16 +118,20 @@ class StepTimers:
     def calls(self) -> list[Statement]:
         """Return the calls of all timers, for places where steps have just changed, and where times are read."""
         calls: list[Statement] = []
+        for timer, part in self._shared.items():
+            # a TON measures from the scan in which its input rises, which is that of the change
+            calls += [when(part.changed(), call(timer, IN=FALSE, PT=FOREVER)), call(timer, IN=TRUE, PT=FOREVER)]
         for step, timers in self._timers.items():
             active = self._active(step)
-            calls += [call(timer, IN=active, PT=limit) for limit, timer in timers.items()]
+            own = [(limit, timer) for limit, timer in timers.items() if timer not in self._shared]
+            calls += [call(timer, IN=active, PT=limit) for limit, timer in own]
             if step in self._kept:
                 calls.append(when(active, assignment(self._kept[step], n.Member(timers[FOREVER], n.Name("ET")))))
         return calls
 
     def ends(self) -> list[Statement]:
         """Return the calls that set all timers back."""
-        return [ended for step in self._timers for ended in self._ended(step)]
+        return list(dict.fromkeys(ended for step in self._timers for ended in self._ended(step)))
 
     def restarts(self, step: int, reentered: Expression) -> Sequence[Statement]:
         """Return the calls that restart the time of a step when it is left and entered at once."""
@@ -94,16 +146,29 @@ MayFire = Callable[[Expression, Expression], Expression]
 
 
 def resolve_steps(
-    source: ChartSource, active: StepValue, times: StepTimers, profile: Profile, may_fire: MayFire
+    source: ChartSource,
+    active: StepValue,
+    times: StepTimers,
+    profile: Profile,
+    may_fire: MayFire,
+    *,
+    timed: Collection[int] = (),
+    shareable: Collection[int] = (),
 ) -> ChartSource:
     """Return the same chart with `active` and `times` in the place of step variables in its texts.
 
-    Its conditions are those of `may_fire`. Raises `LoweringError` for all other data of steps: lowered code does not
-    have them.
+    Its conditions are those of `may_fire`. `timed` are other steps whose elapsed time is asked for while they are
+    active; of those that are `shareable` it is only if they have a timer together with others. Raises `LoweringError`
+    for all other data of steps: lowered code does not have them.
     """
     steps = _StepVariables(source, active, times.elapsed, profile)
-    for step in sorted(_asked_when_inactive(source, steps.timed)):
+    asked, outside = _timed_steps(source, steps.timed)
+    for step in sorted(outside):
         times.keep(step)
+    times.share({*asked, *timed, *shareable} - outside)
+    # a step whose elapsed time is read has one timer for all
+    for step in (*(watch.step for watch in source.watches), *timed):
+        times.elapsed(step)
     resolved = source.changed(lambda tree: transform(steps.within_reach(tree), steps.resolved))
     waited: list[list[Expression]] = [[] for _ in source.net.transitions]
     for step, time in resolved.minimum_times.items():
@@ -116,13 +181,15 @@ def resolve_steps(
     return replace(resolved, conditions=tuple(conditions))
 
 
-def _asked_when_inactive(source: ChartSource, timed: Callable[[Node], int | None]) -> set[int]:
-    """Return the steps whose time is read by code that is executed or decided while they are inactive too."""
+def _timed_steps(source: ChartSource, timed: Callable[[Node], int | None]) -> tuple[set[int], set[int]]:
+    """Return the steps whose time is read, and those of which it is read while they are inactive too."""
+    asked = {*source.minimum_times, *(watch.step for watch in source.watches)}
     found: set[int] = set()
 
     def ask(trees: Iterable[Node], while_active: Collection[int] = ()) -> None:
-        steps = (timed(node) for tree in trees for node in walk(tree))
-        found.update(step for step in steps if step is not None and step not in while_active)
+        steps = {step for tree in trees for node in walk(tree) if (step := timed(node)) is not None}
+        asked.update(steps)
+        found.update(steps.difference(while_active))
 
     for transition in source.net.transitions:
         ask((source.conditions[transition.index], *source.preparations[transition.index]), transition.sources)
@@ -138,7 +205,7 @@ def _asked_when_inactive(source: ChartSource, timed: Callable[[Node], int | None
     for watch in source.watches:
         ask([watch.time, *(reason.holds for reason in watch.reasons)], [watch.step])
     # all others are read while their step is active only, where ET is the same
-    return found
+    return asked, found
 
 
 class _StepVariables:
@@ -220,6 +287,23 @@ def asked_outside(pou: Pou, net: Net) -> bool:
         if not is_chart and asking.search(body.model_dump_json()):
             return True
     return False
+
+
+def asked_by_contacts(pou: Pou, net: Net) -> frozenset[int]:
+    """Return the steps that a contact in a body of the POU asks for: it can read a variable, but not compare."""
+    by_name = {f"{step.step.name}.x".casefold(): step.index for step in net.steps}
+
+    def asked(thing: object) -> Iterator[int]:
+        if isinstance(thing, Contact):
+            step = by_name.get((thing.variable or "").casefold())
+            yield from () if step is None else (step,)
+        elif isinstance(thing, Model):
+            for name in type(thing).model_fields:
+                yield from asked(getattr(thing, name))
+        elif isinstance(thing, list):
+            yield from (step for each in thing for step in asked(each))
+
+    return frozenset(step for _, _, body in pou.named_bodies() for step in asked(body) if isinstance(body, LdBody))
 
 
 def bits_by_number(net: Net) -> dict[str, int]:

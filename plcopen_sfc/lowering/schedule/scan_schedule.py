@@ -14,6 +14,7 @@ from plcopen_sfc.lowering.actions.action_control import (
     EarlierSteps,
     SequentialControlCode,
     stepwise_timed,
+    timed_alone,
     unknown_before,
 )
 from plcopen_sfc.lowering.actions.action_execution import (
@@ -30,7 +31,7 @@ from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
-from plcopen_sfc.lowering.reading.step_variables import StepTimers, resolve_steps
+from plcopen_sfc.lowering.reading.step_variables import StepTimers, TimedPart, resolve_steps
 from plcopen_sfc.lowering.schedule.added_inputs import ModeInputs, declare_restart
 from plcopen_sfc.lowering.schedule.sfc_flag_code import SfcFlagCode
 from plcopen_sfc.semantics.charts.transition_firing import testing_order
@@ -98,14 +99,14 @@ class ScanSchedule(ABC):
             for s in self.net.steps
         }
         names = {step.index: self.texts.time_name(step.step) for step in self.net.steps}
-        self.times = StepTimers(code, self.active, names.__getitem__)
-        # timers must be known before texts are resolved: a step whose elapsed time is read has one timer for all
-        for watch in source.watches:
-            self.times.elapsed(watch.step)
-        if self.profile.action_control is Control.SEQUENTIAL:
-            for step in stepwise_timed(source):
-                self.times.elapsed(step)
-        self.source = resolve_steps(source, self.active, self.times, rules.profile, self._may_fire)
+        self.times = StepTimers(code, self.active, names.__getitem__, self.timed_part)
+        sequential = self.profile.action_control is Control.SEQUENTIAL
+        self._timed_alone = set() if sequential else timed_alone(source)
+        self.source = resolve_steps(
+            *(source, self.active, self.times, rules.profile, self._may_fire),
+            timed=stepwise_timed(source) if sequential else (),
+            shareable=self._timed_alone,
+        )
 
     def _may_fire(self, condition: Expression, waited: Expression) -> Expression:
         return self.modes.may_fire(self.sfc_flags.may_fire(condition, waited))
@@ -117,6 +118,10 @@ class ScanSchedule(ABC):
     @abstractmethod
     def active(self, step: int) -> Expression:
         """Return an expression that is TRUE if a step, given by its index in the net, is active."""
+
+    def timed_part(self, step: int) -> TimedPart | None:  # noqa: ARG002
+        """Return the part of the chart whose steps can have one timer together with this one; None if there is none."""
+        return None
 
     def while_active(self, parts: Sequence[StepPart], suffix: Suffix) -> list[Statement]:
         """Return the statements of the steps that are active. `suffix`: for the names of variables."""
@@ -251,7 +256,11 @@ class ScanSchedule(ABC):
                 entered=entered,
                 was_active=was_active,
             )
-        return ActionControlCode(memory, self.active, ending, was_active)
+        return ActionControlCode(memory, self.active, ending, was_active, self._time_is_over)
+
+    def _time_is_over(self, step: int, time: Expression) -> n.Operation | None:
+        """Return the comparison with the time of a step that has one timer together with others."""
+        return self.times.is_over_together(step, time) if step in self._timed_alone else None
 
     def drive_block(self, wanted: str, beside: Iterable[Statement] = ()) -> DriveBlock:
         """Return a block for actions, which gets the flags of steps and what `signals` says; see `DriveBlock`."""
