@@ -281,7 +281,7 @@ def construct(
         code.at_rest,
         code.left_out.identifier if code.left_out is not None else None,
         tuple(code.data_types),
-        _numbers(source, chosen, rules),
+        _numbers(source, maker, chosen, rules),
         code.flags,
         tuple(drive_block(drive, dialect, language) for drive in drives),
     )
@@ -342,11 +342,15 @@ def _fill(maker: Sequencer | ScanSchedule, construction: Construction, style: St
         raise LoweringError(f"{construction} has no classic style")
 
 
-def _numbers(source: ChartSource, construction: Construction, rules: LoweringRules) -> dict[str, int]:
+def _numbers(
+    source: ChartSource, maker: Sequencer | ScanSchedule, construction: Construction, rules: LoweringRules
+) -> dict[str, int]:
     """Return the numbers of steps where they are states, or are selected by them."""
     if construction not in (Construction.CASE, Construction.REGIONS) and OperatingMode.SELECT not in rules.modes:
         return {}
-    return dict(zip((step.path for step in source.net.steps), step_numbers(source.net), strict=True))
+    merged = maker.states.is_merged if isinstance(maker, RegionEncoding) else lambda _: False
+    numbers = zip(source.net.steps, step_numbers(source.net), strict=True)
+    return {step.path: number for step, number in numbers if not merged(step.index)}
 
 
 def _bare_names(expression: Expression, dialect: Dialect) -> str:

@@ -181,9 +181,35 @@ END_CASE;
 def test_a_branch_of_one_step_needs_no_case() -> None:
     pou = chain("S1>S2+S3 S2>S4 S4+S3>S1")
     text = text_of(lowered(pou))
-    assert "CASE step_number_S3 OF" not in text
-    assert "step_number_S3 = 3" in text
+    assert "step_number_S3" not in text, "it is active while the others wait"
+    assert "qS3 := step_number = 101;" in text
     assert verdict(pou).kind is VerdictKind.PROVEN
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+@pytest.mark.parametrize(
+    "edges",
+    [
+        "S1>S2+S3 S2+S3>S1",
+        "S1>S2+S3 S1>S2+S3 S2+S3>S1 S2+S3>S4 S4>S1",
+        "S1>S2+S3 S2+S3>S4 S4>S5+S6+S7 S5>S5 S5+S6+S7>S1",
+        "S1>S2+S3 S2>S4+S5 S4+S5>S6 S6+S3>S1",
+    ],
+)
+def test_branches_of_one_step_have_no_state_of_their_own(edges: str, profile: str) -> None:
+    """Also with conditions, times and code of steps that ask for them."""
+    pou = chain(edges)
+    assert pou.sfc is not None
+    for step in pou.sfc.steps[1:3]:
+        step.entry_action = m.StBody(text="n := (n + 1) MOD 3;") if profile == "codesys" else None
+        step.main_action = m.StBody(text="k := NOT k;") if profile == "codesys" else None
+    act(pou.sfc, pou.sfc.step("S3"), "late", m.Qualifier.D, duration="T#20ms")
+    act(pou.sfc, pou.sfc.step("S2"), "early", m.Qualifier.L, duration="T#10ms")
+    assert pou.interface is not None
+    pou.interface.sections[1].variables += [boolean(name) for name in ("late", "early", "k")]
+    pou.interface.sections[1].variables.append(m.Variable(name="n", type=m.ElementaryType(name=m.Elementary.INT)))
+    assert "step_number_S3" not in text_of(lowered(pou, profile=profile))
+    assert verdict(pou, profile=profile).kind is VerdictKind.PROVEN
 
 
 def test_sequences_that_do_not_ask_for_each_other_need_one_variable_each() -> None:

@@ -33,11 +33,12 @@ from plcopen_sfc.lowering.encodings.case_states import (
     StateNames,
     StateVariables,
     TriedTransition,
+    ending_together,
     one_region,
     regions_of,
 )
 from plcopen_sfc.lowering.encodings.step_branches import BranchCode, StepBranches, UntouchedVariables, branch_lines
-from plcopen_sfc.lowering.lowering_options import ActionPlace, States
+from plcopen_sfc.lowering.lowering_options import ActionPlace, OperatingMode, States
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
 from plcopen_sfc.lowering.reading.step_variables import TimedPart
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together, refuse_classic
@@ -60,7 +61,10 @@ class RegionEncoding(ScanSchedule):
         """Declare a state variable for each region, at the start that of its initial step or of no step."""
         self._refuse_firing_together(source)
         self._regions = self.structure(source)
-        self.names = StateNames(source, self._regions, self.code, self.rules, self.surroundings)
+        # a step that is selected by its number needs a state of that number
+        selected = OperatingMode.SELECT in self.rules.modes
+        merged = frozenset[int]() if selected else ending_together(self._regions)
+        self.names = StateNames(source, self._regions, self.code, self.rules, self.surroundings, merged=merged)
         self.states = StateVariables(self._regions, self.names, self.texts, source.dialect)
         self.machines = self.states.machines
         self._bits: dict[int, n.Name] = {}
@@ -120,14 +124,14 @@ class RegionEncoding(ScanSchedule):
 
     def was_active(self, steps: Sequence[int]) -> Expression:
         """Return a comparison of the states of the last scan."""
-        machines = [(self.states.machine_of(step), self.names.step(step)) for step in steps]
-        return disjunction(equal(self.last_state(machine), step) for machine, step in machines)
+        machines = [(self.states.machine_of(step), self.states.state_of(step)) for step in steps]
+        return disjunction(equal(self.last_state(machine), state) for machine, state in machines)
 
     def remember(self) -> None:
         """Append the assignments of the states of the last scan."""
-        kept = [assignment(each, self.machines[index].state) for index, each in self._last.items()]
+        kept = [assignment(each, self.states.machine(index).state) for index, each in self._last.items()]
         if self._entered is not None:
-            entered = (negation(equal(self.machines[index].state, each)) for index, each in self._last.items())
+            entered = (negation(equal(self.states.machine(index).state, each)) for index, each in self._last.items())
             kept.insert(0, assignment(self._entered, next(entered)))
         self.code.add(self.texts.steps_before, kept)
         self.memory.ends += [assignment(each, self.names.no_state) for each in self._last.values()]
@@ -148,13 +152,16 @@ class RegionEncoding(ScanSchedule):
         ]
 
     def _selected(self, state: n.Name, parts: Sequence[StepPart]) -> list[Statement]:
-        return [n.Case(state, tuple(n.CaseBranch((self.names.step(p.step),), tuple(p.statements)) for p in parts))]
+        by_state: dict[Expression, list[Statement]] = {}
+        for part in parts:
+            by_state.setdefault(self.states.state_of(part.step), []).extend(part.statements)
+        return [n.Case(state, tuple(n.CaseBranch((label,), tuple(each)) for label, each in by_state.items()))]
 
     def _changed(self, state: n.Name, other: n.Name, parts: Sequence[StepPart]) -> list[Statement]:
         """Return the parts of the steps that `state` is, and that `other` is not."""
         if len(parts) == 1:
             (part,) = parts
-            step = self.names.step(part.step)
+            step = self.states.state_of(part.step)
             return [when(conjunction([equal(state, step), negation(equal(other, step))]), *part.statements)]
         return [when(negation(equal(state, other)), *self._selected(state, parts))]
 
@@ -213,7 +220,7 @@ class RegionEncoding(ScanSchedule):
         branches = StepBranches(
             machine.state,
             last,
-            {self.names.step(i): i for i in machine.region.steps},
+            {self.states.state_of(step.index): step.index for step in self.net.steps},
             UntouchedVariables(self.source, self.code.own_names),
         )
         self.code.networks[begin:] = branches.take(self.code.networks[begin:])
@@ -358,7 +365,9 @@ class RegionEncoding(ScanSchedule):
         """Return joins with competing transitions, with these, and joins whose condition needs statements before it."""
         found: set[int] = set()
         for block in self._regions.blocks:
-            if self._in_sequence:
+            # where all branches are one state with the wait there is no CASE in between that could end one of them
+            alone = all(self.states.is_merged(i) for join in block.joins for i in self.net.transitions[join].sources)
+            if self._in_sequence and not alone:
                 found.update(block.joins)
             competing = self._regions.exit_competitors(block)
             # a transition that leaves a branch and the join compete, but are tried in different CASEs: their order is
@@ -402,7 +411,10 @@ class RegionEncoding(ScanSchedule):
             return [*branch_lines(self._done.get(step.index, ()), self._entered, self.text), *tried]
 
         def joining(block: ParallelBlock) -> list[str]:
-            return self.states.tried([self._try(machine, self.net.transitions[t]) for t in block.joins])
+            firsts = (self._regions.first_step(self._regions.regions[i]) for i in block.branches)
+            done = [each for i in firsts if self.states.is_merged(i) for each in self._done.get(i, ())]
+            tried = self.states.tried([self._try(machine, self.net.transitions[t]) for t in block.joins])
+            return [*branch_lines(done, self._entered, self.text), *tried]
 
         return self.states.case(machine, leaving, joining)
 
@@ -413,12 +425,12 @@ class RegionEncoding(ScanSchedule):
         if transition.index in self._bits:
             return TriedTransition((), self._bits[transition.index], effect, remarks)
         # a step with one source is active where it is tried, a join is tried while its branches are
-        enabled = TRUE if len(transition.sources) == 1 else self._enabled(transition)
-        condition = conjunction([enabled, self.source.conditions[transition.index]])
+        asked = [i for i in transition.sources if not self.states.is_merged(i)] if len(transition.sources) > 1 else []
+        condition = conjunction([*map(self.active, asked), self.source.conditions[transition.index]])
         before = self.source.preparations[transition.index]
-        asked = self.sfc_flags.is_asked()
-        if before and not is_constant(asked, TRUE):
-            before = (when(asked, *before),)
+        evaluated = self.sfc_flags.is_asked()
+        if before and not is_constant(evaluated, TRUE):
+            before = (when(evaluated, *before),)
         return TriedTransition(before, condition, effect, remarks)
 
     def _effect(self, machine: RegionState, transition: NetTransition) -> list[str]:

@@ -8,7 +8,7 @@ following state into a second variable.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -49,7 +49,7 @@ class _State:
 
 
 class StateNames:
-    """States of one chart, as its code writes them.
+    """States of one chart, as its code writes them. `merged` are the regions without a state of their own.
 
     Raises `LoweringError` where the user wants an enumeration and the target has none.
     """
@@ -61,14 +61,18 @@ class StateNames:
         code: LoweredCode,
         rules: LoweringRules,
         surroundings: Collection[str],
+        *,
+        merged: Collection[int] = (),
     ) -> None:
         self._code, self._texts, self._dialect = code, rules.texts, source.dialect
+        self.merged = merged
         self._new_value: Callable[[str, str], Expression] | None = None
         self.no_empty_statements, self.has_regions = code.is_portable, code.has_regions
         # where steps are selected, the regions of all others have none
         # selecting a step of one region ends all others
         left = OperatingMode.SELECT in rules.modes and len(regions.regions) > 1
-        steps, waiting, none = _states(source.net, regions, rules.texts, left=left)
+        own = [region for region in regions.regions if region.index not in merged]
+        steps, waiting, none = _states(source.net, regions, rules.texts, own, left=left)
         states = [*steps, *waiting, *none]
         largest = max(state.number for state in states)
         self._type: DataType = integer(largest)
@@ -192,8 +196,13 @@ def _refuse_without_enumerations(source: ChartSource, rules: LoweringRules) -> N
         )
 
 
-def _states(net: Net, regions: Regions, texts: Texts, *, left: bool) -> tuple[list[_State], list[_State], list[_State]]:
-    """Return the states of steps, of waits for joins, and of no step, if a region can have none (`left`: any can)."""
+def _states(
+    net: Net, regions: Regions, texts: Texts, own: Iterable[Region], *, left: bool
+) -> tuple[list[_State], list[_State], list[_State]]:
+    """Return the states of steps, of waits for joins, and of no step, if one of the `own` regions can have none.
+
+    `left`: any can.
+    """
     numbers = step_numbers(net)
     # waits have numbers of a hundred of their own: they stay when steps are added
     # the hundred behind the last step
@@ -210,7 +219,7 @@ def _states(net: Net, regions: Regions, texts: Texts, *, left: bool) -> tuple[li
         firsts = [net.steps[regions.first_step(regions.regions[branch])] for branch in block.branches]
         name = f"{texts.waiting_constant}_{_short(firsts[0].path, numbers[firsts[0].index])}"
         waits.append(_State(hundred + 1 + block.index, name, name, texts.waiting(step.path for step in firsts)))
-    starting = all(region.initial is not None for region in regions.regions)
+    starting = all(region.initial is not None for region in own)
     if starting and not left and all(t.targets for t in net.transitions):
         return steps, waits, []
     # 0 means that no step is active, unless a step of the user has that number
@@ -237,6 +246,18 @@ def one_region(net: Net) -> Regions:
     steps, transitions = (tuple(range(len(each))) for each in (net.steps, net.transitions))
     region = Region(0, steps, transitions, block=None, blocks=(), initial=next(indexes(net.initial)))
     return Regions(net, (region,), (), tuple(0 for _ in steps))
+
+
+def ending_together(regions: Regions) -> frozenset[int]:
+    """Return the branches of one step that nothing but the joins of their block leaves.
+
+    Such a step is active exactly while the region that was divided waits for the join.
+    """
+    return frozenset(
+        region.index
+        for region in regions.regions
+        if region.block is not None and len(region.steps) == 1 and not region.transitions and not region.blocks
+    )
 
 
 @dataclass(frozen=True)
@@ -271,8 +292,13 @@ class StateVariables:
         self._net, self._texts, self._dialect, self._off = regions.net, texts, dialect, off
         # no region is None: `regions_of` refuses steps that can never become active
         self._region_of = [region or 0 for region in regions.region_of]
+        self._merged: dict[int, ParallelBlock] = {}
+        for index in names.merged:
+            (step,), block = regions.regions[index].steps, regions.blocks[regions.regions[index].block or 0]
+            self._merged[step], self._region_of[step] = block, block.parent
         self._forked = {fork: block for block in regions.blocks for fork in block.forks}
-        self.machines = tuple(self._machine(region) for region in regions.regions)
+        self._machines = {r.index: self._machine(r) for r in regions.regions if r.index not in names.merged}
+        self.machines = tuple(self._machines.values())
         self._next = {machine.region.index: machine.state for machine in self.machines}
 
     def _machine(self, region: Region) -> RegionState:
@@ -300,13 +326,25 @@ class StateVariables:
         """Return the variable that the CASE of a region writes."""
         return self._next[machine.region.index]
 
+    def machine(self, region: int) -> RegionState:
+        """Return a region by its index."""
+        return self._machines[region]
+
     def machine_of(self, step: int) -> RegionState:
         """Return the region whose states a step, given by its index in the net, is one of."""
-        return self.machines[self._region_of[step]]
+        return self._machines[self._region_of[step]]
+
+    def is_merged(self, step: int) -> bool:
+        """Return True if a step is active while a region waits, so that it has no state of its own."""
+        return step in self._merged
+
+    def state_of(self, step: int) -> Expression:
+        """Return the state of `machine_of` in which a step is active."""
+        return self.names.waiting(self._merged[step]) if step in self._merged else self.names.step(step)
 
     def active(self, step: int) -> Expression:
         """Return an expression that is TRUE if a step is active: a comparison of the state of its region."""
-        return equal(self.machine_of(step).state, self.names.step(step))
+        return equal(self.machine_of(step).state, self.state_of(step))
 
     def set_back(self, machine: RegionState) -> Statement:
         """Return the assignment that restarts a region."""
@@ -356,11 +394,13 @@ class StateVariables:
             content = content or [idle]
             branches.append(self.branch(self.names.step(i), self.heading(step), [*self.remarks(step.step), *content]))
         for block in machine.blocks:
-            firsts = [self._net.steps[self.machines[branch].first].path for branch in block.branches]
-            heading = self._texts.waiting(firsts)
+            firsts = [self._net.steps[self.regions.first_step(self.regions.regions[i])] for i in block.branches]
+            heading = self._texts.waiting(step.path for step in firsts)
+            remarks = [line for step in firsts if step.index in self._merged for line in self.remarks(step.step)]
             tried = joining(block)
-            is_idle &= not tried
-            branches.append(self.branch(self.names.waiting(block), heading, tried or [self._nothing(machine)]))
+            is_idle &= not (tried or remarks)
+            content = [*remarks, *(tried or [self._nothing(machine)])]
+            branches.append(self.branch(self.names.waiting(block), heading, content))
         if is_idle and len(self.machines) > 1:  # a branch of one step waits for its end
             return []
         return [f"CASE {self.text(machine.state)} OF", *spaced(branches), "END_CASE;"]
@@ -377,8 +417,9 @@ class StateVariables:
 
     def effect(self, machine: RegionState, transition: NetTransition) -> list[str]:
         """Return the statements of a transition in the CASE of a region."""
-        joined = {self._region_of[i] for i in transition.sources} if len(transition.sources) > 1 else set()
-        lines = [self.entered(i) for i in transition.targets]
+        sources = [i for i in transition.sources if i not in self._merged] if len(transition.sources) > 1 else []
+        joined = {self._region_of[i] for i in sources}
+        lines = [self.entered(i) for i in transition.targets if i not in self._merged]
         if len(transition.targets) > 1:
             block = self._forked[transition.index]
             lines.insert(0, self._becoming(machine.region.index, self.names.waiting(block)))
