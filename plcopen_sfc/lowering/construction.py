@@ -135,7 +135,7 @@ def _choice(
         return Construction.FLIPFLOP, f"textbooks have flip-flops for it: {several}"
     if rules.flags != LOCAL and style is Style.EXACT:
         return Construction.BITS, f"there are to be step flags at {rules.flags}"
-    if firing_together(source.net, rules.profile) is not None:
+    if firing_together(source, rules.profile) is not None:
         why = f"competing transitions fire together under the profile {rules.profile.name}"
         return Construction.BITS, f"no CASE can hold the chart: {why}"
     if not several:

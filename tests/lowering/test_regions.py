@@ -373,3 +373,20 @@ def test_the_most_readable_form_that_is_exact_says_why() -> None:
     made = lowered(chain(PARALLEL), Construction.AUTO)
     assert made.construction is Construction.REGIONS
     assert "S1 -> S2 + S10" in made.why
+
+
+@pytest.mark.parametrize(
+    ("second", "construction"),
+    [("NOT a AND b", "case"), ("b", "bits"), ("NOT (a OR b)", "case"), ("t.Q AND NOT a", "case")],
+)
+def test_competing_conditions_that_exclude_each_other_keep_the_case(second: str, construction: str) -> None:
+    """The compiler matiec lets competing transitions fire together; those of most charts cannot be TRUE at once."""
+    pou = chain("S1>S2 S1>S3 S2>S1 S3>S1", conditions={1: "a", 2: second})
+    assert pou.interface is not None
+    pou.interface.sections[0].variables += [boolean("a"), boolean("b")]
+    timer = m.Variable(name="t", type=m.DerivedType(name="TON"))
+    pou.interface.sections.append(m.VariableSection(kind=m.SectionKind.LOCAL, variables=[timer]))
+    made = lower(pou, profile="matiec")
+    assert made.construction == construction
+    assert made.proof is not None
+    assert made.proof.kind is VerdictKind.PROVEN, str(made.proof)

@@ -267,7 +267,7 @@ class RegionEncoding(ScanSchedule):
         return found
 
     def _refuse_firing_together(self, source: ChartSource) -> None:
-        other = firing_together(source.net, self.profile)
+        other = firing_together(source, self.profile)
         if other is not None:
             raise LoweringError(
                 f"a CASE cannot hold competing transitions that fire together under the profile {self.profile.name}",

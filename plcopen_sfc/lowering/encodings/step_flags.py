@@ -96,7 +96,7 @@ class StepFlagEncoding(ScanSchedule):
     @cached_property
     def is_safe(self) -> bool:
         """True if a step that a transition enters is never active already, as its structure tells."""
-        return firing_together(self.net, self.profile) is None and isinstance(find_regions(self.net), Regions)
+        return firing_together(self.source, self.profile) is None and isinstance(find_regions(self.net), Regions)
 
     def reentered(self) -> Mapping[int, Expression]:
         """Return the steps whose time restarts though they are active, by the bits of the transitions.

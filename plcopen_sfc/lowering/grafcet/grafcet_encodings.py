@@ -24,9 +24,10 @@ from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, one_step_at_a_time
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlagEncoding
-from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency, exclude, leaving_and_entering
+from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency, leaving_and_entering
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
+from plcopen_sfc.lowering.schedule.scan_schedule import exclude
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import RuledChart
 from plcopen_sfc.semantics.net import Competing, NetStep, indexes
 from plcopen_sfc.semantics.profile import Profile

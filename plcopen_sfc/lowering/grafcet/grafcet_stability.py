@@ -6,14 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
 
-from plcopen_sfc.analysis.exclusivity import exclusive
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, transform, walk
+from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, disjunction, is_constant, negation, simplified
 from plcopen_sfc.lowering.grafcet.grafcet_terms import TermCode
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, DelayInCondition, EdgeInCondition
-from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.lowering.schedule.scan_schedule import exclude
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import RuledChart
 from plcopen_sfc.semantics.net import Competing, Net, NetTransition, indexes, mask
 from plcopen_sfc.semantics.profile import Profile
@@ -75,17 +74,6 @@ class _Part:
 def leaving_and_entering(net: Net, step: int) -> tuple[list[NetTransition], list[NetTransition]]:
     """Return the transitions that leave a step, and those that enter it."""
     return [net.transitions[i] for i in net.leaving[step]], [net.transitions[i] for i in net.entering[step]]
-
-
-def exclude(one: Expression, other: Expression, dialect: Dialect) -> bool:
-    """Return True if two conditions can never be TRUE together."""
-    if is_constant(one, FALSE) or is_constant(other, FALSE):
-        return True
-    names = [{node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)} for tree in (one, other)]
-    # conditions without a common name are independent: the prover would only cost time
-    if not names[0] & names[1]:
-        return False  # each of them can be TRUE, or the prover did not decide
-    return bool(exclusive(print_node(one, dialect), print_node(other, dialect), dialect=dialect).answer)
 
 
 def _competing_exclude_each_other(source: ChartSource) -> bool:

@@ -84,7 +84,7 @@ def several_steps(source: GraphSource, profile: Profile) -> str:
                 return f"step {step.path} switches steps off: {row.name}"
     if on_by_hand(source):
         return f"{ON_BY_HAND} can switch on a step while another one is active"
-    other = firing_together(source.net, profile)
+    other = firing_together(source, profile)
     if other is not None:
         return f"transition {other.path} fires together with competing transitions under the profile {profile.name}"
     loops = (t.path for t in source.net.transitions if set(t.sources) & set(t.targets))

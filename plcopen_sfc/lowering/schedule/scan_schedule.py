@@ -6,8 +6,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NoReturn
 
+from plcopen_sfc.analysis.exclusivity import exclusive
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.st.effects import is_impure
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_control import (
     ActionControlCode,
@@ -34,6 +37,7 @@ from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.reading.step_variables import StepTimers, TimedPart, resolve_steps
 from plcopen_sfc.lowering.schedule.added_inputs import ModeInputs, declare_restart
 from plcopen_sfc.lowering.schedule.sfc_flag_code import SfcFlagCode
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.charts.transition_firing import testing_order
 from plcopen_sfc.semantics.net import Competing, Net, NetTransition
 from plcopen_sfc.semantics.profile import ActionControl as Control
@@ -51,10 +55,31 @@ def exclusive_transitions(net: Net, profile: Profile) -> list[tuple[int, ...]]:
     return [tuple(i for i in t.competing if i in numbered and tested[i] < tested[t.index]) for t in net.transitions]
 
 
-def firing_together(net: Net, profile: Profile) -> NetTransition | None:
+def exclude(one: Expression, other: Expression, dialect: Dialect) -> bool:
+    """Return True if two conditions can never be TRUE together."""
+    if is_constant(one, FALSE) or is_constant(other, FALSE):
+        return True
+    names = [{node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)} for tree in (one, other)]
+    # conditions without a common name are independent: the prover would only cost time
+    if not names[0] & names[1]:
+        return False  # each of them can be TRUE, or the prover did not decide
+    return bool(exclusive(print_node(one, dialect), print_node(other, dialect), dialect=dialect).answer)
+
+
+def firing_together(source: ChartSource, profile: Profile) -> NetTransition | None:
     """Return the first transition that can fire although a competing one before it does; None if there is none."""
-    exclusive = exclusive_transitions(net, profile)
-    return next((t for t in net.transitions if exclusive[t.index] != t.competing), None)
+    exclusive_ones = exclusive_transitions(source.net, profile)
+
+    def together(one: int, other: int) -> bool:
+        executed = source.preparations[one] or source.preparations[other]  # which may change what the second one reads
+        conditions = source.conditions[one], source.conditions[other]
+        return bool(executed) or any(map(is_impure, conditions)) or not exclude(*conditions, source.dialect)
+
+    for transition in source.net.transitions:
+        free = set(transition.competing) - set(exclusive_ones[transition.index])
+        if any(together(other, transition.index) for other in free):
+            return transition
+    return None
 
 
 def refuse_classic(source: ChartSource, what: str, path: str = "") -> NoReturn:
