@@ -26,6 +26,7 @@ from typing import Any, get_type_hints
 
 from plcopen_sfc import plugins
 from plcopen_sfc.analysis.processes import results
+from plcopen_sfc.comparison.changes import Proof
 from plcopen_sfc.comparison.project_comparison import diff
 from plcopen_sfc.documents.folder_projects import edited_files, files_below
 from plcopen_sfc.documents.sources import FileSource
@@ -54,13 +55,15 @@ class FileChange:
 class AppliedFile:
     """What a script did to the project at `path`, a file or a folder. `error`: why it failed, and nothing changes.
 
-    `resumed`: the run that was resumed had done it; what changed is not known any more.
+    `proofs`: whether what it changed still does the same, where that was asked for. `resumed`: the run that was resumed
+    had done it; what changed is not known any more.
     """
 
     path: str
     changes: tuple[FileChange, ...] = ()
     error: str = ""
     resumed: bool = False
+    proofs: tuple[Proof, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -86,7 +89,8 @@ def apply(
 
     `script` is a file or the name of a plugin, `settings` are texts by the names of its parameters. Files are changed
     with `write` only. A file for which the script fails stays as it is, and does not stop the others. With `prove` that
-    is also a file of which a chart is not proven to do the same as before.
+    is also a file of which something that changed does not do the same as before, by proof or in runs that reached all
+    of it, or of which nothing tells that.
 
     `jobs` files are worked on at a time, each in a process of its own; `scheduler` is the address of a Dask scheduler,
     whose workers do it. They return what changes, and this process alone writes: a process or worker that ends in the
@@ -261,22 +265,16 @@ def _applied(script: Script, settings: Mapping[str, str], prove: bool, path: str
         project = load_project(path)
         function(project, **values)
         changes = tuple(_changes(project, path))
-        if prove and changes:
-            _prove(path, project)
-        return AppliedFile(path, changes)
+        proofs = diff(load_project(path), project, prove=True).proofs if prove and changes else ()
+        failed = next((each for each in proofs if not each.equal), None)
+        error = f"{path}: not proven to do the same: {failed}" if failed is not None else ""
+        return AppliedFile(path, () if error else changes, error=error, proofs=proofs)
     except SfcError as error:
         return AppliedFile(path, error=str(error))
     except Exception as error:  # whatever a script does wrong, the other files go on
         frames = traceback.extract_tb(error.__traceback__)
         line = next((each.lineno for each in reversed(frames) if each.filename == script.path), 0)
         return AppliedFile(path, error=f"{script.path}:{line}: {type(error).__name__}: {error}")
-
-
-def _prove(path: str, project: Project) -> None:
-    """Raise `ScriptError` for the first chart that is not proven to do the same as before."""
-    for proof in diff(load_project(path), project, prove=True).proofs:
-        if proof.verdict is None or not proof.verdict.equal:
-            raise ScriptError(f"not proven to do the same: {proof}", location=Location(path))
 
 
 def _changes(project: Project, path: str) -> Iterator[FileChange]:

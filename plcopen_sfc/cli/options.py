@@ -187,7 +187,9 @@ ScriptSettings = Annotated[list[str] | None, _option("--set", "Give the script a
 Write = Annotated[bool, _option("--write", "Change the files; without it only show what would change.")]
 Patch = Annotated[Path | None, _option("--diff", "Write the changes as a unified diff without context.", "FILE")]
 Scheduler = Annotated[str, _option("--scheduler", "Let the workers of a Dask scheduler do it.", "tcp://HOST:PORT")]
-ProveSame = Annotated[bool, _option("--prove", "Change only files of which all charts are proven to do the same.")]
+ProveSame = Annotated[
+    bool, _option("--prove", "Change only files that do the same: proven, or run through all that changed.")
+]
 Journal = Annotated[
     Path | None, _option("--resume", "Keep what is done in this file, and leave it out when run again.", "FILE")
 ]

@@ -99,19 +99,29 @@ _TELL_THEMSELVES = frozenset({"initial", "excluded", "negation", "retain", "cons
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """Answer to whether a changed chart still does the same: the `verdict`, or why there is none."""
+    """Answer to whether something changed still does the same: the `verdict`, or why there is none.
+
+    `reason` with a verdict is what it holds for.
+    """
 
     path: str
     verdict: Verdict | None = None
     reason: str = ""
 
+    @property
+    def equal(self) -> bool:
+        """True if it does the same: by proof, or in runs that reached all of it."""
+        return self.verdict is not None and self.verdict.equal
+
     def __str__(self) -> str:
-        return f"{self.path}: {self.verdict if self.verdict is not None else f'not compared: {self.reason}'}"
+        if self.verdict is None:
+            return f"{self.path}: not compared: {self.reason}"
+        return f"{self.path}: {self.verdict}" + (f"\n{self.reason}" if self.reason else "")
 
     def as_dict(self) -> dict[str, Any]:
         """The proof as plain data, for JSON."""
-        told = {"reason": self.reason} if self.verdict is None else {"verdict": self.verdict.as_dict()}
-        return {"path": self.path, **told}
+        told = {"reason": self.reason} if self.reason else {}
+        return {"path": self.path, **({} if self.verdict is None else {"verdict": self.verdict.as_dict()}), **told}
 
 
 @dataclass(frozen=True, repr=False)

@@ -100,7 +100,7 @@ class Editor:
             self._remove(lambda: [each for each in self._unused() if each.path not in unused])
         if before is not None:
             self.proofs = provided("diff")(before, self.project, prove=True, limit=self._limit).proofs
-            failed = [str(each) for each in self.proofs if each.verdict is None or not each.verdict.equal]
+            failed = [str(each) for each in self.proofs if not each.equal]
             if failed:
                 raise refused("the edit would change what the charts do, or nothing tells that it does not", failed)
 

@@ -71,8 +71,13 @@ class Variables:
     system: Collection[str] = ()
 
     def find(self, name: str) -> str | None:
-        """The input of this name as it is declared; case does not matter."""
-        return self._folded.get(name.casefold())
+        """The input of this name as it is declared; case does not matter.
+
+        What is at an address has a path with its program (``Main.Start``); its name alone is enough where one has it.
+        """
+        wanted = name.casefold()
+        inside = [each for key, each in self._folded.items() if key.endswith(f".{wanted}")]
+        return self._folded.get(wanted) or (inside[0] if len(inside) == 1 else None)
 
     @property
     def _folded(self) -> dict[str, str]:

@@ -175,7 +175,7 @@ class Simulation:
         """Values that a function gave, by the names of variables as they are declared. Raises `InputError`."""
         found: dict[str, Value] = {}
         for name, value in values.items():
-            declared = self._paths.get(name.casefold(), name)
+            declared = self._paths.get(name.casefold()) or self.variables.find(name) or name
             if declared not in self._watched and declared not in self.instance:
                 hint = "Its inputs are: " + ", ".join(list(self.variables.inputs)[:20])
                 raise InputError(f"the program has no variable {name!r}{nearest(name, self._watched)}", hint=hint)

@@ -139,6 +139,22 @@ def refactor(project, text: str):
     assert b"TRUE AND" in (tmp_path / "chain.xml").read_bytes()
 
 
+def test_verdicts_of_what_changed_are_in_the_report(cli, fixtures, tmp_path, monkeypatch):
+    shutil.copy(fixtures / "training-chain" / "codesys.xml", tmp_path / "chain.xml")
+    monkeypatch.chdir(tmp_path)
+    script = """
+def refactor(project):
+    chart = project.pous[0].chart
+    chart.add_step("Never")
+    chart.add_transition(chart.steps[1].name, "Never", "FALSE", priority=9)
+"""
+    (tmp_path / "never.py").write_text(script, encoding="utf-8")
+    outcome = cli("apply", "never.py", "chain.xml", "--prove", "--report", "report.json")
+    assert "POU Ablauf: equal (proof" in outcome.out
+    (file,) = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["files"]
+    assert [each["verdict"]["proven"] for each in file["proofs"]] == [True]
+
+
 def initial_steps(path):
     return {step.name for each in sfc.load(path).charts() for step in each.chart.steps if step.initial}
 

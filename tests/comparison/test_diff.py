@@ -466,6 +466,69 @@ class TestProofs:
         after.pou("Ablauf").comment = "a comment"
         assert sfc.diff(before, after, prove=True).proofs == ()
 
+    def test_what_no_run_shows_is_not_compared(self):
+        text = """PROGRAM Main
+VAR_INPUT Go : BOOL; END_VAR
+VAR inp AT %IX0.3 : BOOL; END_VAR
+VAR RETAIN n : INT; END_VAR
+INITIAL_STEP A: END_STEP
+TRANSITION FROM A TO B := Go AND inp; END_TRANSITION
+STEP B: Act(P1); END_STEP
+TRANSITION FROM B TO A := NOT Go; END_TRANSITION
+ACTION Act: n := n + 1; END_ACTION
+END_PROGRAM
+"""
+        for old, new, reason in (
+            ("%IX0.3", "%IX0.4", "at which terminal"),
+            ("RETAIN ", "", "starts again"),
+            (
+                "END_PROGRAM\n",
+                "END_PROGRAM\nPROGRAM More\nVAR y : INT; END_VAR\ny := 1;\nEND_PROGRAM\n",
+                "one of the two",
+            ),
+            ("END_PROGRAM\n", "END_PROGRAM\nFUNCTION F : INT\nF := 1;\nEND_FUNCTION\n", "nothing calls it"),
+        ):
+            before, after = (sfc.loads(each.encode(), format="iec-text") for each in (text, text.replace(old, new)))
+            proofs = sfc.diff(before, after, prove=True).proofs
+            assert [each.equal for each in proofs if not each.verdict] == [False], old
+            assert reason in str(proofs[0])
+
+    def test_programs_without_charts_are_run_too(self):
+        text = "PROGRAM Calc\nVAR_INPUT x : INT; END_VAR\nVAR_OUTPUT y : INT; END_VAR\ny := x + 1;\nEND_PROGRAM\n"
+        before = sfc.loads(text.encode(), format="iec-text")
+        for code, equal in (("y := x - 1;", False), ("y := x + 2 - 1;", True)):
+            after = sfc.loads(text.replace("y := x + 1;", code).encode(), format="iec-text")
+            assert [each.equal for each in sfc.diff(before, after, prove=True).proofs] in (
+                [equal],
+                [] if equal else None,
+            )
+
+    def test_functions_that_are_called_are_run_where_they_are(self):
+        text = """FUNCTION F : INT
+VAR_INPUT x : INT; END_VAR
+F := x + 1;
+END_FUNCTION
+PROGRAM Calc
+VAR_INPUT x : INT; END_VAR
+VAR_OUTPUT y : INT; END_VAR
+y := F(x);
+END_PROGRAM
+"""
+        before, after = (sfc.loads(each.encode(), format="iec-text") for each in (text, text.replace("+ 1", "+ 2")))
+        (proof,) = sfc.diff(before, after, prove=True).proofs
+        assert (proof.path, proof.verdict.different) == ("POU Calc", True)
+
+    def test_a_difference_only_by_what_nothing_writes_says_so(self):
+        text = "PROGRAM Main\nVAR s1 : INT := 2; END_VAR\nVAR_OUTPUT y : INT; END_VAR\ny := s1;\nEND_PROGRAM\n"
+        before, after = (
+            sfc.loads(each.encode(), format="iec-text") for each in (text, text.replace("y := s1", "y := 2"))
+        )
+        (proof,) = sfc.diff(before, after, prove=True).proofs
+        assert not proof.equal
+        assert str(proof).endswith(
+            "only if something outside writes s1; while they keep their start values, both do the same"
+        )
+
 
 @pytest.mark.corpus
 @pytest.mark.slow

@@ -93,6 +93,12 @@ def test_what_is_wrong_is_said_with_its_line(text: str, line: int, message: str)
     assert error.value.location.line == line
 
 
+def test_what_is_at_an_address_is_found_by_its_name_alone() -> None:
+    paths = ["Main.Start", "Main.Stop", "Other.Stop"]
+    at_addresses = Variables({path: Signal.elementary("BOOL") for path in paths})
+    assert [at_addresses.find(name) for name in ("start", "main.stop", "Stop")] == ["Main.Start", "Main.Stop", None]
+
+
 def test_missing_file(tmp_path: Path) -> None:
     with pytest.raises(FileAccessError, match="does not exist"):
         CsvInputs.load(tmp_path / "none.csv")

@@ -54,7 +54,8 @@ def run(screen: Screen, script: str, files: list[str], settings: list[str], how:
         reasons[each.error.replace(each.path, "..").partition("\n")[0]] += bool(each.error)
         diff = [line for change in each.changes for line in difference(change)]
         lines += diff if how.patch is not None else []
-        data.append({"path": each.path, "outcome": outcome, "error": each.error, "diff": diff})
+        proofs = {"proofs": [proof.as_dict() for proof in each.proofs]} if how.prove else {}
+        data.append({"path": each.path, "outcome": outcome, "error": each.error, "diff": diff, **proofs})
         _show(screen, each, diff)
     if how.patch is not None:
         write_atomic(str(how.patch), "".join(f"{line}\n" for line in lines).encode())
@@ -85,6 +86,8 @@ def _show(screen: Screen, done: AppliedFile, diff: list[str]) -> None:
         return
     new = sum(line.startswith("+") and not line.startswith("+++") for line in diff)
     screen.line("changed: ", (done.path, "bold"), f", {new} line{'' if new == 1 else 's'}")
+    for proof in done.proofs:
+        screen.line(f"  {str(proof).splitlines()[0]}")
     for line in diff if screen.verbose else ():
         screen.line((f"  {line}", DIFF_STYLES.get(line[:1], "")))
 
