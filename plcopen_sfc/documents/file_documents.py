@@ -6,7 +6,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
 
 from plcopen_sfc.collector import collecting_rarely
@@ -26,8 +26,18 @@ from plcopen_sfc.errors import (
 )
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
-from plcopen_sfc.formats.provenance import content_digest, is_from, place_in_folder, remember_body
+from plcopen_sfc.formats.provenance import (
+    Origin,
+    content_digest,
+    file_digest,
+    is_from,
+    place_in_folder,
+    remember_body,
+    remember_object,
+    without_edits,
+)
 from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.model.body import SfcBody
@@ -43,6 +53,7 @@ if TYPE_CHECKING:
     from lxml import etree
 
     from plcopen_sfc.conversion import Part
+    from plcopen_sfc.drawing import DrawingStyle
     from plcopen_sfc.formats.format_interface import TextCodec
     from plcopen_sfc.formats.xml.xml_codec import XmlCodec
 
@@ -61,12 +72,16 @@ def read_document(data: bytes, *, format: str | None, path: str | None, as_tool:
         except FormatError as error:
             error.location = error.location if error.location.file else replace(error.location, file=path)
             raise
-        project = reading.project
+        project, mark = reading.project, file_digest(data)
         for pou in project.pous:
             for name, _, body in () if pou.is_unread else pou.named_bodies():
                 if isinstance(body, SfcBody):
-                    remember_body(body, name, data)
-        digest = fingerprint(project)
+                    remember_body(body, Origin(name, data, mark))
+        with without_edits():
+            for things in (getattr(project, name) for name in Project.OBJECTS):
+                for number, thing in enumerate(things):
+                    remember_object(thing, Origin(number, data, mark))
+            digest = fingerprint(project)
     project.source = FileSource(
         kind.name, reading.version, data, digest, path, reading.diagnostics, origin=reading.origin
     )
@@ -355,25 +370,135 @@ _SHOWN = 60
 
 
 def _patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
-    """Return the file that was read with the edits in it. Charts without edits are neither drawn nor written."""
+    """Return the file that was read with the edits in it. What has no edits is neither read nor drawn nor written."""
     from plcopen_sfc.conversion.adaptation import is_rewritten, rewrite_project  # noqa: PLC0415
-    from plcopen_sfc.drawing import DrawingStyle, prepare, prepare_body  # noqa: PLC0415
+    from plcopen_sfc.drawing import prepare  # noqa: PLC0415
+
+    codec = cast("XmlCodec", kind.codec())
+    is_other = is_rewritten(project, source.content, kind)
+    excerpt = None if is_other else _Excerpt.of(project, source, codec)
+    if excerpt is not None:
+        notes = ConversionReport(report.source_format, report.target_format)
+        data = _merged(excerpt.project, source, kind, notes, excerpt=excerpt)
+        whole = excerpt.filled(data) if data is not None else None
+        if whole is not None:
+            report.items += notes.items
+            return whole
+    data = _merged(project, source, kind, report, is_other=is_other)
+    if data is None:
+        # rather a large diff than a lost edit
+        report.add(
+            Outcome.APPROXIMATED,
+            "file",
+            source.path or "",
+            "the edits did not fit into its text; written from the model",
+        )
+        before = codec.read(source.content).project
+        options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
+        if is_rewritten(project, source.content, kind):
+            project, marks = rewrite_project(project, kind, options, ConversionReport())
+            options = replace(options, marks=marks)
+        prepare(project, _drawing_style(kind), positions=kind.positions)
+        data = codec.write(project, options, report)
+    return data
+
+
+def _drawing_style(kind: Format) -> DrawingStyle:
+    from plcopen_sfc.drawing import DrawingStyle  # noqa: PLC0415
+
+    return DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
+
+
+@dataclass(frozen=True)
+class _Excerpt:
+    """A file with its untouched POUs emptied, and what it holds before an edit and after.
+
+    An edit of one POU of many then costs what that POU costs. `content` is the file, `before` the project in it and
+    `project` that with the edits; both have the emptied POUs. `contents` are what these have in the file, by their
+    numbers among all POUs.
+    """
+
+    content: bytes
+    before: Project
+    project: Project
+    tag: str
+    contents: Mapping[int, str]
+
+    @classmethod
+    def of(cls, project: Project, source: FileSource, codec: XmlCodec) -> _Excerpt | None:
+        """Return the excerpt with all that was edited; None where the file has nothing to leave out."""
+        from plcopen_sfc.formats.xml.source_tree import outermost_elements  # noqa: PLC0415
+        from plcopen_sfc.formats.xml.xml_parsing import decode_xml  # noqa: PLC0415
+
+        same = [number for number, pou in enumerate(project.pous) if is_from(pou, number, source.content)]
+        if not same or not codec.pou_tag:
+            return None
+        text, encoding = decode_xml(source.content)
+        spans = outermost_elements(text, codec.pou_tag)
+        if len(spans) != len(project.pous) or encoding.encode(text) != source.content:
+            return None
+        contents = {number: text[spans[number].open_end : spans[number].close_start] for number in same}
+        edits = [Edit(spans[number].open_end, spans[number].close_start, "") for number in same]
+        content = encoding.encode(apply_edits(text, edits))
+        before = codec.read(content).project
+        if len(before.pous) != len(project.pous):
+            return None
+        pous = list(project.pous)
+        for number in same:
+            emptied = before.pous[number]
+            if emptied.name != pous[number].name or emptied.interface or emptied.bodies or emptied.actions:
+                return None  # the tool lists its POUs in another order
+            pous[number] = emptied
+        return cls(content, before, project.model_copy(update={"pous": pous}), codec.pou_tag, contents)
+
+    def filled(self, data: bytes) -> bytes | None:
+        """Return the edited excerpt `data` with what was left out; None where an edit changed an emptied POU."""
+        from plcopen_sfc.formats.xml.source_tree import outermost_elements  # noqa: PLC0415
+        from plcopen_sfc.formats.xml.xml_parsing import decode_xml  # noqa: PLC0415
+
+        old, _ = decode_xml(self.content)
+        new, encoding = decode_xml(data)
+        were, are = outermost_elements(old, self.tag), outermost_elements(new, self.tag)
+        edits: list[Edit] = []
+        for number, content in self.contents.items() if len(were) == len(are) else ():
+            was, now = were[number], are[number]
+            if old[was.start : was.end] != new[now.start : now.end]:
+                return None
+            edits.append(Edit(now.open_end, now.open_end, content))
+        return encoding.encode(apply_edits(new, edits)) if len(were) == len(are) else None
+
+
+def _merged(
+    project: Project,
+    source: FileSource,
+    kind: Format,
+    report: ConversionReport,
+    *,
+    is_other: bool = False,
+    excerpt: _Excerpt | None = None,
+) -> bytes | None:
+    """Return the file, or an excerpt of it, with the edits in it; None where reading it again does not give them.
+
+    `is_other`: what is written is not what the project has.
+    """
+    from plcopen_sfc.conversion.adaptation import rewrite_project  # noqa: PLC0415
+    from plcopen_sfc.drawing import prepare_body  # noqa: PLC0415
     from plcopen_sfc.formats.xml.source_patch import patch_xml  # noqa: PLC0415
     from plcopen_sfc.formats.xml.xml_codec import canonical  # noqa: PLC0415
 
-    style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
+    style = _drawing_style(kind)
     codec = cast("XmlCodec", kind.codec())
-    is_other = is_rewritten(project, source.content, kind)
+    content = source.content if excerpt is None else excerpt.content
     touched, untouched = set(), set()
     for name, _, body in project.bodies():
-        if isinstance(body, SfcBody) and is_from(body, name, source.content):
+        if isinstance(body, SfcBody) and is_from(body.chart, name, source.content):
             untouched.add(name)
         else:
             touched.add(name)
             if not is_other:  # what is written has another drawing
                 prepare_body(body, style, positions=False)
-    before: Project = codec.read(source.content).project
-    options = WriteOptions(source.version, same=True, source=source.content, untouched=frozenset(untouched - touched))
+    before = codec.read(content).project if excerpt is None else excerpt.before
+    options = WriteOptions(source.version, same=True, source=content, untouched=frozenset(untouched - touched))
     if is_other:
         options = replace(options, untouched=frozenset())
 
@@ -389,28 +514,14 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
         return codec.to_tree(copy, replace(written, marks=marks, rewritten=edited), notes)
 
     after, known = tree(project, before, report), ConversionReport()
-    data = patch_xml(source.content, tree(before, None, known), after)
+    data = patch_xml(content, tree(before, None, known), after)
     _pass_known_losses(report, known)
     try:
         back = canonical(tree(codec.read(data).project, None, ConversionReport()))
     except FormatError:  # references by position that lead elsewhere now
-        back = b""
+        return None
     # comments carry ids in TC6 1.01, which may be others now
-    if back != canonical(after):
-        # rather a large diff than a lost edit
-        report.add(
-            Outcome.APPROXIMATED,
-            "file",
-            source.path or "",
-            "the edits did not fit into its text; written from the model",
-        )
-        options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
-        if is_rewritten(project, source.content, kind):
-            project, marks = rewrite_project(project, kind, options, ConversionReport())
-            options = replace(options, marks=marks)
-        prepare(project, style, positions=kind.positions)
-        data = codec.write(project, options, report)
-    return data
+    return data if back == canonical(after) else None
 
 
 def _pass_known_losses(report: ConversionReport, known: ConversionReport) -> None:

@@ -18,7 +18,7 @@ from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.errors import FileAccessError, Location, ModelError, UnknownFormatError, check_argument
 from plcopen_sfc.files import file_exists, folder_exists, path_exists, read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.format_interface import Format
-from plcopen_sfc.formats.provenance import may_have_controls, texts_of, without_edits
+from plcopen_sfc.formats.provenance import is_untouched, may_have_controls, texts_of, without_edits
 from plcopen_sfc.formats.registry import TIA_FORMAT, all_formats, for_tia, format_named
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, objection
 from plcopen_sfc.model import times
@@ -26,6 +26,7 @@ from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import Project, TagTable
+from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, StructType
 from plcopen_sfc.model.variables import Interface
@@ -51,11 +52,13 @@ def refuse_mistakes(project: Project, kind: Format) -> None:
 
     That are ids that two objects have, times that are none, and names and characters that the target cannot have.
     """
-    found = set(_mistakes(project, kind))
+    # what was not edited has the mistakes of its source, which are taken out again, but for those of GRAFCETs
+    grafcet = any(_has_numbers_for_names(source.format) for source in _sources(project))
+    found = set(_mistakes(project, kind, [each for each in project.objects() if grafcet or not is_untouched(each)]))
     for source in _sources(project) if found else ():
         before = format_named(source.format)[0].codec().read(source.content).project
         _read_some(before, {mistake.path for mistake in found})
-        known = set(_mistakes(before, kind))
+        known = set(_mistakes(before, kind, list(before.objects())))
         if _has_numbers_for_names(source.format):  # right there; in the target steps get other names, variables do not
             known = {mistake for mistake in known if " / step " in mistake.path}
         found -= known
@@ -89,22 +92,22 @@ def _sources(project: Project) -> list[FileSource]:
     return [source] if isinstance(source, FileSource) else []
 
 
-def _mistakes(project: Project, kind: Format) -> Iterator[Mistake]:
-    """Yield the mistakes in what was read of a project; what is unread is as it is in its file."""
+def _mistakes(project: Project, kind: Format, things: Collection[ProjectObject]) -> Iterator[Mistake]:
+    """Yield the mistakes in what was read of a project and its `things`; what is unread is as it is in its file."""
     names: Dialect | None = None
     if kind.xml and not _has_numbers_for_names(
         kind.name
     ):  # json has any name, and writers of text replace names and report that
         # in SCL any name can be in quotes; other tools get another one for it
         names = Dialect.SCL if Dialect.SCL in (kind.dialect, project.dialect) else Dialect.IEC
-        for path, name in _names(project):
+        for path, name in _names(project, things):
             yield from _name(name, path, names)
     for path, task in ((f"task {task.name}", task) for each in project.resources() for task in each.tasks):
         why = times.interval_objection(task.interval) if task.interval is not None else ""
         if why:
             yield Mistake(path, f"the interval {task.interval!r} cannot be saved: {why}")
-    for pou in project.pous:
-        for body in pou.named_bodies() if not pou.is_unread else ():
+    for pou in (each for each in things if isinstance(each, Pou) and not each.is_unread):
+        for body in pou.named_bodies():
             chart = getattr(body.body, "chart", None)
             if isinstance(chart, SfcNetwork) and not chart.is_unread:
                 yield from _chart_mistakes(chart, pou.report_path_of(body.name), names)
@@ -116,7 +119,9 @@ def _unwritable_texts(project: Project, kind: Format) -> Iterator[Mistake]:
     texts = [("project", text) for text in texts_of(project, exclude=set(Project.OBJECTS))]
     come_from_xml = all(format_named(source.format)[0].xml for source in _sources(project))
     for thing in project.objects():
-        if (not thing.is_unread or (kind.xml and not come_from_xml)) and may_have_controls(thing):
+        if come_from_xml and is_untouched(thing):
+            continue  # XML has neither
+        if (not thing.is_unread or kind.xml) and may_have_controls(thing):
             texts += [(thing.report_path, text) for text in texts_of(thing)]
     for path, text in texts:
         found = forbidden.search(text)
@@ -130,9 +135,9 @@ _SURROGATES = re.compile("[\ud800-\udfff]")
 _SHOWN = 40
 
 
-def _names(project: Project) -> Iterator[tuple[str, str]]:
-    """Yield the paths and names of what a project declares, but for steps."""
-    for thing in project.objects():
+def _names(project: Project, things: Iterable[ProjectObject]) -> Iterator[tuple[str, str]]:
+    """Yield the paths and names of what a project and its `things` declare, but for steps."""
+    for thing in things:
         if thing.is_unread:
             continue
         yield thing.report_path, thing.name
@@ -148,8 +153,8 @@ def _names(project: Project) -> Iterator[tuple[str, str]]:
                 inside = [("member", members)]
             case DataTypeDeclaration(type=EnumType(values=values)):
                 inside = [("value", values)]
-        for kind, things in inside:
-            yield from ((f"{thing.report_path} / {kind} {each.name}", each.name) for each in things)
+        for kind, parts in inside:
+            yield from ((f"{thing.report_path} / {kind} {each.name}", each.name) for each in parts)
     for section in project.global_sections():
         yield from ((f"global variable {each.name}", each.name) for each in section.variables)
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from pydantic_core import PydanticSerializationError
 
@@ -23,20 +23,33 @@ L = TypeVar("L", bound=LateElement)
 P = TypeVar("P", bound=ProjectObject)
 
 
+class Origin(NamedTuple):
+    """The name of the body that a chart was read from, or the number of an object in its list; the file, its digest."""
+
+    name: str | int
+    content: bytes
+    digest: str
+
+
+def file_digest(content: bytes) -> str:
+    """Return the digest that an `Origin` has of its file."""
+    return hashlib.sha256(content).hexdigest()
+
+
 @dataclass(frozen=True, slots=True)
 class _Provenance:
     """Provenance of an object or a chart.
 
     `known` are the fields that were there before it was read; `digest` is that of its content as it was read, None
     before that. `place` is the document of a folder and the place of the object in it, `folder` the one that the file
-    itself has for the object. `body` is the name of the body, and the bytes of the file, that a chart was read from.
+    itself has for the object. `origin` is where in a file it was read.
     """
 
     known: tuple[str, ...] = ()
     digest: bytes | None = None
     place: tuple[str, int] | None = None
     folder: str | None = None
-    body: tuple[str, bytes] | None = None
+    origin: Origin | None = None
 
     def __deepcopy__(self, memo: dict[int, Any]) -> _Provenance:
         """Copies come from where the original comes from."""
@@ -82,7 +95,7 @@ def without_edits() -> Iterator[None]:
 
 
 def is_untouched(thing: ProjectObject | SfcNetwork) -> bool:
-    """True if the content is as it was read. False for what was not read late, such as objects made by scripts."""
+    """True if the content is as it was read. False for what was not read, such as objects made by scripts."""
     if thing.is_unread:
         return True
     known = _KNOWN.get()
@@ -99,8 +112,12 @@ def content_digest(thing: ProjectObject) -> bytes:
     """Return a digest of the content of an object: the same for an unread one and the same one read and not edited."""
     if not is_untouched(thing):
         return _own_digest(thing)
-    known = {name: thing.__dict__[name] for name in _provenance(thing).known}
-    return hashlib.blake2b(repr(("untouched", known)).encode()).digest()
+    found = _provenance(thing)
+    if found.digest is not None and not found.known:
+        return found.digest  # it was read at once
+    known = {name: thing.__dict__[name] for name in found.known}
+    file = found.origin.digest if found.origin is not None else ""
+    return hashlib.blake2b(repr(("untouched", known, file)).encode()).digest()
 
 
 def may_have_controls(thing: ProjectObject) -> bool:
@@ -142,8 +159,8 @@ def _content(thing: LateElement) -> tuple[bytes, list[str]]:
     if isinstance(thing, Pou):
         for path, name, body in _charts_in(thing):
             if is_untouched(body.chart):
-                origin = _provenance(body.chart).body
-                names.append(origin[0] if origin is not None else name)
+                origin = _provenance(body.chart).origin
+                names.append(f"{origin.name} {origin.digest}" if origin is not None else name)
                 field, index, *rest = path
                 below: dict[Any, Any] = exclude.setdefault(str(field), {})
                 below[index] = {"body": {"chart"}} if rest else {"chart"}
@@ -161,15 +178,25 @@ def _charts_in(pou: Pou) -> Iterator[tuple[tuple[str | int, ...], str, SfcBody]]
                 yield (field, index, "body"), f"{pou.name}.{part.name}", part.body
 
 
-def remember_body(body: SfcBody, name: str, content: bytes) -> None:
-    """Remember that the chart of a body was read as `name` from a file with this `content`."""
-    body.chart._provenance = replace(_provenance(body.chart), body=(name, content))
+def remember_body(body: SfcBody, origin: Origin) -> None:
+    """Remember where the chart of a body was read."""
+    body.chart._provenance = replace(_provenance(body.chart), origin=origin)
 
 
-def is_from(body: SfcBody, name: str, content: bytes) -> bool:
-    """True if the chart of a body was read as `name` from this very `content` and is untouched."""
-    origin = _provenance(body.chart).body
-    return origin is not None and origin[0] == name and origin[1] is content and is_untouched(body.chart)
+def remember_object(thing: ProjectObject, origin: Origin) -> None:
+    """Remember where an object was read; the charts in it are remembered before."""
+    thing._provenance = replace(_provenance(thing), origin=origin)
+    if not thing.is_unread:
+        thing._provenance = replace(_provenance(thing), digest=_own_digest(thing))
+        known = _KNOWN.get()
+        if known is not None:
+            known[id(thing)] = (thing, True)
+
+
+def is_from(thing: ProjectObject | SfcNetwork, name: str | int, content: bytes) -> bool:
+    """True if a chart or an object was read as `name` from this very `content` and is untouched."""
+    origin = _provenance(thing).origin
+    return origin is not None and origin.name == name and origin.content is content and is_untouched(thing)
 
 
 def put_in_folder(thing: ProjectObject, document: str, place: int, folder: str | None) -> None:
@@ -201,6 +228,6 @@ def take_provenance(thing: ProjectObject, saved: ProjectObject) -> None:
     """The object was saved, and `saved` is what was read of its file: from here on, edits count from this."""
     found = _provenance(saved)
     thing.__dict__["folder"] = saved.folder
-    thing._provenance = replace(_provenance(thing), known=found.known, place=found.place)
+    thing._provenance = replace(_provenance(thing), known=found.known, place=found.place, origin=found.origin)
     if not thing.is_unread:
         thing._provenance = replace(_provenance(thing), digest=_own_digest(as_in_file(thing)))

@@ -8,11 +8,13 @@ renaming, must not miss an element because it has not been read. See docs/decisi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from functools import cache
+import re
+from collections.abc import Callable, Collection
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import PrivateAttr, SerializerFunctionWrapHandler, model_serializer
+from pydantic_core import PydanticSerializationError
 
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.owners import Owned
@@ -39,13 +41,21 @@ class LateElement(Owned, Element):
         thing._unread_text = text
         return thing
 
-    def may_mention(self, words: Iterable[str]) -> bool:
-        """False if the element is unread and none of `words`, in ASCII and small letters, occurs in it."""
-        text = self._unread_text if self.is_unread else None
-        if text is None:
+    def may_mention(self, words: Collection[str], *, as_members: bool = False) -> bool:
+        """False if none of `words`, in small letters, occurs in the element; `as_members`: none behind a dot.
+
+        An unread element stays so. True where that cannot be told without reading it.
+        """
+        text = self._unread_text
+        if any(_ELSEWHERE_WRITTEN.search(word) for word in words) or (self.is_unread and text is None):
             return True
-        content = text().casefold()
-        return any(not word.isascii() or word in content for word in words)
+        try:
+            content = text() if text is not None else self.__pydantic_serializer__.to_json(self).decode()
+        except PydanticSerializationError:  # surrogates
+            return True
+        content = content.casefold()
+        found = [word for word in words if word in content]
+        return bool(found) and (not as_members or _behind_dot(tuple(found)).search(content) is not None)
 
     @property
     def is_unread(self) -> bool:
@@ -109,6 +119,17 @@ class LateElement(Owned, Element):
         self.read()
         content: dict[str, Any] = handler(self)
         return content
+
+
+_ELSEWHERE_WRITTEN = re.compile(r"""[^\x20-\x7e]|["'&<>\\]""")
+"""What a name has that XML or JSON may write in another way."""
+
+
+@lru_cache(maxsize=16)
+def _behind_dot(words: tuple[str, ...]) -> re.Pattern[str]:
+    """Return the pattern of `words` behind a dot, with blanks, quotes and comments between, in XML or JSON."""
+    between = r"(?:\s|\\[nrt]|\\?\"|#|&quot;|&\#\w+;|\(\*.*?\*\)|/\*.*?\*/|//.*?(?:\n|\\n|&\#\w+;))*"
+    return re.compile(rf"\.{between}(?:{'|'.join(map(re.escape, words))})", re.DOTALL)
 
 
 @cache

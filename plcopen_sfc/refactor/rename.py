@@ -195,7 +195,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None) -> list[Rename
     wanted = {declaration: new for declaration, new in table.items() if new != declaration.name}
     for declaration, new in wanted.items():
         _check_name(names, declaration, new)
-    found = list(names.occurrences(*(d.name for d in wanted), *wanted.values()))
+    found = list(names.occurrences(*(d.name for d in wanted), *wanted.values(), of=wanted))
     by_name: dict[str, list[Occurrence]] = {}
     for occurrence in found:
         by_name.setdefault(occurrence.reference.name.casefold(), []).append(occurrence)
@@ -221,7 +221,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None) -> list[Rename
     start = len(journal)
     for change in changes:
         journal.put(*change)
-    after = list(names.after_edits().occurrences(*old_names, *wanted.values()))
+    after = list(names.after_edits().occurrences(*old_names, *wanted.values(), of=wanted))
     if wanted and any(changed_meanings(wanted, found, after)):
         journal.take_back(start)
         reasons = list(changed_meanings(wanted, found, after))  # worded with the names as they are again

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 import plcopen_sfc as sfc
 from benchmarks.generate import generate
 from plcopen_sfc.model import SfcBody
@@ -28,3 +30,90 @@ def test_charts_that_do_not_mention_a_name_stay_unread(tmp_path: Path) -> None:
     assert (
         sum(step.name == "Again" for each in sfc.load(tmp_path / "many.xml").charts() for step in each.chart.steps) == 1
     )
+
+
+def _program(name: str, text: str, step: str = "Init") -> str:
+    """A POU in TC6 with one step, an action, and a condition with a text."""
+    return (
+        f'<pou name="{name}" pouType="program"><interface/><actions><action name="Act"><body><ST><xhtml:p>x := 1;'
+        f'</xhtml:p></ST></body></action></actions><body><SFC><step localId="1" name="{step}" initialStep="true">'
+        f'<position x="0" y="0"/></step><transition localId="2"><position x="0" y="9"/><connectionPointIn>'
+        f'<connection refLocalId="1"/></connectionPointIn><condition><inline name=""><ST><xhtml:p>{text}</xhtml:p>'
+        f"</ST></inline></condition></transition></SFC></body></pou>"
+    )
+
+
+def _file(*pous: str) -> bytes:
+    return (
+        '<project xmlns="http://www.plcopen.org/xml/tc6_0201" xmlns:xhtml="http://www.w3.org/1999/xhtml"><fileHeader '
+        'companyName="" productName="" productVersion="" creationDateTime="2026-01-05T08:00:00"/><contentHeader '
+        'name="a"><coordinateInfo><fbd><scaling x="0" y="0"/></fbd><ld><scaling x="0" y="0"/></ld><sfc><scaling x="0" '
+        'y="0"/></sfc></coordinateInfo></contentHeader><types><dataTypes/><pous>\n'
+        + "\n".join(pous)
+        + "\n</pous></types><instances><configurations/></instances></project>\n"
+    ).encode()
+
+
+@pytest.mark.parametrize(
+    ("text", "is_use"),
+    [
+        ("Init", False),
+        ("Other.X", False),
+        ("Main.Init.X", True),
+        ("Main . (* the first *)\n Init.X", True),
+        ("Main.\nInit.X", True),
+    ],
+)
+@pytest.mark.parametrize("read", [False, True])
+def test_a_step_is_looked_for_in_charts_that_name_it_behind_a_dot(text: str, is_use: bool, read: bool) -> None:
+    project = sfc.loads(_file(_program("Main", "TRUE"), _program("Other", text)))
+    if read:
+        project.read_all()
+    others = [body.chart for body in project.pous[1].bodies if isinstance(body, SfcBody)]
+    result = project.rename("Main.Init", "Start")
+    assert others[0].is_unread is (not read and not is_use)
+    assert len(result.changed) == is_use
+    data = sfc.dumps(project)
+    assert data.count(b'name="Init"') == 1
+    assert (text.replace("Init", "Start") if is_use else text).encode() in data
+
+
+def test_an_edit_leaves_all_other_programs_as_they_are() -> None:
+    strange = _program("Strange", "TRUE").replace(
+        "<interface/>", "<!-- <pou name='x'> --><interface/><?tool <pou > ?>", 1
+    )
+    strange = strange.replace("TRUE", "<![CDATA[x = '</pou>']]>", 1).replace('"program"', "'program'", 1)
+    pous = [_program("First", "TRUE"), strange, _program("Last", "TRUE")]
+    project = sfc.loads(_file(*pous))
+    assert [pou.name for pou in project.pous] == ["First", "Strange", "Last"]
+    for number, name in ((0, "First"), (2, "Last")):
+        project.rename(f"{name}.Init", "Begin")
+        pous[number] = pous[number].replace('"Init"', '"Begin"')
+    assert sfc.dumps(project) == _file(*pous)
+    project.rename("Strange.Init", "Begin")
+    pous[1] = pous[1].replace('"Init"', '"Begin"')
+    assert sfc.dumps(project) == _file(*pous)
+
+
+def test_programs_in_another_order_are_saved_so() -> None:
+    names = ["A", "B", "C"]
+    project = sfc.loads(_file(*(_program(name, "TRUE") for name in names)))
+    project.pous = [project.pous[2], project.pous[0], project.pous[1]]
+    assert [pou.name for pou in sfc.loads(sfc.dumps(project)).pous] == ["C", "A", "B"]
+    project.pous = project.pous[:2]
+    project.rename("C.Init", "Begin")
+    again = sfc.loads(sfc.dumps(project))
+    assert [(pou.name, pou.sfc.steps[0].name) for pou in again.pous if pou.sfc] == [("C", "Begin"), ("A", "Init")]
+
+
+@pytest.mark.parametrize("what", ["program", "body", "chart"])
+def test_a_chart_of_the_same_name_in_another_file_is_saved(what: str) -> None:
+    project = sfc.loads(_file(_program("Main", "TRUE")))
+    other = sfc.loads(_file(_program("Main", "TRUE", step="Start")))
+    if what == "program":
+        project.pous[0] = other.pous[0]
+    elif what == "body":
+        project.pous[0].bodies = other.pous[0].bodies
+    else:
+        project.pous[0].bodies[0] = SfcBody(chart=other.pous[0].chart)
+    assert b'name="Start"' in sfc.dumps(project)

@@ -396,6 +396,8 @@ def _written_scale(scale: Scaling) -> dict[str, str]:
 class Tc6Codec(XmlCodec):
     """PLCopen TC6 XML, and what its dialects share."""
 
+    pou_tag = "pou"
+
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a file of any TC6 version. Raises `FormatError`."""
         return load_tc6(data, file=file)

@@ -67,7 +67,8 @@ class UnreadChart:
     def text(self) -> str:
         """Return a text with every text of the chart in it: as it is written, and without markup inside of words."""
         written = etree.tostring(self.element, encoding="unicode")
-        return "\0".join([written, "".join(map(str, self.element.itertext())), repr(self.late)])
+        plain = etree.tostring(self.element, encoding="unicode", method="text")
+        return "\0".join([written, plain, repr(self.late) if self.late else ""])
 
     def warn_of_edit(self, what: str) -> None:
         """Warn that extension data keep something of the source which counts no more."""

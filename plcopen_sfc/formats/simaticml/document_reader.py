@@ -13,7 +13,7 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
 from plcopen_sfc.formats.format_interface import TIA_PORTAL
-from plcopen_sfc.formats.provenance import read_later, remember_body
+from plcopen_sfc.formats.provenance import Origin, file_digest, read_later, remember_body
 from plcopen_sfc.formats.simaticml.added_elements import AddedMark, forget_mark, mark_of
 from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
@@ -179,7 +179,7 @@ class LateDocument:
             if isinstance(thing, Pou):
                 for name, _, body in thing.named_bodies():
                     if isinstance(body, SfcBody):
-                        remember_body(body, name, self._data)
+                        remember_body(body, Origin(name, self._data, file_digest(self._data)))
             if waiting:
                 waiting = False
                 self._done()

@@ -12,7 +12,7 @@ import re
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, cast
+from typing import Any, ClassVar, Literal, NamedTuple, cast
 
 from lxml import etree
 
@@ -28,7 +28,12 @@ from plcopen_sfc.report import ConversionReport
 
 
 class XmlCodec(Codec):
-    """Reads and writes an XML format, whose files can be patched."""
+    """Reads and writes an XML format, whose files can be patched.
+
+    `pou_tag` is the name of the elements with the POUs, in their order, where a file may have many; empty: it has one.
+    """
+
+    pou_tag: ClassVar[str] = ""
 
     @abstractmethod
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:

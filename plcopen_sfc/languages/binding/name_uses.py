@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import chain
@@ -97,7 +97,7 @@ class Names:
         self.project = project
         self.dialect = dialect_of(project)
         self.resolver = Resolver(project, self.dialect)
-        self._text_sites: dict[frozenset[str], list[TextSite]] = {}
+        self._text_sites: dict[tuple[frozenset[str], frozenset[int]], list[TextSite]] = {}
         self._by_path: dict[str, dict[str, list[Declaration]]] = {}
 
     def after_edits(self) -> Names:
@@ -106,10 +106,16 @@ class Names:
         anew._text_sites = self._text_sites
         return anew
 
-    def occurrences(self, *words: str) -> Iterator[Occurrence]:
-        """Every place where one of `words` stands as a name, in upper or lower case, with what it means there."""
+    def occurrences(self, *words: str, of: Collection[Declaration] = ()) -> Iterator[Occurrence]:
+        """Every place where one of `words` stands as a name, in upper or lower case, with what it means there.
+
+        `of`: only places matter that may mean one of these. Steps and transitions are not looked for where another
+        POU has the same word on its own, or nearly every chart would be read for ``Init``.
+        """
         keys = frozenset(word.casefold() for word in words)
-        for text_site in self.text_sites(keys):
+        local = all(each.kind in (Kind.STEP, Kind.TRANSITION) and each.pou is not None for each in of)
+        homes = [each.pou for each in of if each.pou is not None] if of and local else None
+        for text_site in self.text_sites(keys, homes):
             text = text_site.text.casefold()
             if any(key in text for key in keys):
                 for reference in references(text_site, self.dialect):
@@ -174,15 +180,17 @@ class Names:
             if with_actions or each.kind is not Kind.ACTION
         ]
 
-    def text_sites(self, words: frozenset[str] = frozenset()) -> list[TextSite]:
-        """Every text that may name something; with `words`, of the unread charts those that mention one of them."""
-        if words not in self._text_sites:
-            self._text_sites[words] = list(text_sites(self.project, words))
-        return self._text_sites[words]
+    def text_sites(self, words: frozenset[str] = frozenset(), homes: Collection[Pou] | None = None) -> list[TextSite]:
+        """Every text that may name something; with `words`, in charts that mention one of them: see `text_sites`."""
+        key = words, frozenset(map(id, homes or ()))
+        if key not in self._text_sites:
+            self._text_sites[key] = list(text_sites(self.project, words, homes))
+        return self._text_sites[key]
 
     def uses(self, declaration: Declaration) -> list[Occurrence]:
         """Every use of a declaration."""
-        return [found for found in self.occurrences(declaration.name) if found.refers_to(declaration)]
+        found = self.occurrences(declaration.name, of=(declaration,))
+        return [each for each in found if each.refers_to(declaration)]
 
     def declarations(self) -> Iterator[Declaration]:
         """Everything that is declared and that a name can mean."""

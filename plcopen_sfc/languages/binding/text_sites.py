@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
+from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model import body as b
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model import sfc as s
@@ -239,6 +240,7 @@ class _Where:
     labels: Mapping[int, str] = field(default_factory=dict)
     report_path: str = ""
     words: Collection[str] = ()
+    homes: frozenset[int] | None = None
 
     def at(self, label: str) -> _Where:
         return replace(self, path=_below_path(self.path, label), report_path=_below_path(self.report_path, label))
@@ -252,14 +254,18 @@ def _below_path(path: str, label: str) -> str:
     return f"{path} / {label}" if path else label
 
 
-def text_sites(project: Project, words: Collection[str] = ()) -> Iterator[TextSite]:
+def text_sites(
+    project: Project, words: Collection[str] = (), homes: Collection[Pou] | None = None
+) -> Iterator[TextSite]:
     """Every text of `project` that may name something.
 
-    With `words` (in small letters), charts that are unread and mention none of them are left out and stay unread.
+    With `words` (in small letters), charts that mention none of them are left out, and stay unread. With `homes`, the
+    words are names of steps and transitions of these POUs, which other charts can only mention behind a dot.
     """
     if not words:
         project.read_all()
-    yield from _fields(project, _Where(Site(), "", "project", words=words))
+    at_home = frozenset(map(id, homes)) if homes is not None else None
+    yield from _fields(project, _Where(Site(), "", "project", words=words, homes=at_home))
 
 
 def text_sites_in(thing: Model) -> Iterator[TextSite]:
@@ -268,12 +274,31 @@ def text_sites_in(thing: Model) -> Iterator[TextSite]:
 
 
 def _walk(thing: Any, where: _Where) -> Iterator[TextSite]:
-    if where.words and isinstance(thing, LateElement) and not thing.may_mention(where.words):
+    if where.words and _is_without(thing, where):
         return
     entering = _ENTERING.get(type(thing))
     if entering is not None:
         where = entering(thing, where)
     yield from _fields(thing, where)
+
+
+def _is_without(thing: Any, where: _Where) -> bool:
+    """True if none of the words looked for can be in an object."""
+    if isinstance(thing, s.SfcNetwork):
+        pou = where.site.pou
+        abroad = where.homes is not None and pou is not None and id(pou) not in where.homes
+        as_members = abroad and not inheritance(pou.interface if pou is not None else None).extends
+        return not thing.may_mention(where.words, as_members=as_members)
+    if isinstance(thing, LateElement):
+        return thing.is_unread and not thing.may_mention(where.words)
+    if isinstance(thing, t.Variable):
+        others = (value for key, value in thing.__dict__.items() if key not in _PLAIN_FIELDS)
+        return type(thing.type) is t.ElementaryType and not any(others)
+    return False
+
+
+_PLAIN_FIELDS = frozenset({"name", "type", "address", "attributes"})
+"""The fields of a variable of an elementary type that name nothing."""
 
 
 def _fields(thing: Model, where: _Where) -> Iterator[TextSite]:
