@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection
-from functools import cache, lru_cache
+from functools import cache
 from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import PrivateAttr, SerializerFunctionWrapHandler, model_serializer
@@ -54,8 +54,11 @@ class LateElement(Owned, Element):
         except PydanticSerializationError:  # surrogates
             return True
         content = content.casefold()
-        found = [word for word in words if word in content]
-        return bool(found) and (not as_members or _behind_dot(tuple(found)).search(content) is not None)
+        if not as_members:
+            return any(word in content for word in words)
+        known, lengths = set(words), {len(word) for word in words}
+        ends = (dot.end() for dot in _DOT.finditer(content))
+        return any(content[end : end + length] in known for end in ends for length in lengths)
 
     @property
     def is_unread(self) -> bool:
@@ -125,11 +128,8 @@ _ELSEWHERE_WRITTEN = re.compile(r"""[^\x20-\x7e]|["'&<>\\]""")
 """What a name has that XML or JSON may write in another way."""
 
 
-@lru_cache(maxsize=16)
-def _behind_dot(words: tuple[str, ...]) -> re.Pattern[str]:
-    """Return the pattern of `words` behind a dot, with blanks, quotes and comments between, in XML or JSON."""
-    between = r"(?:\s|\\[nrt]|\\?\"|#|&quot;|&\#\w+;|\(\*.*?\*\)|/\*.*?\*/|//.*?(?:\n|\\n|&\#\w+;))*"
-    return re.compile(rf"\.{between}(?:{'|'.join(map(re.escape, words))})", re.DOTALL)
+_DOT = re.compile(r"\.(?:\s|\\[nrt]|\\?\"|#|&quot;|&\#\w+;|\(\*.*?\*\)|/\*.*?\*/|//.*?(?:\n|\\n|&\#\w+;))*", re.DOTALL)
+"""A dot, with the blanks, quotes and comments behind it, in XML or JSON."""
 
 
 @cache

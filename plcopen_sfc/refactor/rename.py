@@ -140,7 +140,8 @@ def rename_many(
     check_argument(project, Project, "rename_many needs a project")
     check_argument(table, Mapping, 'rename_many needs a table of new names: {"Main.S1": "Fill"}')
     names = Names(project)
-    declared = set(names.declarations())
+    around = {id(what.pou) for what in table if isinstance(what, Declaration)}
+    declared = set(names.declarations(lambda pou: id(pou) in around)) if around else set()
     wanted: dict[Declaration, str] = {}
     for what, new in table.items():
         check_argument(what, (str, Declaration), 'what to rename is a path ("Main.S3") or a declaration')

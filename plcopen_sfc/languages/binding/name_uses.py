@@ -192,9 +192,9 @@ class Names:
         found = self.occurrences(declaration.name, of=(declaration,))
         return [each for each in found if each.refers_to(declaration)]
 
-    def declarations(self) -> Iterator[Declaration]:
-        """Everything that is declared and that a name can mean."""
-        return self._in(self.levels())
+    def declarations(self, wanted: Callable[[Pou], bool] = lambda _: True) -> Iterator[Declaration]:
+        """Everything that is declared and that a name can mean, but for what is in POUs that are not wanted."""
+        return self._in(self.levels(wanted))
 
     def _in(self, levels: Iterable[Level]) -> Iterator[Declaration]:
         seen: set[Declaration] = set()
@@ -243,7 +243,7 @@ class Names:
         if head not in self._by_path:
             found = self._by_path[head] = {}
             # what is in a POU has its name in front: the charts of others stay unread
-            for declaration in self._in(self.levels(lambda pou: pou.name.casefold() == head)):
+            for declaration in self.declarations(lambda pou: pou.name.casefold() == head):
                 found.setdefault(declaration.path.casefold(), []).append(declaration)
         return self._by_path[head].get(path.casefold(), [])
 
