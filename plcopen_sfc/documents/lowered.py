@@ -159,7 +159,7 @@ class _Draft:
 
         None as `options`: there are no proofs. After an interruption all others are returned as they were given.
         """
-        seen = self._seen() if options is not None else None
+        seen = self._seen()
         if jobs > 1 and options is not None:  # nothing can be shown from another process
             options = options._replace(searching={**options.searching, "progress": None})
         found: dict[str, LoweredPou] = {each.name: each for each in lowered}
@@ -188,11 +188,12 @@ class _Draft:
         chart = lowered.chart
         with errors_of(chart.project, chart.pou, chart.name):
             refuse_comments(self.report, lowered.name)
-            refuse_uncompiled(self.report, lowered.name)
+            seen = seen or self._seen()
+            refuse_uncompiled(self.report, seen, lowered)
             if options is None:
                 return lowered
             whole = partial(load_project, self._path, format=self._format)
-            proof = prove_written(chart, lowered, seen or self._seen(), whole, **options.searching)
+            proof = prove_written(chart, lowered, seen, whole, **options.searching)
             refuse_untested(lowered.name, proof, accepted=options.accept_untested)
         return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
 

@@ -12,6 +12,7 @@ from typing import Unpack
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, ModelError
+from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.lowering.chart_lowering import LoweredPou
 from plcopen_sfc.lowering.lowering_options import Style
 from plcopen_sfc.lowering.proof import prove
@@ -66,11 +67,22 @@ def prove_written(
     return found
 
 
-def refuse_uncompiled(report: ConversionReport, pou: str) -> None:
-    """Raise `LoweringError` where the target does not compile the code of `pou`: the proof knows more than that."""
+def refuse_uncompiled(report: ConversionReport, seen: Project, lowered: LoweredPou) -> None:
+    """Raise `LoweringError` where the target does not compile the code: the proof knows more than its compiler.
+
+    Refused are statements that the target does not have, bodies that are written as something else, and variables of
+    the code that the file (`seen` as its tool reads it) does not declare. Global variables and library types may be
+    elsewhere in the project of the user: the report lists them.
+    """
+    place = lowered.pou.report_path
     for item in report.with_outcome(Outcome.NOT_EXECUTED):
-        if item.what == "text" and item.path == f"POU {pou}":
+        if item.what in ("text", "body") and (item.path == place or item.path.startswith(f"{place} / action ")):
             raise LoweringError(f"the target does not compile the code: {item.why}", location=Location(path=item.path))
+    own = {variable.name.casefold() for variable in lowered.pou.variables()}
+    for each in Names(seen).undeclared(resolve(seen, lowered.pou.name).pou):
+        if each.reference.name.casefold() in own:
+            message = f"the target does not compile the code: the file does not declare {each.reference.name}"
+            raise LoweringError(message, location=Location(path=each.text_site.report_path))
 
 
 def refuse_comments(report: ConversionReport, pou: str) -> None:

@@ -12,6 +12,8 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.errors import ArgumentError, LoweringError, SfcError
+from plcopen_sfc.lowering.proof_as_written import refuse_uncompiled
+from plcopen_sfc.report import ConversionReport
 from tests.lowering.charts import boolean, training_chain
 
 
@@ -162,3 +164,23 @@ def test_code_that_the_target_does_not_compile_is_not_saved(tmp_path: Path) -> N
     with pytest.raises(LoweringError, match="SCL has no function block SR"):
         sfc.save(lowered, tmp_path / "main.scl", format="scl", partial=True)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_drawn_actions_that_a_text_cannot_hold_are_not_saved(tmp_path: Path) -> None:
+    """The file had an undeclared name in the place of the body, and the code was proven without it."""
+    project = sfc.load(Path("fixtures/codesys/sorting_conveyor.xml"))
+    made = sfc.lower_to_file(project, str(tmp_path / "main.st"), format="iec-text", pou="PLC_PRG", verify=False)
+    assert "NOT_EXECUTED_ACT_Belt is in its place" in str(made.refused["PLC_PRG"])
+    assert made.path is None
+
+
+def test_variables_of_the_code_are_declared_in_the_file() -> None:
+    lowered = sfc.lower(plant("Ablauf"), "bits")
+    seen = lowered.project.model_copy(deep=True)
+    refuse_uncompiled(ConversionReport(), seen, lowered)
+    (pou,) = seen.pous
+    assert pou.interface is not None
+    for section in pou.interface.sections:
+        section.variables = [each for each in section.variables if each.name != "X3"]
+    with pytest.raises(LoweringError, match="the file does not declare X3"):
+        refuse_uncompiled(ConversionReport(), seen, lowered)

@@ -128,12 +128,15 @@ class Names:
             for reference in references(text_site, self.dialect):
                 yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
 
-    def undeclared(self) -> Iterator[Occurrence]:
-        """The names in program text that stand on their own and that nothing declares, each where it is first."""
+    def undeclared(self, pou: Pou | None = None) -> Iterator[Occurrence]:
+        """The names in program text, of all POUs or of `pou`, that stand on their own and that nothing declares.
+
+        Each where it is first.
+        """
         found: set[str] = set()
         declared: set[tuple[Site, Role, str]] = set()
         for text_site in self.text_sites():
-            if not text_site.is_program_text:
+            if not text_site.is_program_text or (pou is not None and text_site.site.pou is not pou):
                 continue
             for reference in references(text_site, self.dialect):
                 name = reference.name.casefold()
