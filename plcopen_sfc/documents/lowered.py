@@ -7,6 +7,7 @@ restore from comments what the tool never sees.
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -36,8 +37,9 @@ from plcopen_sfc.lowering.construction import errors_of
 from plcopen_sfc.lowering.project_lowering import LoweringOptions
 from plcopen_sfc.lowering.proof import ProofOptions, refuse_untested
 from plcopen_sfc.lowering.proof_as_written import prove_written, refuse_comments, refuse_uncompiled
-from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.project import PouInstance, Project
+from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -126,8 +128,8 @@ def lower_to_file(
             asked_for, left_out = _asked_for(lowered.project, name, pou)
             draft = _Draft(asked_for, target, place, {"format": name, "partial": True})
             for each in left_out:
-                why = "it was not asked for, and SCL has no charts: the file has no such block"
-                draft.report.add(Outcome.NOT_EXECUTED, "chart", each.report_path, why)
+                why = "it was not asked for, and nothing in the file needs it: the file has no such block"
+                draft.report.add(Outcome.NOT_EXECUTED, "POU", each.report_path, why)
             pous, late = draft.all_proven(lowered.pous, proof_options, jobs)
             refused |= late
             stopped = any(isinstance(error, UntestedError) and error.verdict.interrupted for error in late.values())
@@ -217,11 +219,43 @@ class _Draft:
 
 
 def _asked_for(project: Project, name: str, pou: str | None) -> tuple[Project, list[Pou]]:
-    """Return the project without the charts that were not asked for, and these, where they would be empty blocks."""
-    left_out = [each for each in project.pous if each.sfc is not None] if pou is not None and name == "scl" else []
-    if not left_out:
+    """Return the project without the POUs that were not asked for, and these, where they would be no charts any more.
+
+    Only what the POU called `pou` names stays, and what that names in turn. Global variables stay.
+    """
+    if pou is None or name != "scl":
         return project, []
     copy = project.model_copy(deep=True)
-    names = {each.name for each in left_out}
-    copy.pous = [each for each in copy.pous if each.name not in names]
+    needed = _needed(copy, pou.partition(".")[0])
+    left_out = [each for each in project.pous if each.name.casefold() not in needed]
+    copy.pous = [each for each in copy.pous if each.name.casefold() in needed]
+    copy.data_types = [each for each in copy.data_types if each.name.casefold() in needed]
+    for resource in copy.resources():
+        resource.instances = _instances_of(needed, resource.instances)
+        for task in resource.tasks:
+            task.instances = _instances_of(needed, task.instances)
+        resource.tasks = [task for task in resource.tasks if task.instances]
     return copy, left_out
+
+
+def _instances_of(needed: set[str], instances: Iterable[PouInstance]) -> list[PouInstance]:
+    return [each for each in instances if (each.type_name or each.name).casefold() in needed]
+
+
+def _needed(project: Project, pou: str) -> set[str]:
+    """Return what a POU needs of the project, itself included: names in lower case, by the words in its texts."""
+    variables = [each for section in project.global_sections() for each in section.variables]
+    things: list[Pou | DataTypeDeclaration | DataBlock | Variable]
+    things = [*project.pous, *project.data_types, *project.data_blocks, *variables]
+    by_name = {each.name.replace('"', "").casefold(): each for each in things}
+    found: set[str] = set()
+    waiting = {pou.casefold()}
+    while waiting:
+        name = waiting.pop()
+        found.add(name)
+        words = set(_WORD.findall(by_name[name].model_dump_json().casefold()))
+        waiting |= (words & by_name.keys()) - found
+    return found
+
+
+_WORD = re.compile(r"\w+")

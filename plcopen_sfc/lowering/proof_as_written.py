@@ -19,6 +19,7 @@ from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
@@ -78,7 +79,10 @@ def refuse_uncompiled(report: ConversionReport, seen: Project, lowered: LoweredP
     for item in report.with_outcome(Outcome.NOT_EXECUTED):
         if item.what in ("text", "body") and (item.path == place or item.path.startswith(f"{place} / action ")):
             raise LoweringError(f"the target does not compile the code: {item.why}", location=Location(path=item.path))
-    own = {variable.name.casefold() for variable in lowered.pou.variables()}
+    sections = lowered.pou.interface.sections if lowered.pou.interface is not None else []
+    inner = [each for each in sections if each.kind is not SectionKind.EXTERNAL]
+    # S7 has variables with addresses in its tables of tags
+    own = {each.name.casefold() for section in inner for each in section.variables if not each.address}
     for each in Names(seen).undeclared(resolve(seen, lowered.pou.name).pou):
         if each.reference.name.casefold() in own:
             message = f"the target does not compile the code: the file does not declare {each.reference.name}"

@@ -184,3 +184,21 @@ def test_variables_of_the_code_are_declared_in_the_file() -> None:
         section.variables = [each for each in section.variables if each.name != "X3"]
     with pytest.raises(LoweringError, match="the file does not declare X3"):
         refuse_uncompiled(ConversionReport(), seen, lowered)
+
+
+@pytest.mark.parametrize(
+    ("file", "name", "needed"),
+    [
+        ("device_export.xml", "PRG_Pumps", ["F_Bar", "FB_Runtime", "PRG_Pumps"]),
+        ("distribution_belt.xml", "Ablauf_Band", ["Ablauf_Band"]),
+    ],
+)
+def test_a_source_of_scl_has_the_pou_that_was_asked_for_and_what_it_needs(
+    file: str, name: str, needed: list[str], tmp_path: Path
+) -> None:
+    project, path = sfc.load(Path("fixtures/codesys") / file), tmp_path / "main.scl"
+    made = sfc.lower_to_file(project, str(path), format="scl", pou=name, verify=False)
+    blocks = [pou.name for pou in sfc.load(path).pous if pou.kind is not m.PouKind.ORGANIZATION_BLOCK]
+    assert blocks == needed
+    left_out = {item.path for item in made.report.items if "not asked for" in item.why}
+    assert left_out == {f"POU {pou.name}" for pou in project.pous} - {f"POU {each}" for each in needed}
