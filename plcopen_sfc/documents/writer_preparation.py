@@ -108,7 +108,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     copy, marks = rewrite_project(meant, kind, options, report)
     options = replace(options, marks=marks, rewritten=meant)
     if style.structured and (project.source is None or project.source.format != kind.name):
-        _note_limits(copy, report)
+        _note_limits(copy, kind, report)
     # a format without ids has branches of its own instead of the bars of others
     other = project.source is None or project.source.format != kind.name
     replaced = bool(options.flavour) or (not kind.ids and other)
@@ -227,13 +227,18 @@ _TWINCAT = "twincat"
 _COUNTED = re.compile(r"%[IQM][WDL]0*[1-9]\d*", re.IGNORECASE)
 
 
-def _note_limits(project: Project, report: ConversionReport) -> None:
-    """Say which charts tools that know nested branches only may not take."""
+def _note_limits(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Say which charts tools that know nested branches only may not take, and that they begin with one step."""
     from plcopen_sfc.drawing import limits  # noqa: PLC0415
 
     for chart in project.charts():
         names = {step.id: f"step {step.name}" for step in chart.chart.steps}
         names |= {id_: f"transition {label}" for id_, label in chart.chart.labels().items()}
+        initial = {step.id for step in chart.chart.steps if step.initial}
         for problem in limits(chart.chart):
             path = f"{chart.report_path} / {names.get(problem.symbol, problem.symbol)}"
-            report.add(Outcome.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")
+            if problem.code == "SFC132" and problem.symbol in initial:
+                why = f"a chart of {kind.tool} begins with one step: it is not active there from the start"
+                report.add(Outcome.NOT_EXECUTED, "initial step", path, why)
+            else:
+                report.add(Outcome.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")

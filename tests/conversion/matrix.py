@@ -64,7 +64,7 @@ REASONS = {
     "codesys|twincat|codesys-export": {
         "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
         "negated action|macro-step|drawn logic": "charts of CODESYS have no such element",
-        "two sequences": "the archive of a chart begins with one step",
+        "two sequences": "a chart begins with one step",
     },
     "plcopen-2.01": {
         "SFCInit|SFCReset|SFCPause|maximum time": "TC6 has no SFC flags; statements for them are not written yet",

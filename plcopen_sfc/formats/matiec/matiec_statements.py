@@ -11,19 +11,20 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
+from plcopen_sfc.languages.expression_types import INSTANTS, OF_ONE_TYPE, ORDER, ExpressionTypes, fits
 from plcopen_sfc.languages.il import CALLS
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import ElementaryType, SimpleValue
+from plcopen_sfc.model.types import ElementaryType, SimpleValue, StringType
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -270,6 +271,9 @@ def fit_expressions(project: Project, report: ConversionReport) -> None:
             continue
         fitter = _ExpressionFitter(text_site, resolver)
         tree = transform(parsed.tree, fitter)
+        if not fitter.missing and tree is not None:
+            found = _TypeCheck(ExpressionTypes(Dialect.IEC, fitter.type_of)).mistakes(tree)
+            fitter.missing += (("operation", f"matiec has no {each}") for each in found)
         if tree is not parsed.tree:
             text_site.put(render(parsed, tree))
         for what, why in dict.fromkeys(fitter.missing):
@@ -282,6 +286,13 @@ class _ExpressionFitter:
         self.resolver = resolver
         self.missing: list[tuple[str, str]] = []
         self.converter = OperandConverter(self._type, self.missing)
+
+    def type_of(self, value: n.Expression) -> str:
+        """Return the elementary type of a variable or of the result of a function; empty where it has another."""
+        found = self.resolver.type_of(value, self.text_site.site)
+        if isinstance(found, StringType):
+            return "WSTRING" if found.wide else "STRING"
+        return found.name.value if isinstance(found, ElementaryType) else ""
 
     def __call__(self, node: n.Node) -> n.Node:
         if isinstance(node, n.Literal):
@@ -329,8 +340,7 @@ class _ExpressionFitter:
     def _type(self, value: n.Expression) -> str:
         if isinstance(value, n.Literal):
             return "REAL" if REAL_LITERAL.fullmatch(value.text) else "DINT" if value.text.isdigit() else ""
-        found = self.resolver.type_of(value, self.text_site.site)
-        return found.name.value if isinstance(found, ElementaryType) else ""
+        return self.type_of(value)
 
 
 _POINTLESS = re.compile(r"^(?:L?REAL#)?[+-]?\d[\d_]*(?=[eE][+-]?\d)|^L?REAL#[+-]?\d[\d_]*$", re.IGNORECASE)
@@ -430,6 +440,89 @@ class OperandConverter:
             return node
         value = _as(target, kind, node.value)
         return node if value is node.value else replace(node, value=value)
+
+
+_OF_REALS = frozenset("SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN".split())
+_SHIFTS = frozenset("SHL SHR ROL ROR".split())
+_TIMES = frozenset({"TIME"})
+
+
+class _TypeCheck:
+    """Finds operations, assignments and calls of standard functions with types that matiec does not take.
+
+    What has an unknown type is left alone: the values of enumerations, generic parameters, parts of structures.
+    """
+
+    def __init__(self, types: ExpressionTypes) -> None:
+        self._types = types
+
+    def mistakes(self, tree: n.Node) -> Iterator[str]:
+        """Yield what a tree has and matiec has not: ``+ of BYTE``."""
+        for node in walk(tree):
+            if isinstance(node, n.Operation):
+                yield from self._operation(node)
+            elif isinstance(node, n.Unary):
+                kind, is_not = self._types.value(node.operand).type, node.operator is n.Operator.NOT
+                if kind and (kind in {"BOOL", *_BITS}) is not is_not:
+                    yield f"{node.operator.value} of {kind}"
+            elif isinstance(node, n.Assignment) and node.kind is n.AssignmentKind.ASSIGN:
+                yield from self._assignment(node)
+            elif isinstance(node, n.Call) and isinstance(node.callee, n.Name):
+                yield from self._call(node.callee.identifier.upper(), [a.value for a in node.arguments if a.value])
+
+    def _operation(self, node: n.Operation) -> Iterator[str]:
+        values = [self._types.value(operand) for operand in node.operands]
+        kinds = [value.type for value in values if not value.loose]
+        if not all(kinds) or not kinds:
+            return
+        known, is_mixed = set(kinds), len(kinds) < len(values)
+        if node.operator in _ARITHMETIC:
+            scaled = node.operator in (n.Operator.MULTIPLY, n.Operator.DIVIDE)
+            if known <= _NUMBERS - set(_BITS) or (known & INSTANTS and not is_mixed):
+                wrong = False  # operands of several types have been converted
+            else:
+                wrong = (
+                    "TIME" not in known or (is_mixed and not scaled) or not known <= _TIMES | (_NUMBERS - set(_BITS))
+                )
+        elif node.operator in _LOGIC:
+            wrong = not known <= {"BOOL", *_BITS} or len(known) > 1
+        else:
+            wrong = len(known) > 1 or (is_mixed and not known <= _NUMBERS)
+        if wrong:
+            shown = [*sorted(known), *(["a number"] if is_mixed else [])]
+            yield f"{node.operator.value} of {' and '.join(shown)}"
+
+    def _assignment(self, node: n.Assignment) -> Iterator[str]:
+        target, value = self._types.value(node.target).type, self._types.value(node.value)
+        if target in _NUMBERS and _is_call_of(node.value, "TRUNC"):  # which gives any integer in matiec
+            return
+        if not target or not (value.type or value.loose):
+            return
+        if value.loose:
+            wrong = target not in _NUMBERS | {"BOOL"} or (target in ORDER and not fits(value, target))
+            wrong = wrong or (target == "BOOL" and not 0 <= value.low <= value.high <= 1)
+            kind = f"the number {value.low}" if value.low == value.high else "a number"
+        else:
+            wrong, kind = value.type != target and not {value.type, target} <= set(_REALS), value.type
+        if wrong:
+            yield f"assignment of {kind} to {target}"
+
+    def _call(self, name: str, arguments: list[n.Expression]) -> Iterator[str]:
+        values = [self._types.value(each) for each in arguments]
+        kinds = [value.type for value in values if value.type]
+        if name in _OF_REALS and kinds and kinds[0] not in _REALS:
+            yield f"{name} of {kinds[0]}"
+        elif name in _SHIFTS and values and values[0].type and values[0].type not in {"BOOL", *_BITS}:
+            yield f"{name} of {values[0].type}"
+        elif name in OF_ONE_TYPE:
+            chosen = {value.type for value in values[OF_ONE_TYPE[name] :] if not value.loose}
+            if "" not in chosen and (len(chosen) > 1 or (name == "ABS" and chosen & {"BOOL", *_BITS})):
+                yield f"{name} of {' and '.join(sorted(chosen))}"
+
+
+def _is_call_of(value: n.Expression, name: str) -> bool:
+    value = n.bare(value)
+    return isinstance(value, n.Call) and isinstance(value.callee, n.Name) and value.callee.identifier.upper() == name
 
 
 def _is_real(value: n.Expression) -> bool:

@@ -1,0 +1,57 @@
+"""Types that matiec does not take together: they are refused, as its compiler does, and not written as kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.report import Outcome
+from tests.judges.matiec import MatiecError, require_matiec
+
+DECLARED = (
+    "bb, bc : BOOL; i, j : INT; d : DINT; ui : UINT; w : WORD; b : BYTE; r : REAL; t : TIME; s : STRING; td : TOD;"
+)
+TAKEN = """
+i := i + j MOD 3|t := t * 2|t := t - T#1s|bb := 1|i := MAX(i, 5)|r := LIMIT(0.0, r, 10.0)|w := SHL(w, i)|r := SQRT(r)
+w := NOT w|w := w AND 16#FF|w := w OR b|bb := t > T#1s|bb := s = 'x'|i := LEN(s)|r := i|i := TRUNC(r)
+t := SEL(bb, t, T#1s)|i := REAL_TO_INT(r)|w := 65535|td := td + t|t := td - td|bb := bb AND 1
+r := EXPT(r, 2.0)|i := MUX(i, 1, 2, 3)
+"""
+REFUSED = """
+w := w + 1|b := b + 100|bb := bb + 1|t := t + 1|i := t|i := 'a'|i := 100000|bb := -1|i := MAX(i, d)
+i := LIMIT(0, i, 10.0)|i := SHL(i, 1)|r := SQRT(i)|i := NOT i|bb := t > 5|w := ABS(w)|w := -w|s := i|bb := i AND bb
+ui := -1|b := 300
+"""
+
+
+def _statements(texts: str) -> list[str]:
+    return [text for line in texts.strip().splitlines() for text in line.split("|")]
+
+
+def _converted(*statements: str) -> tuple[str, list[str]]:
+    """The text for matiec, and what is lost."""
+    text = f"PROGRAM Main\nVAR {DECLARED} END_VAR\n{'; '.join(statements)};\nEND_PROGRAM\n"
+    project = sfc.loads(text.encode(), format="iec-text")
+    data, report = sfc.convert(project, "iec-text", flavour="matiec", partial=True)
+    return data.decode(), [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)]
+
+
+def test_what_is_taken_is_no_loss() -> None:
+    assert _converted(*_statements(TAKEN))[1] == []
+
+
+@pytest.mark.parametrize("statement", _statements(REFUSED))
+def test_what_is_refused_is_not_executed(statement: str) -> None:
+    found = _converted(statement)[1]
+    assert found
+    assert {why.endswith("does not compile there") for why in found} == {True}
+
+
+def test_the_compiler_says_the_same(tmp_path: Path) -> None:
+    matiec = require_matiec()
+    matiec.build(_converted(*_statements(TAKEN))[0], tmp_path)
+    for number, statement in enumerate(_statements(REFUSED)[::4]):
+        with pytest.raises(MatiecError):
+            matiec.build(_converted(statement)[0], tmp_path / str(number))
