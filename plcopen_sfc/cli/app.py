@@ -78,13 +78,14 @@ def _command(function: Callable[..., int]) -> Callable[..., None]:
 
     Its parameters are the arguments and options of the command; those that all commands share are added here.
     """
+    own = dict(list(inspect.signature(function).parameters.items())[1:])
 
     def command(**given: Any) -> None:
         shared = {name: given[name] if name in own else given.pop(name) for name in _SHARED}
         with guarded(**shared) as screen:
             screen.exit_code = function(screen, **given)
 
-    own = dict(list(inspect.signature(function).parameters.items())[1:])
+    # typer reads the signature of what it calls: the options that all commands share are put into it
     added = {
         name: inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
         for name, (annotation, default) in _SHARED.items()
@@ -103,6 +104,7 @@ _SHARED: dict[str, tuple[Any, Any]] = {
     "quiet": (o.Quiet, False),
     "verbose": (o.Verbose, 0),
 }
+"""Options of every command, with their declarations and defaults."""
 
 # The first line of each docstring is its help in the list of commands: one sentence of at most 62 characters, so that
 # it fits on a line of a terminal of 80.
@@ -110,7 +112,7 @@ _SHARED: dict[str, tuple[Any, Any]] = {
 
 @_command
 def _formats(screen: Screen) -> int:
-    """List the formats and what charts keep in each of them."""
+    """List the formats and what of a chart each one preserves."""
     from plcopen_sfc.cli.commands import formats
 
     return formats.run(screen)
@@ -195,7 +197,7 @@ def _convert(
     page = report if report is not None and report.suffix.casefold() in {".html", ".htm"} else None
     if page is not None:
         screen.report = None
-    seconds, resting = convert.seconds_to_run(limit), o.names(at_rest)
+    seconds, resting = convert.limit_in_seconds(limit), o.names(at_rest)
     how = convert.ConvertOptions(to, flavour, tia, strict, partial, fresh, normalize, seconds, resting)
     return convert.run(
         screen,
@@ -442,7 +444,7 @@ def _page(screen: Screen, file: o.File, target: o.Target = None, lang: o.PageLan
 
 @_command
 def _normalize(screen: Screen, files: o.Files, dry_run: o.OnlyList = False) -> int:
-    """Leave out of files what their tool ignores, for git.
+    """Remove what the tool of a file ignores, for clean diffs in git.
 
     Changes files of TIA Portal in place: the time of an export and the like go. The exit code is 1 where one changed.
     """

@@ -330,9 +330,9 @@ def verify(project: Project, kind: Format, back: Project, report: ConversionRepo
     Networks are compared by their meaning where the format draws them in its own way. `back` is changed by that.
     """
     if not kind.positions:
-        from plcopen_sfc.languages.networks.alike import take_over_drawings  # noqa: PLC0415  # brings the parser
+        from plcopen_sfc.languages.networks.network_equality import keep_drawings  # noqa: PLC0415  # brings the parser
 
-        take_over_drawings(project, back)
+        keep_drawings(project, back)
     if not kind.ids:
         project = numbered_in_order(project)
         number_in_order(back)

@@ -10,7 +10,7 @@ from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.languages.binding import Declaration, Effects, Kind, Names, step_effects
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import dialect_of
-from plcopen_sfc.languages.networks.drawn_conditions import shown_condition
+from plcopen_sfc.languages.networks.condition_reading import shown_condition
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned

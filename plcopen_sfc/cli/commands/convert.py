@@ -33,7 +33,7 @@ _OUTCOME_STYLES = {
 
 @dataclass(frozen=True)
 class ConvertOptions:
-    """ConvertOptions to convert: the options of `plcopen_sfc.api.save`."""
+    """Options of the command: those of `plcopen_sfc.api.save`."""
 
     format: str
     flavour: str = ""
@@ -46,8 +46,8 @@ class ConvertOptions:
     at_rest: tuple[str, ...] = ()
 
 
-def seconds_to_run(limit: str) -> float:
-    """Return a limit of the command line in seconds; 0 is none of it."""
+def limit_in_seconds(limit: str) -> float:
+    """Return the limit of the command line in seconds; 0: the charts are not run."""
     return 0 if limit.strip() == "0" else seconds(limit) or 0
 
 

@@ -23,7 +23,7 @@ from plcopen_sfc.formats.archives.object_declarations import METHOD, PROPERTY, b
 from plcopen_sfc.formats.iectext.text_source import unwrapped, wrapped
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
-from plcopen_sfc.languages.networks.drawn_conditions import shown_body, shown_named_condition
+from plcopen_sfc.languages.networks.condition_reading import shown_body, shown_named_condition
 from plcopen_sfc.model.base import Carried, Element, ForeignData
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect

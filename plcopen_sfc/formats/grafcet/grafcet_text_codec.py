@@ -15,7 +15,7 @@ from plcopen_sfc.formats.grafcet.grafcet_text_reader import CHARTS, SITUATIONS, 
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode_text, numbered_blocks
 from plcopen_sfc.languages.declarations import write_type, write_value
-from plcopen_sfc.languages.networks.drawn_conditions import shown_condition
+from plcopen_sfc.languages.networks.condition_reading import shown_condition
 from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, ForcingOrder, Qualifier
 from plcopen_sfc.model.body import StBody

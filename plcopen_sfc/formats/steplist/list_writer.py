@@ -8,7 +8,7 @@ from itertools import zip_longest
 from plcopen_sfc.formats.steplist.list_reader import KINDS, MEMORY, NOWHERE, SECTIONS, STEP_ACTIONS
 from plcopen_sfc.formats.steplist.list_tables import ListTable, TableKind, TableRow
 from plcopen_sfc.languages.declarations import write_type, write_value
-from plcopen_sfc.languages.networks.drawn_conditions import shown_condition
+from plcopen_sfc.languages.networks.condition_reading import shown_condition
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Condition, Expression

@@ -3,10 +3,15 @@
 `body_statements`, `network_statements` and `network_expression` read networks, `condition_expression` the condition of
 a transition and `chart_statements` the rest of the logic drawn in a chart. `draw_fbd` and `draw_ld` draw statements,
 `draw_fbd_expression` and `draw_ld_expression` an expression. `normal_form` is what stays the same there and back.
+
+`network_reading`, from `network_graph` (elements and wires) and `blocks` (what a box does) to `results`
+`condition_reading`   conditions of every kind as expressions
+`network_drawing`     LD, and both as bodies; `fbd_drafting`: FBD; `element_places`: positions
+`drawing_rules`       how a tool draws
+`network_equality`    whether two networks mean the same
 """
 
-from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
-from plcopen_sfc.languages.networks.drawn_conditions import (
+from plcopen_sfc.languages.networks.condition_reading import (
     chart_statements,
     condition_expression,
     condition_reader,
@@ -16,6 +21,7 @@ from plcopen_sfc.languages.networks.drawn_conditions import (
     shown_condition,
     shown_named_condition,
 )
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.networks.network_drawing import (
     DrawnExpression,
     DrawnFbd,

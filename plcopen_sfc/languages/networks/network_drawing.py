@@ -1,6 +1,6 @@
 """Text to networks: expressions and statements drawn as FBD or LD.
 
-In ladder diagrams AND is contacts behind each other, OR is branches; the rest are blocks between them.
+In ladder diagrams AND becomes contacts in series, OR parallel branches; all else becomes blocks between them.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from plcopen_sfc.collector import collecting_rarely
-from plcopen_sfc.languages.networks.drafting import Drafter, Rung
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, is_boolean_result
 from plcopen_sfc.languages.networks.element_places import (
     GRID,
@@ -24,6 +23,7 @@ from plcopen_sfc.languages.networks.element_places import (
     placed,
     text_width,
 )
+from plcopen_sfc.languages.networks.fbd_drafting import Drafter, Rung
 from plcopen_sfc.languages.networks.results import NetworkProblem
 from plcopen_sfc.languages.networks.wires import TRUE, is_true, joined, normal_form
 from plcopen_sfc.languages.st import nodes as n
@@ -54,7 +54,10 @@ Inflow = Sequence[WireStart] | None
 
 
 class _Part(NamedTuple):
-    """A part of a rung: `place` puts it somewhere, given where its power comes from; `line` as in `DrawnItem`."""
+    """A part of a rung: `place` gives it a position, from where its power comes.
+
+    `line` is how far its power line is below its top.
+    """
 
     line: float
     place: Callable[[float, float, Inflow], Area]
@@ -65,7 +68,8 @@ class LadderDrafter(Drafter):
 
     def __init__(self, rules: DrawingRules, first_id: int) -> None:
         super().__init__(rules, first_id)
-        self._inside = False
+        self._in_block_input = False
+        """True while the value of an input pin of a block is drawn: it does not start at the left power rail."""
         self._rail = LeftPowerRail(id=0)
 
     def sink(self, target: Expression, value: Expression, storage: Storage) -> DrawnItem:
@@ -91,7 +95,7 @@ class LadderDrafter(Drafter):
 
     def power(self, expression: Expression) -> DrawnItem:
         """A Boolean value as contacts that start at the left power rail."""
-        if self._inside:
+        if self._in_block_input:
             return super().value(expression)
         part = self._part(expression, at_rail=True)
         return DrawnItem(part.line, lambda x, y: part.place(x, y, None))
@@ -133,7 +137,7 @@ class LadderDrafter(Drafter):
         return self._block_at_rail(inner) if at_rail else self._block_between(inner)
 
     def _branch(self, expression: Expression, *, at_rail: bool) -> _Part:
-        """An operand of OR. A plain wire around other branches would be lost among the wires that it starts from."""
+        """Return an operand of OR. A plain wire would merge with the wires it starts from: it becomes an AND block."""
         if not at_rail and is_true(normal_form(expression)):
             return self._block_between(TRUE)
         return self._part(expression, at_rail=at_rail)
@@ -162,12 +166,12 @@ class LadderDrafter(Drafter):
 
     def _block_between(self, expression: Expression) -> _Part:
         """A value that is no contact, joined by an AND block with what comes before it."""
-        outside, self._inside = self._inside, True
+        outside, self._in_block_input = self._in_block_input, True
         item = self.value(expression)
-        self._inside = outside
+        self._in_block_input = outside
         block = operator_block(Operator.AND)
         assert block is not None  # noqa: S101
-        inflow: list[Inflow] = []
+        inflow: list[Inflow] = []  # where the power comes from, known when the part is placed
         before = DrawnItem(ROW / 2, lambda x, y: self._through(x, y, inflow[-1]))
         draft = BlockDraft("AND", call=self._call_kind(BlockCall.OPERATOR))
         names = [self._pin(block, pin.name) for pin in block.inputs]
@@ -188,7 +192,7 @@ class LadderDrafter(Drafter):
             self._rail.outputs.append(OutputPin(name="", position=(RAIL_WIDTH, row - self._rail.position[1])))
             ends = [WireStart(self._rail.id, None, (self._rail.position[0] + RAIL_WIDTH, row))]
         else:
-            ends = [end if end.at[1] == row else _led(end, x, row) for end in inflow]
+            ends = [end if end.at[1] == row else _extended(end, x, row) for end in inflow]
         return Area(tuple(ends), x, y + ROW)
 
     # -- what is Boolean
@@ -197,7 +201,9 @@ class LadderDrafter(Drafter):
         inner = n.bare(expression)
         if not is_variable(inner) or self._is_boolean(inner) is False:
             return False
-        return not (isinstance(inner, n.Member) and path_of(inner.base) in self._waiting.keys() - self._begun)
+        return not (
+            isinstance(inner, n.Member) and path_of(inner.base) in self._pending_calls.keys() - self._started_calls
+        )
 
     def _is_boolean(self, expression: Expression) -> bool | None:
         """True if a value is of type BOOL; None: unknown."""
@@ -250,8 +256,8 @@ def _branches(expression: Expression) -> bool:
     return isinstance(inner, n.Operation) and inner.operator is Operator.OR
 
 
-def _led(end: WireStart, x: float, row: float) -> WireStart:
-    """The end of a wire led on to another row."""
+def _extended(end: WireStart, x: float, row: float) -> WireStart:
+    """Return the end of a wire, extended to another row."""
     corner = x - GRID
     return end._replace(at=(x, row), route=((corner, row), (corner, end.at[1]), end.at, *end.route))
 
@@ -289,7 +295,7 @@ _RUNG_GAP = 20
 
 @dataclass(frozen=True, slots=True)
 class DrawnFbd:
-    """A function block diagram, and what could not be said in it."""
+    """A function block diagram, and what could not be expressed in it."""
 
     body: FbdBody
     problems: tuple[NetworkProblem, ...]
@@ -297,7 +303,7 @@ class DrawnFbd:
 
 @dataclass(frozen=True, slots=True)
 class DrawnLd:
-    """A ladder diagram, and what could not be said in it."""
+    """A ladder diagram, and what could not be expressed in it."""
 
     body: LdBody
     problems: tuple[NetworkProblem, ...]

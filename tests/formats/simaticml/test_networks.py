@@ -20,7 +20,7 @@ from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network, write_f
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand, read_operand, write_operand
 from plcopen_sfc.formats.simaticml.program_comparison import lengthened, numbers_like, shortened
 from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT
-from plcopen_sfc.languages.networks.drawn_conditions import condition_expression
+from plcopen_sfc.languages.networks.condition_reading import condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.printing import print_node

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.languages.networks.drawn_conditions import chart_statements, condition_expression
+from plcopen_sfc.languages.networks.condition_reading import chart_statements, condition_expression
 from plcopen_sfc.languages.networks.network_drawing import DrawnExpression, draw_fbd_expression, draw_ld_expression
 from plcopen_sfc.languages.networks.results import NetworkExpression
 from plcopen_sfc.languages.networks.wires import normal_form

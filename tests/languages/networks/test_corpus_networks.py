@@ -12,8 +12,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.networks.condition_reading import chart_statements, condition_expression
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
-from plcopen_sfc.languages.networks.drawn_conditions import chart_statements, condition_expression
 from plcopen_sfc.languages.networks.network_drawing import draw_fbd, draw_ld
 from plcopen_sfc.languages.networks.network_reading import body_statements
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkStatements

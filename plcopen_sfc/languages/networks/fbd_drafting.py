@@ -1,4 +1,4 @@
-"""Text to function block diagrams: values and statements as elements that wait for their place.
+"""Elements of function block diagrams for values and statements, before they get positions.
 
 `plcopen_sfc.languages.networks.network_drawing` draws the same as ladder diagrams.
 """
@@ -68,15 +68,19 @@ class Drafter:
         self._next_order = 1
         self._types = rules.block_types
         self._operands = rules.operand_paths
-        self._waiting: dict[Path, n.Call] = {}
-        self._drawn: list[Path] = []
-        self._begun: set[Path] = set()
-        self._blocked = False
+        self._pending_calls: dict[Path, n.Call] = {}
+        """Calls of function blocks that are drawn with the statement that uses their outputs, by instance."""
+        self._drawn_calls: list[Path] = []
+        """Those that are drawn, in the order of their execution."""
+        self._started_calls: set[Path] = set()
+        """Those that are drawn or being drawn."""
+        self._order_violated = False
+        """True if the rung would read a variable of a call before the call is executed."""
 
     # -- statements
 
     def statements(self, statements: Iterable[Statement]) -> list[Rung]:
-        """The rungs of statements. A function block whose output is used next stands in the rung that uses it."""
+        """Return the rungs of statements. A function block whose output is used next is in the rung that uses it."""
         rungs: list[Rung] = []
         waiting: list[Statement] = []
         for statement in self._flat(statements):
@@ -97,7 +101,10 @@ class Drafter:
                 yield statement
 
     def _rungs(self, statements: Sequence[Statement]) -> list[Rung]:
-        """The rungs of statements, of which all but the last are calls that may wait: as few as can hold them."""
+        """Draw statements in as few rungs as possible; all but the last are calls that may be drawn later.
+
+        Which calls fit into one rung is found out by drawing it: what does not fit is taken back.
+        """
         if not statements:
             return []
         *calls, last = statements
@@ -114,10 +121,13 @@ class Drafter:
         return [*self._rungs(calls[:first]), self._rung(calls[first:], last)]
 
     def _fitting(self, calls: Sequence[Statement], last: Statement) -> Rung | None:
-        """The rung of `last` with the function blocks of `calls`; None if these would be executed in another order."""
+        """Return the rung of `last` with the function blocks of `calls`.
+
+        None, with nothing drawn, if these would be executed in another order.
+        """
         state = self._state()
         rung = self._rung(calls, last)
-        if not calls or (self._drawn == list(self._waiting) and not self._blocked):
+        if not calls or (self._drawn_calls == list(self._pending_calls) and not self._order_violated):
             return rung
         self._go_back(state)
         return None
@@ -131,8 +141,8 @@ class Drafter:
 
     def _rung(self, calls: Sequence[Statement], last: Statement) -> Rung:
         first = len(self.nodes)
-        self._waiting = {path_of(call.callee): call for call in _calls(calls)}
-        self._drawn, self._begun, self._blocked = [], set(), False
+        self._pending_calls = {path_of(call.callee): call for call in _calls(calls)}
+        self._drawn_calls, self._started_calls, self._order_violated = [], set(), False
         item = self.statement(last)
         return Rung(item, self.nodes[first:])
 
@@ -213,7 +223,7 @@ class Drafter:
         return self.rules.booleans.get(self._text(target).lower(), False)
 
     def _kept_bit(self, bit: Expression, value: Expression, condition: Expression) -> DrawnItem:
-        """``bit := condition AND value OR NOT condition AND bit``: boxes of S7 that have EN write no bits."""
+        """Draw ``bit := condition AND value OR NOT condition AND bit``: boxes of S7 with EN cannot write a BOOL."""
         passed = n.Operation(Operator.AND, (condition, value))
         held = n.Operation(Operator.AND, (n.Unary(Operator.NOT, condition), bit))
         return self.sink(bit, n.Operation(Operator.OR, (passed, held)), Storage.NONE)
@@ -278,13 +288,13 @@ class Drafter:
             item = self.value(expression.operand)
             return item._replace(negated=not item.negated)
         if isinstance(expression, n.Member):
-            call = self._waiting.get(path_of(expression.base))
-            if call is not None and path_of(expression.base) not in self._begun:
+            call = self._pending_calls.get(path_of(expression.base))
+            if call is not None and path_of(expression.base) not in self._started_calls:
                 item = self._function_block(call, expression.name.identifier, None)
-                self._drawn.append(path_of(expression.base))
+                self._drawn_calls.append(path_of(expression.base))
                 return item
-        if is_impure(expression) and len(self._drawn) < len(self._waiting):
-            self._blocked = True
+        if is_impure(expression) and len(self._drawn_calls) < len(self._pending_calls):
+            self._order_violated = True
         draft = self._operation_draft(expression, enable=None)
         if draft is not None:
             return self._block(draft, draft.outputs[-1], acting=False)
@@ -293,8 +303,8 @@ class Drafter:
     def _note_reading(self, expression: Expression) -> None:
         """Note that an element reads variables: it must not read those of a call that is not drawn yet."""
         paths = reads(expression)
-        if any(path[: len(p)] == p for path in paths for p in self._waiting.keys() - self._begun):
-            self._blocked = True
+        if any(path[: len(p)] == p for path in paths for p in self._pending_calls.keys() - self._started_calls):
+            self._order_violated = True
 
     def _input(self, expression: Expression) -> DrawnItem:
         self._note_reading(expression)
@@ -434,7 +444,7 @@ class Drafter:
         is_operand = path in self._operands
         instance = self._text(call.callee)
         draft = BlockDraft(type_name, None if is_operand else instance, self._call_kind(BlockCall.FUNCTION_BLOCK))
-        self._begun.add(path)  # an argument that reads the instance means its last value
+        self._started_calls.add(path)  # an argument that reads the instance means its last value
         if enable is not None:
             draft.inputs.append(("EN", self.power(enable)))
             draft.outputs.append("ENO")
@@ -505,7 +515,7 @@ def _calls(statements: Iterable[Statement]) -> list[n.Call]:
 
 
 def _without_storing(node: n.Node) -> n.Node:
-    """``x S= c`` as other dialects than that of CODESYS have it."""
+    """Return ``x S= c`` as an IF, for dialects that have no ``S=``."""
     if isinstance(node, n.Assignment) and node.kind in (AssignmentKind.SET, AssignmentKind.RESET):
         constant = n.Literal("TRUE" if node.kind is AssignmentKind.SET else "FALSE")
         return n.If((n.Branch(node.value, (n.Assignment(node.target, constant),)),))

@@ -1,4 +1,4 @@
-"""Conditions drawn as networks: the Boolean expression of a transition, however its condition is given.
+"""Conditions of every kind as Boolean expressions: texts, names, bodies, and logic that is wired to a transition.
 
 Formats that hold no drawings have the structured text of drawn conditions and bodies.
 """
@@ -92,7 +92,7 @@ def condition_reader(
     """Return `condition_expression` as a function, for many conditions of a chart that does not change meanwhile.
 
     The logic drawn in the chart is looked through once, not for each of them. `taken` may grow
-    meanwhile.
+    meanwhile: each reading looks at it again.
     """
     return _ConditionReader(chart, dialect, {t.name.casefold(): t for t in transitions}, taken, known).read
 
@@ -173,7 +173,7 @@ def kept_conditions(
 
 
 def _feeding(reader: NetworkReader, pins: Iterable[Iterable[tuple[int, str | None]]]) -> set[int]:
-    """The elements that something depends on."""
+    """Return the ids of all elements upstream of `pins`."""
     found: set[int] = set()
     waiting = [source for sources in pins for source, _ in sources]
     while waiting:
@@ -198,7 +198,7 @@ class _ConditionReader:
         self._transitions = transitions
         self._taken = taken
         self._known = known
-        self._open: set[str] = set()
+        self._being_read: set[str] = set()
         self._whole: NetworkReader | None = None
         self._places: dict[int, list[int]] = {}
 
@@ -217,9 +217,8 @@ class _ConditionReader:
         return found
 
     def _text(self, text: str) -> NetworkExpression:
-        parsed = parse_expression(
-            text.rstrip().removesuffix(";"), self._dialect
-        )  # CODESYS exports it where users type it
+        # CODESYS exports the semicolon behind a condition if the user has typed one
+        parsed = parse_expression(text.rstrip().removesuffix(";"), self._dialect)
         return NetworkExpression(
             tree=parsed.tree, problems=tuple(NetworkProblem(f"{text!r}: {p.message}") for p in parsed.problems)
         )
@@ -228,11 +227,11 @@ class _ConditionReader:
         known = self._transitions.get(name.casefold())
         if known is None or known.body is None:
             return self._text(name)
-        if name.casefold() in self._open:
+        if name.casefold() in self._being_read:
             return _failed(f"the condition {name!r} depends on itself")
-        self._open.add(name.casefold())
+        self._being_read.add(name.casefold())
         found = self._body(known.body, name)
-        self._open.remove(name.casefold())
+        self._being_read.remove(name.casefold())
         return found
 
     def _body(self, body: Body, name: str) -> NetworkExpression:

@@ -7,7 +7,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_ld
-from plcopen_sfc.languages.networks.alike import say_the_same
+from plcopen_sfc.languages.networks.network_equality import mean_the_same
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model.dialect import Dialect
 
@@ -43,13 +43,13 @@ def test_places_and_operands_at_pins_say_nothing(language: str) -> None:
     network = drawn(language)
     other = undrawn(network)
     assert other != network
-    assert say_the_same(network, other, Dialect.IEC)
+    assert mean_the_same(network, other, Dialect.IEC)
 
 
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 @pytest.mark.parametrize("text", [TEXT.replace("B4", "NOT B4"), TEXT.replace("OR", "XOR"), "Q2 := B4; Q1 := B1;", ""])
 def test_other_logic_is_told(language: str, text: str) -> None:
-    assert not say_the_same(drawn(language), drawn(language, text), Dialect.IEC)
+    assert not mean_the_same(drawn(language), drawn(language, text), Dialect.IEC)
 
 
 def test_what_stands_beside_the_logic_counts() -> None:
@@ -57,10 +57,10 @@ def test_what_stands_beside_the_logic_counts() -> None:
     for field, value in (("comment", "why"), ("global_id", "7"), ("carried", m.Carried(attributes={"a": "b"}))):
         other = network.model_copy(deep=True)
         setattr(other.nodes[0], field, value)
-        assert not say_the_same(other, network, Dialect.IEC), field
+        assert not mean_the_same(other, network, Dialect.IEC), field
     other = network.model_copy(deep=True)
     other.nodes.append(m.CommentBox(id=99, content="title"))
-    assert not say_the_same(other, network, Dialect.IEC)
+    assert not mean_the_same(other, network, Dialect.IEC)
 
 
 @pytest.mark.parametrize("language", ["FBD", "LD"])
