@@ -545,6 +545,13 @@ def _pass_known_losses(report: ConversionReport, known: ConversionReport) -> Non
             report.items[place] = replace(item, outcome=Outcome.EXTENSION_DATA)
 
 
+def _is_read_as(project: Project, data: bytes, kind: Format, version: str) -> bool:
+    back = read_back(data, kind, version)
+    if not kind.ids:
+        number_in_order(back)
+    return next(differences(project, back), None) is None
+
+
 def _patched_text(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the text that was read with the edits in it."""
     from plcopen_sfc.formats.text_patch import patch_text  # noqa: PLC0415  # only to save edits
@@ -554,16 +561,18 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
     options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
     text, spans = codec.spans(source.content)
     after, known = codec.to_blocks(project, options, report), ConversionReport()
-    data, recoded = text.encode(patch_text(text, spans, codec.to_blocks(before, options, known), after))
+    old = codec.to_blocks(before, options, known)
     _pass_known_losses(report, known)
+    meant = project if kind.ids else numbered_in_order(project)
+    fits = False
+    for by_words in (True, False):  # a word may stand for two things: `a, b : INT; (* comment *)`
+        if not fits:
+            data, recoded = text.encode(patch_text(text, spans, old, after, by_words=by_words))
+            fits = _is_read_as(meant, data, kind, source.version)
     if recoded:
         why = f"{text.encoding} does not have all of its characters; the file is in UTF-8 now"
         report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)
-    back = read_back(data, kind, source.version)
-    meant = project if kind.ids else numbered_in_order(project)
-    if not kind.ids:
-        number_in_order(back)
-    if next(differences(meant, back), None) is not None:
+    if not fits:
         # rather a large diff than a lost edit
         report.add(
             Outcome.APPROXIMATED,

@@ -226,11 +226,17 @@ def numbered_blocks(blocks: Iterable[WrittenBlock]) -> tuple[WrittenBlock, ...]:
 # -- patching
 
 
-def patch_text(source: SourceText, spans: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> str:
-    """Return the text of `source` with what differs between the blocks `before` and `after` put into it."""
+def patch_text(
+    source: SourceText, spans: BlockSpan, before: WrittenBlock, after: WrittenBlock, *, by_words: bool = True
+) -> str:
+    """Return the text of `source` with what differs between the blocks `before` and `after` put into it.
+
+    `by_words`: an edited block keeps its layout, and only words in it change; else it is written as a whole.
+    """
     if source.text == _file(before, source.newline):  # the text is as the writer writes it, and stays so
         return _file(after, source.newline)
-    return apply_edits(source.text, _Patch(source.text, source.newline).edits(spans, before, after))
+    patch = _Patch(source.text, source.newline, by_words=by_words)
+    return apply_edits(source.text, patch.edits(spans, before, after))
 
 
 def _without(blocks: Iterable[WrittenBlock], idle: Collection[WrittenBlock]) -> tuple[WrittenBlock, ...]:
@@ -242,9 +248,10 @@ def _file(block: WrittenBlock, newline: str) -> str:
 
 
 class _Patch:
-    def __init__(self, text: str, newline: str) -> None:
+    def __init__(self, text: str, newline: str, *, by_words: bool) -> None:
         self._text = text
         self._newline = newline
+        self._by_words = by_words
 
     def edits(self, around: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> list[Edit]:
         if before == after:
@@ -301,8 +308,10 @@ class _Patch:
         old, new = before.whole(), after.whole()
         if after.verbatim:
             return Edit(start, end, self._with_newlines(new))
+        if not self._by_words:
+            new = self._in_unit_of(around, new)
         laid_out = self._laid_out(new, start)
-        is_one_text = not (before.blocks or after.blocks or after.block)
+        is_one_text = self._by_words and not (before.blocks or after.blocks or after.block)
         if not is_one_text or source.count("\n") >= _LONG or source == self._laid_out(old, start):
             return Edit(start, end, laid_out)
         merged = _merged(source, old.strip(), new.strip())
@@ -341,6 +350,23 @@ class _Patch:
     def _laid_out(self, text: str, start: int) -> str:
         """`text` for a place in the middle of a line: without the indent of its first line."""
         return self._with_newlines(self._reindented(text, self._indent(start)).lstrip(" \t"))
+
+    def _in_unit_of(self, around: BlockSpan, text: str) -> str:
+        """Return `text`, whose levels are indented by four blanks, with the indentation that the file has there."""
+        start, end = around.span
+        own = self._indent(start)
+        inner = (line[: len(line) - len(line.lstrip())] for line in self._text[start:end].splitlines()[1:])
+        unit = next((each.removeprefix(own) for each in inner if each.startswith(own) and each != own), None)
+        margin = re.match(r" *", text)
+        base = len(margin.group()) if margin is not None else 0
+        if unit is None:
+            return text
+
+        def level(found: re.Match[str]) -> str:
+            depth, rest = divmod(len(found.group()) - base, 4)
+            return " " * base + unit * depth + " " * rest if depth > 0 else found.group()
+
+        return re.sub(r"^ +", level, text, flags=re.MULTILINE)
 
     def _reindented(self, text: str, indent: str) -> str:
         own = re.match(r"[ \t]*", text)

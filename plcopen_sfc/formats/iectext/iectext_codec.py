@@ -303,11 +303,14 @@ def _parts(
         position = sections[-1].end
     yield (("head", ""),), (start, position), None
     last: list[Found] = []
-    for inner in part.parts:
+    for number, inner in enumerate(part.parts):
         if inner.end <= position:
             continue
-        above = _above(src, position, inner.start) if inner.kind is not PartKind.LOOSE else inner.start
-        position = inner.end
+        if inner.kind is PartKind.LOOSE:
+            above, end = _loose(src, part, number, position)
+        else:
+            above, end = _above(src, position, inner.start), inner.end
+        position = end
         kind = inner.kind
         if kind is PartKind.ACTION and last and _is_in_place(src, above, inner):
             keys, span, _ = last.pop()
@@ -333,7 +336,7 @@ def _parts(
             key = (kind.lower(), inner.name)
         if key is not None:
             container = inner if kind in (PartKind.ACTION, PartKind.METHOD) else None
-            last = [((key,), (above, inner.end), container)]
+            last = [((key,), (above, end), container)]
             if kind is not PartKind.STEP and key[0] != "transition":
                 yield from last
                 last = []
@@ -341,6 +344,15 @@ def _parts(
     late = _own_run(src, position, part.inside[1])
     yield (("late", ""),), late, None
     yield (("end", ""),), (part.inside[1], part.end), None
+
+
+def _loose(src: TextSource, around: TextPart, number: int, position: int) -> tuple[int, int]:
+    """Return the place of the statements of a POU with the comments before and behind them, which are in its body."""
+    following = around.parts[number + 1].start if number + 1 < len(around.parts) else None
+    end = src.core(position, around.inside[1])[1] if following is None else src.attached(position, following)
+    start = src.core(position, end)[0]
+    text = src.text[start:end]
+    return start + len(text) - len(text.lstrip()), start + len(text.rstrip())
 
 
 def _leads(src: TextSource, part: TextPart) -> bool:

@@ -1,0 +1,96 @@
+"""One edit changes the lines of what was edited, and no others."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterator
+from io import BytesIO
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.model import Expression, IlBody, StBody
+from tests.sweeps import some_of
+
+FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
+FILES = [
+    path
+    for pattern in ("iectext/*.st", "codesys23/*.EXP", "grafcet/*.gct", "scl/*.scl", "plcopen/*.xml", "codesys/*.xml")
+    for path in sorted(FIXTURES.glob(pattern))
+]
+MOST_LINES = 8
+"""Lines that an edit removes and adds: a declaration of several variables becomes several."""
+
+
+def edits(project: sfc.Project) -> Iterator[Callable[[], None]]:
+    """Edits of one word in each comment, time, target, condition and body of a project."""
+
+    def put(thing: object, name: str, value: str) -> Callable[[], None]:
+        return lambda: setattr(thing, name, value)
+
+    for pou in project.pous:
+        for each in (pou, *pou.variables(), *pou.actions, *pou.transitions):
+            yield put(each, "comment", "New")
+    for _, _, chart in project.charts():
+        for step in chart.steps:
+            yield put(step, "comment", "New")
+            yield put(step, "max_time", "T#77s")
+            for action in step.actions:
+                yield put(action, "comment", "New")
+                if action.target:
+                    yield put(action, "target", "New")
+        for transition in chart.transitions:
+            yield put(transition, "comment", "New")
+            if isinstance(transition.condition, Expression):
+                yield put(transition.condition, "text", "New AND Newer")
+    for _, _, body in project.bodies():
+        if isinstance(body, StBody | IlBody) and ";" in body.text:
+            yield put(body, "text", body.text.replace(";", " + 1;", 1))
+
+
+def changed_lines(before: bytes, after: bytes) -> list[str]:
+    """The lines that were removed or added."""
+    texts = (data.decode("latin-1").splitlines() for data in (before, after))
+    found = difflib.unified_diff(*texts, n=0, lineterm="")
+    return [line for line in found if line[:1] in "+-" and line[:3] not in ("+++", "---")]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_one_edit_changes_few_lines(path: Path) -> None:
+    data = path.read_bytes()
+    count = sum(1 for _ in edits(sfc.loads(data)))
+    sample = 4 if path.suffix == ".xml" else 12
+    for number in some_of(range(count), 1 + count // sample):
+        project = sfc.loads(data)
+        list(edits(project))[number]()
+        saved = BytesIO()
+        report = sfc.save(project, saved)
+        assert not [item for item in report.items if item.what == "file"]
+        assert 1 <= len(changed_lines(data, saved.getvalue())) <= MOST_LINES
+
+
+MIXING_PLANT = (FIXTURES / "iectext" / "mixing_plant.st").read_bytes()
+
+
+def test_a_body_that_ends_in_a_comment_is_edited_in_its_line() -> None:
+    project = sfc.loads(MIXING_PLANT)
+    body = project.pou("Blinker").bodies[0]
+    assert isinstance(body, StBody)
+    assert body.text.endswith("// half of the time")
+    body.text = body.text.replace("Lamp := Pulse.Q;", "Lamp := NOT Pulse.Q;")
+    assert changed_lines(MIXING_PLANT, sfc.dumps(project)) == [
+        "-  Lamp := Pulse.Q; // half of the time",
+        "+  Lamp := NOT Pulse.Q; // half of the time",
+    ]
+
+
+def test_a_comment_of_one_of_two_variables_in_a_declaration_is_not_one_of_both() -> None:
+    project = sfc.loads(MIXING_PLANT)
+    variable = next(each for each in project.pou("Blinker").variables() if each.name == "Pause")
+    variable.comment = "off"
+    assert changed_lines(MIXING_PLANT, sfc.dumps(project)) == [
+        "-    Pulse, Pause : TON;",
+        "+    Pulse : TON;",
+        "+    Pause : TON; (* off *)",
+    ]
