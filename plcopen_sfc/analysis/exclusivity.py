@@ -2,7 +2,7 @@
 
 Boolean operations are decided exactly, and so are comparisons of variables with constants and with each other; of
 anything else (arithmetic, calls) only as much is known as that equal expressions have equal values. Numbers are
-numbers: a REAL that is none (NaN) is not thought of.
+numbers: NaN is not considered.
 """
 
 from __future__ import annotations

@@ -146,7 +146,7 @@ def _key_of(value: object) -> Hashable:
         return value.key()
     if isinstance(value, bool | int | float):
         return type(value).__name__, repr(value)  # 1 and 1.0 are calculated with in different ways, 0.0 and -0.0 too
-    raise NotProvableError("a number is used together with what is none")
+    raise NotProvableError("a number is used together with what is no number")
 
 
 class TermDomain(Domain):

@@ -368,7 +368,7 @@ STEADY = 2
 
 
 class RunningClocks:
-    """The clocks that run in an instance, and the cells in it that are none."""
+    """The clocks that run in an instance, and the cells in it that are no clocks."""
 
     def __init__(self, instance: Instance) -> None:
         self._controller = instance.controller

@@ -37,7 +37,7 @@ def diff(
     Both are compared by their meaning, so they may come from files of different formats. What has another name is
     recognised by what it does and where it is. With `layout` also what is not executed is listed: positions, and
     program text that means the same. With `prove` the changed charts are run against each other as `equivalent` does,
-    each for at most `limit` (seconds, or a time). Raises `InputError` for a limit that is none.
+    each for at most `limit` (seconds, or a time). Raises `InputError` for a limit that is not valid.
     """
     check_argument(a, Project, "diff needs two projects", "Load the files first.")
     check_argument(b, Project, "diff needs two projects", "Load the files first.")

@@ -181,7 +181,7 @@ def plan_like(project: Project, source: FolderSource, kind: Format, *, is_own: b
 
     One whose `folder` was changed moves there: with its document if all objects of that do, else into one of its own.
     New objects get documents of their own. A document whose objects are all gone is not planned. `is_own`: the folder
-    is the one that was read, with files that are none of the project's.
+    is the one that was read, with files that do not belong to the project.
     """
     staying: dict[str, list[ProjectObject]] = {path: [] for path in source.documents}
     new: list[ProjectObject] = []

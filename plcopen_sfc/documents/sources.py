@@ -82,7 +82,7 @@ class FolderSource:
 
     `path` is the folder, `documents` are by their path in it. `version` is the newest of theirs. `shared` is what the
     project has beside its objects, as it was read. `unreadable` are documents that could not be read, and why; `others`
-    the files that are none of the project's.
+    the files that do not belong to the project.
     """
 
     format: str

@@ -50,7 +50,7 @@ class Mistake(NamedTuple):
 def refuse_mistakes(project: Project, kind: Format) -> None:
     """Raise `ModelError` for what cannot be saved.
 
-    That are ids that two objects have, times that are none, and names and characters that the target cannot have.
+    That are ids that two objects have, times that are not valid, and names and characters that the target cannot have.
     """
     # what was not edited has the mistakes of its source, which are taken out again, but for those of GRAFCETs
     grafcet = any(_has_numbers_for_names(source.format) for source in _sources(project))

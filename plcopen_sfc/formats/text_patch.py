@@ -152,7 +152,7 @@ def decode_text(data: bytes) -> SourceText:
         except UnicodeDecodeError as error:
             if encoding.startswith("utf-16"):
                 line = data[: error.start].decode(encoding, errors="replace").count("\n") + 1
-                message = f"the file has the byte order mark of UTF-16, and byte {error.start} is none of it"
+                message = f"the file has the byte order mark of UTF-16, and byte {error.start} is not valid in it"
                 hint = "The file is damaged: export or copy it again."
                 raise EncodingError(message, location=Location(line=line), hint=hint) from error
     return SourceText(data.decode("latin-1"), "latin-1", guessed=True)

@@ -10,7 +10,7 @@ from typing import Any, Self, TypeVar, cast
 
 from plcopen_sfc.errors import ModelError, check_argument
 from plcopen_sfc.languages.binding import Declaration, Names
-from plcopen_sfc.languages.binding.name_uses import the_one
+from plcopen_sfc.languages.binding.name_uses import unique_declaration
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.conditions import Condition
@@ -325,7 +325,7 @@ class Editor:
     def _step(self, what: Step | str) -> tuple[Step, SfcNetwork]:
         step: Any = what
         if isinstance(what, str):
-            step = the_one(Names(self.project), what).holder
+            step = unique_declaration(Names(self.project), what).holder
         if not isinstance(step, Step):
             raise ModelError(f"{what!r} is no step")
         if step.chart is None or step.project is not self.project:

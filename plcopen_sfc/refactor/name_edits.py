@@ -8,7 +8,7 @@ from typing import Any
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names
-from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, the_one
+from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st import nodes as n
@@ -39,7 +39,7 @@ def replace_variable(journal: Journal, project: Project, old: str, new: str) -> 
     Gives the paths of the changed texts.
     """
     names = Names(project)
-    was, will = (names.resolver.original(the_one(names, path)) for path in (old, new))
+    was, will = (names.resolver.original(unique_declaration(names, path)) for path in (old, new))
     what = f"{was.path} cannot be replaced by {will.path}"
     for each in (was, will):
         if each.kind is not Kind.VARIABLE:
@@ -306,7 +306,7 @@ def copy_pou(journal: Journal, project: Project, name: str, target: Project, nam
         raise refused(what, "the projects are in different dialects", "Convert the source first.")
     copy = project.model_copy(deep=True)
     source = Names(copy)
-    table = {source.resolver.original(the_one(source, path)): new for path, new in names.items()}
+    table = {source.resolver.original(unique_declaration(source, path)): new for path, new in names.items()}
     pou = copy.pou(name)
     rename_many(copy, table)  # type: ignore[arg-type]  # declarations are keys too
     if any(each.name.casefold() == pou.name.casefold() for each in target.pous):

@@ -15,7 +15,7 @@ from typing import Any
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import Location, ModelError, check_argument
 from plcopen_sfc.languages.binding.name_sites import Reference
-from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, the_one
+from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, unique_declaration
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite
 from plcopen_sfc.languages.edits import Edit, apply_edits
@@ -45,7 +45,7 @@ def visible_clashes(
         meaning = names.resolver.meaning(replace(use.reference, name=new), use.text_site)
         candidates = (meaning.declaration,) if meaning.declaration is not None else meaning.candidates or ()
         for other in candidates:
-            if other != declaration and not _leaves(other, wanted) and not _is_hidden(declaration, other):
+            if other != declaration and not _gives_up_name(other, wanted) and not _is_hidden(declaration, other):
                 yield f"{use.use} would mean the {other}"
 
 
@@ -84,7 +84,7 @@ def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[
     for level in names.levels_with(declaration):
         if declaration in level:
             for other in level.named(key):
-                stays = other != declaration and other not in alike and not _leaves(other, wanted)
+                stays = other != declaration and other not in alike and not _gives_up_name(other, wanted)
                 if stays and (other.kind is Kind.TRANSITION) == transition:
                     yield f"there is a {other} already"
             for other in alike:
@@ -92,7 +92,7 @@ def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[
                     yield f"the {other} gets this name too"
 
 
-def _leaves(declaration: Declaration, wanted: Wanted) -> bool:
+def _gives_up_name(declaration: Declaration, wanted: Wanted) -> bool:
     """True if a declaration gives up its name in the same pass, so that another may have it."""
     return wanted.get(declaration, declaration.name).casefold() != declaration.name.casefold()
 
@@ -178,7 +178,7 @@ def names_by_pattern(project: Project, kind: Kind, pattern: str, new: str) -> di
 
 
 def _original(names: Names, what: Declaration | str) -> Declaration:
-    return names.resolver.original(the_one(names, what) if isinstance(what, str) else what)
+    return names.resolver.original(unique_declaration(names, what) if isinstance(what, str) else what)
 
 
 def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:
@@ -205,7 +205,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None) -> list[Rename
     for declaration, new in table.items():
         own = by_name.get(declaration.name.casefold(), []) if declaration in wanted else []
         uses = [occurrence for occurrence in own if occurrence.refers_to(declaration)]
-        if _leaves(declaration, wanted):
+        if _gives_up_name(declaration, wanted):
             _refuse(declaration, new, visible_clashes(names, declaration, uses, wanted))
         # what is said of the places is how they are before the rename
         undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in own if o.may_refer_to(declaration))
@@ -215,7 +215,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None) -> list[Rename
             holders = (*declaration.holders, *names.resolver.repeated(declaration))
             changes += [(holder, "name", new) for holder in holders]
     old_names = {declaration.name.casefold() for declaration in wanted}
-    for text in _by_piece(o for o in found if o.reference.name.casefold() in old_names):
+    for text in _by_text(o for o in found if o.reference.name.casefold() in old_names):
         if any(occurrence.meaning.declaration in wanted for occurrence in text):
             changes += _text_changes(text, wanted, names.dialect)
     journal = Journal() if journal is None else journal
@@ -225,7 +225,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None) -> list[Rename
     after = list(names.after_edits().occurrences(*old_names, *wanted.values(), of=wanted))
     if wanted and any(changed_meanings(wanted, found, after)):
         journal.take_back(start)
-        reasons = list(changed_meanings(wanted, found, after))  # worded with the names as they are again
+        reasons = list(changed_meanings(wanted, found, after))  # after undo: messages show the old names
         culprit = reasons[0][0]
         _refuse(culprit, wanted[culprit], (reason for _, reason in reasons))
     return results
@@ -266,7 +266,7 @@ Change = tuple[Any, str | int, str | None]
 """Another text in a field of an object, or at an index of a list."""
 
 
-def _by_piece(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
+def _by_text(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
     """The occurrences of each text, in the order of the text."""
     text_sites: dict[tuple[int, str | int], list[Occurrence]] = {}
     for occurrence in found:

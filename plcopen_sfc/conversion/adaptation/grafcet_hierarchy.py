@@ -39,7 +39,7 @@ class FlatChart:
     """
 
     def __init__(self, source: SfcNetwork, path: str) -> None:
-        """Raise `HierarchyError` for what cannot be one chart, `UnknownBehaviourError` for what is none."""
+        """Raise `HierarchyError` for what cannot be one chart, `UnknownBehaviourError` where there is no chart."""
         net = Net.of(source)
         if net.problems:
             raise HierarchyError(net.problems[0].message)

@@ -228,7 +228,7 @@ class _ChartReader:
                 said[place] = value
             places.append((("pragma", pragma[2].upper()), pragma.span(1), ()))
             position = pragma.end(1)
-        step = step.model_copy(update=said)  # no assignment: files may have times that are none
+        step = step.model_copy(update=said)  # no assignment validates: times in files may be invalid
         step.carried = keep({"pragmas": "\n".join(others)} if others else {})
         for ending, attribute in ((ENTRY, "entry_action"), (EXIT, "exit_action")):
             own = f"{name}{ending}"

@@ -268,7 +268,7 @@ class GrafcetTextCodec(TextCodec):
         return decode_text(content)
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
-        """Read a text. Raises `StructureError` at a line that is none of a GRAFCET."""
+        """Read a text. Raises `StructureError` at a line that is not valid in a GRAFCET."""
         found = read_text(self.decode(data), file)
         return ReadResult(found.project, found.diagnostics)
 

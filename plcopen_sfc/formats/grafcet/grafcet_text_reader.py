@@ -109,7 +109,7 @@ class _Chart:
 
 
 def read_text(source: SourceText, file: str | None = None) -> GrafcetText:
-    """Read a text. Raises `StructureError` at the first line that is none of a GRAFCET."""
+    """Read a text. Raises `StructureError` at the first line that is not valid in a GRAFCET."""
     return _Reader(source, file).run()
 
 

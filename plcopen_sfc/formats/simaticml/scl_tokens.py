@@ -478,7 +478,7 @@ class _Writer:
             self._call(parent, start, scope, path)
 
     def _word(self, parent: XmlNode, name: str) -> None:
-        """Write a name that is none of a variable: that of a label behind GOTO or before a colon, else a word."""
+        """Write a name that is not that of a variable: of a label behind GOTO or before a colon, else a word."""
         before = self.items[self.index - 2] if self.index > 1 else None
         is_target = isinstance(before, Token) and before.type == "GOTO"
         if not is_target and not (parent is self.root and self._next_is("COLON", joined=True)):

@@ -96,7 +96,7 @@ class TopologyReader:
         self._new_id = new_id
         self.found = Topology()
         self.added: set[ElementRef] = set()
-        """Steps and transitions that are none of the chart: see `sequence_rules`."""
+        """Steps and transitions that are not in the chart: see `sequence_rules`."""
         self.counts: list[tuple[Fields, int, etree._Element]] = []
         """Number of paths that the file gives for each branch."""
 

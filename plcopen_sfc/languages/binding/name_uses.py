@@ -277,14 +277,14 @@ def find_uses(project: Project, what: Declaration | Model | str) -> list[Use]:
     """
     names = Names(project)
     if isinstance(what, str):
-        what = the_one(names, what)
+        what = unique_declaration(names, what)
     elif isinstance(what, Model):
         what = names.declaration_of(what)
     what = names.resolver.original(what)
     return [occurrence.use for occurrence in names.uses(what)]
 
 
-def the_one(names: Names, path: str) -> Declaration:
+def unique_declaration(names: Names, path: str) -> Declaration:
     """The declaration of this path. Raises `ModelError` where there is none, or more than one."""
     found = list(dict.fromkeys(names.resolver.original(declaration) for declaration in names.find(path)))
     if len(found) == 1:

@@ -1,7 +1,7 @@
-"""From the model to the text of declarations. `reading` is the way back.
+"""From the model to the text of declarations; `declaration_reading` is the way back.
 
-What a text cannot say (a comment in two languages, a name that is none) is left out or made sayable; whoever must not
-lose it reads the text back and compares.
+What a text has no words for (a comment in two languages, an invalid name) is left out or written in another way: a
+caller that must not lose it reads the text back and compares.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ ANYTHING: Path = ()
 
 
 def path_of(expression: Expression) -> Path:
-    """The path of a variable; `ANYTHING` for what is none."""
+    """The path of a variable; `ANYTHING` for what is no variable."""
     names: list[str] = []
     at: Expression = n.bare(expression)
     while True:

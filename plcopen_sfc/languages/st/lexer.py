@@ -114,7 +114,7 @@ def _pattern(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
         + rf"|{_SINGLE_QUOTED}|(?<![^.]\.)(?!{numbered}){_NUMBER})",
         # 4 COMPOUND_ASSIGN by a word, if an operand is before it
         r"((?i:REF|S|R)=)" if codesys else r"((?!))",
-        # 5 NAME or keyword, 6 NAME that is none
+        # 5 NAME or keyword, 6 NAME that is not valid
         rf"([^\W\d]\w*|(?<!\w){numbered})",
         r'(\#[^\W\d]\w*|\#"[^"\r\n]+"|"[^"\r\n]+"|(?<=\.)%[XBWDLxbwdl]\d+|(?<=\.)\d+)'
         if scl

@@ -285,7 +285,7 @@ class CallTranslator:
                 self._notes.add(Severity.ERROR, f"{name}: {reason}; left as it stands", node)
 
     def _unknown(self, node: n.Call, callee: n.Name, name: str, arguments: tuple[Argument, ...]) -> Expression:
-        """A function that is none of IEC 61131-3."""
+        """A function that IEC 61131-3 does not have."""
         target = TITLES[self._target]
         if name in _BOUNDS:
             return self._with(node, callee, self._bound_arguments(arguments))

@@ -275,7 +275,7 @@ class Operators:
         return Code(f"{name}({left.text}, {right.text})", type_, low, high, acts=acts)
 
     def _power(self, left: Code, right: Code) -> Code:
-        """``**``: real numbers (ed. 3, table 28: EXPT). Integers by a constant that is none give a real one."""
+        """``**``: a real number (ed. 3, table 28: EXPT), also of integers."""
         type_ = left.type if isinstance(left.type, t.ElementaryType) and left.type.family is t.Family.REAL else t.LREAL
         base = self._converter.converted(left, type_)
         exponent = right if right.type != t.BOOL else self._converter.converted(right, t.INT)
