@@ -39,6 +39,7 @@ from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import Item
 from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING
 from plcopen_sfc.semantics.drawn_charts import as_executed
+from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.subjects import Subject, resolve
@@ -202,13 +203,15 @@ def lower(
         without_version(target) if target is not None else None,
         frozenset(listed_names(at_rest, "inputs at rest are named by texts")),
     )
-    meant = as_executed(found, semantics)
+    meant, pressed = as_executed(found, semantics), ""
     if wanted.style is Style.CLASSIC:
         meant, pressed = without_emergency_stop(meant, semantics)
         if pressed:
             rules = replace(rules, stop=rules.stop or pressed, init=rules.init or "")
     with collecting_rarely(), errors_of(found.project, found.pou, found.name):
         made = _constructed(found, meant, wanted, rules)
+        if pressed:
+            made = replace(made, step_flags=_by_original_path(made.step_flags, _chart_of(found)))
     options = ProofOptions(accept_untested, searching) if verify else None
     lowered = _lowered(found, made, rules, wanted.style, options, lang=lang)
     return replace(lowered, faults=faults_of(meant, lowered)) if verify else lowered
@@ -277,6 +280,13 @@ def _constructed(chart: Subject, meant: Subject, wanted: _Wanted, rules: Lowerin
     if chart.name == chart.pou.name:
         made = replace(made, pou=without_unused_parts(meant.pou, made.pou, dialect))
     return made
+
+
+def _by_original_path(flags: Mapping[str, str], chart: SfcNetwork) -> dict[str, str]:
+    """Return the flags of a chart by the paths in `chart`, where it may be one of several partial charts."""
+    paths = {step.path for step in Net.of(chart).steps}
+    inside = {path.partition(".")[2]: path for path in paths}
+    return {path if path in paths else inside[path]: flag for path, flag in flags.items()}
 
 
 def _chart_of(subject: Subject) -> SfcNetwork:

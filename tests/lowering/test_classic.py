@@ -201,6 +201,10 @@ def test_a_chart_of_an_emergency_stop_is_the_reset_of_the_textbook() -> None:
         "1M1 := SR02;",
         "2M1 := SR04;",
     ]
+    titles = [line for line in body.text.splitlines() if line.startswith("// Step")]
+    assert titles == ["// Step 1 – initial step", *(f"// Step {number}" for number in range(2, 6))]
+    assert made.proof is not None
+    assert {"G1.1", "G1.5"} <= made.step_flags.keys(), "by the names in the chart"
 
 
 def test_a_chart_of_an_emergency_stop_that_does_more_is_refused() -> None:

@@ -218,7 +218,8 @@ def without_emergency_stop(chart: Subject, profile: Profile) -> tuple[Subject, s
     """Return a chart without the one that only forces it into its initial steps, and the condition of that.
 
     So textbooks have it: a step of the emergency stop's chart forces ``G1{INIT}`` while the button is pressed, which
-    the program has as an input of every flip-flop. Any other chart stays as it is, and the condition is empty.
+    the program has as an input of every flip-flop. A single chart below is the whole chart then. Any other chart stays
+    as it is, and the condition is empty.
     """
     whole = chart.pou.chart
     if whole is None or not whole.partial_charts or not is_grafcet(whole, profile):
@@ -232,7 +233,8 @@ def without_emergency_stop(chart: Subject, profile: Profile) -> tuple[Subject, s
         left = [each for each in source.names_in_texts() if each.upper() in {f"X{s.name}" for s in partial.chart.steps}]
         if left:  # something asks for the steps that would be gone
             continue
-        reduced = whole.model_copy(update={"partial_charts": others})
+        alone = others[0].chart if len(others) == 1 else None
+        reduced = alone or whole.model_copy(update={"partial_charts": others})
         pou = chart.pou.model_copy(update={"bodies": [SfcBody(chart=reduced)]})
         return Subject(chart.project, pou, chart.name), print_node(pressed, chart.project.dialect)
     return chart, ""
