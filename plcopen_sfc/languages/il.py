@@ -171,15 +171,76 @@ _OPERATORS = {**LOGIC, **ARITHMETIC, **COMPARISONS}
 
 
 def result_expression(text: str, dialect: Dialect, *, stored_in: str = "") -> n.Expression | None:
-    """Return the current result behind the last instruction; None where there are jumps, calls or stores.
+    """Return the Boolean result behind the last instruction; None where there are calls, stores or jumps back.
 
-    `stored_in`: the last instruction may store the result in this.
+    `stored_in`: the last instruction of a way may store the result in this. Ways on from a conditional jump are joined:
+    ``c AND .. OR NOT c AND ..``.
     """
-    found = CurrentResult(text)
-    *most, last = list(instructions(text, dialect)) or [Instruction("", (0, 0))]
-    if last.operator.upper() != "ST" or not _read_names(last, stored_in):
-        most.append(last)
-    return found.current if all(found.take(each) for each in most) and not found.waiting else None
+    found = tuple(instructions(text, dialect))
+    return _Result(text, found, stored_in).behind(0, CurrentResult(text)) if found else None
+
+
+_MOST_WAYS = 32
+"""How many ways through a list are joined to one expression: each jump can double its size."""
+
+
+class _Result:
+    """Result of instructions that jump forward only, as an expression."""
+
+    def __init__(self, text: str, found: tuple[Instruction, ...], stored_in: str) -> None:
+        self._text, self._instructions, self._stored_in = text, found, stored_in
+        self._jumps = _Statements(text, found, among_others=True)
+        self._ways = 0
+
+    def behind(self, place: int, result: CurrentResult) -> n.Expression | None:
+        """Return the result at the end of a way that goes on at an instruction."""
+        self._ways += 1
+        if self._ways > _MOST_WAYS:
+            return None
+        for here in range(place, self._jumps.end):
+            instruction, target = self._instructions[here], self._jumps.targets[here]
+            if target is None:
+                ends = self._is_end(here) and _read_names(instruction, self._stored_in)
+                if instruction.operator.upper() == "ST" and ends:
+                    break
+                if instruction.operator and not result.take(replace(instruction, label="")):
+                    return None
+                continue
+            if result.waiting or target <= here:
+                return None
+            word = instruction.operator.upper()
+            # a way that was jumped to must load: tools do not agree on the result that a jump leaves
+            if word == "JMP":
+                return self._arriving(target, result)
+            if word == "RET":
+                break
+            if result.current is None:
+                return None
+            jumping, going_on = self._arriving(target, result), self.behind(here + 1, result.copy())
+            if jumping is None or going_on is None:
+                return None
+            leaps, stays = result.current, negated(result.current)
+            if word.endswith("N"):
+                leaps, stays = stays, leaps
+            if jumping is result.current:  # it ends with what it was decided by
+                return n.Operation(Operator.AND if word.endswith("N") else Operator.OR, (jumping, going_on))
+            ways = (n.Operation(Operator.AND, (leaps, jumping)), n.Operation(Operator.AND, (stays, going_on)))
+            return n.Operation(Operator.OR, ways)
+        return result.current if not result.waiting else None
+
+    def _arriving(self, target: int, result: CurrentResult) -> n.Expression | None:
+        """Return the result of the way from a target on; at the end it is that of the jump."""
+        return result.current if self._is_behind_all(target) else self.behind(target, CurrentResult(self._text))
+
+    def _is_behind_all(self, place: int) -> bool:
+        return not any(each.operator for each in self._instructions[place:])
+
+    def _is_end(self, place: int) -> bool:
+        """Return True if nothing follows an instruction on its way."""
+        if self._is_behind_all(place + 1):
+            return True
+        word, target = self._instructions[place + 1].operator.upper(), self._jumps.targets[place + 1]
+        return word == "RET" or (word == "JMP" and target is not None and self._is_behind_all(target))
 
 
 def _read_names(store: Instruction, name: str) -> bool:
@@ -267,8 +328,8 @@ class _Statements:
         self._text, self._instructions, self._among_others = text, found, among_others
         self.end = len(found)
         labels = {each.label.casefold(): place for place, each in enumerate(found) if each.label}
-        self._targets = {place: self._target(each, labels) for place, each in enumerate(found)}
-        self._joins = sorted({place for place in self._targets.values() if place is not None} | {self.end})
+        self.targets = {place: self._target(each, labels) for place, each in enumerate(found)}
+        self._joins = sorted({place for place in self.targets.values() if place is not None} | {self.end})
 
     def _target(self, instruction: Instruction, labels: Mapping[str, int]) -> int | None:
         """Return where an instruction jumps to, -1 if that is not known; None if it does not jump."""
@@ -288,7 +349,7 @@ class _Statements:
         done: list[n.Statement] = []
         place = start
         while place < end:
-            instruction, target = self._instructions[place], self._targets[place]
+            instruction, target = self._instructions[place], self.targets[place]
             if place in self._joins and place > start:  # the result is that of one way or of the other
                 if result.waiting:
                     return None

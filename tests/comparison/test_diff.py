@@ -231,8 +231,8 @@ class TestChart:
         before, after = sides
         put(after, "LD B1\nAND B2")  # an expression
         assert told(sfc.diff(before, after)) == ["POU Ablauf / transition S1 -> S2: condition B1 -> B1 AND B2"]
-        put(before, "LD B1\nJMPC Done\nLD B2\nDone:")  # no expression
-        put(after, "LD B1\nJMPC Done\nLD B3\nDone:")
+        put(before, "Again:\nLD B1\nJMPC Again\nLD B2")  # no expression
+        put(after, "Again:\nLD B1\nJMPC Again\nLD B3")
         (change,) = sfc.diff(before, after).changes
         assert [line for line in change.lines if line[0] in "+-"] == ["-LD B2", "+LD B3"]
 

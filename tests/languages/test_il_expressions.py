@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+import plcopen_sfc as sfc
+from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.languages.il import result_expression
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.dialect import Dialect
@@ -38,9 +40,43 @@ def test_what_only_computes_is_an_expression(text: str, expected: str) -> None:
         "LD a\nST b",
         "LD a\nS b\nLD c",
         "CAL t(IN := a)\nLD t.Q",
-        "LD a\nJMPC m\nm: LD b",
+        "m: LD a\nJMPC m",
+        "LD a\nJMPC m\nLD b\nm: AND c",  # tools do not agree on the result that a jump leaves
+        "LD a\nJMPC m\nLD b\nST ready\nOR c\nm: LD b",
+        "LD a\nAND(\nLD b\nJMPC m\n)\nm: LD b",
+        "\n".join(f"LD a\nJMPC m{i}\nLD b\nJMPC m{i}\nm{i}: LD c" for i in range(9)),
         "LD a\nAND(\nLD b",
     ],
 )
 def test_what_does_more_is_none(text: str) -> None:
     assert result_expression(text, Dialect.CODESYS, stored_in="ready") is None
+
+
+JUMPS = [
+    ("LD a\nJMPC yes\nLD b\nRET\nyes: LD c", "a AND c OR NOT a AND b"),
+    ("LD a\nJMPCN no\nLD b\nAND c\nJMP end\nno: LDN c\nend:", "NOT a AND NOT c OR a AND (b AND c)"),
+    ("LD a\nJMPC yes\nLD b\nST ready\nJMP end\nyes: LD c\nST ready\nend:", "a AND c OR NOT a AND b"),
+    ("LD a\nRETC\nLD b\nANDN c", "a OR b AND NOT c"),
+    ("LD a\nJMPCN end\nLD b\nend:", "a AND b"),
+]
+
+
+@pytest.mark.parametrize(("text", "expected"), JUMPS)
+def test_ways_behind_jumps_are_joined(text: str, expected: str) -> None:
+    tree = result_expression(text, Dialect.CODESYS, stored_in="ready")
+    assert tree is not None
+    assert print_node(tree, Dialect.CODESYS) == expected
+
+
+@pytest.mark.parametrize(("text", "expected"), [*JUMPS[:1], *JUMPS[2:3]])
+def test_joined_ways_give_what_the_instructions_give(text: str, expected: str) -> None:
+    """As the simulator runs the list, with each value of the inputs."""
+    declared = "VAR_INPUT a : BOOL; b : BOOL; c : BOOL; END_VAR VAR_OUTPUT ready : BOOL; END_VAR"
+    stored = text if "ST ready" in text else text.replace("\nRET", "\nST ready\nRET") + "\nST ready"
+    one, other = (
+        sfc.loads(f"PROGRAM Main {declared}\n{body}\nEND_PROGRAM".encode(), format="iec-text")
+        for body in (stored, f"ready := {expected};")
+    )
+    assert one.pou("Main").body is not None
+    assert one.pou("Main").body.language == "IL"
+    assert equivalent(one, other).proven
