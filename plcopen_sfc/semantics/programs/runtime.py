@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import wraps
+from inspect import signature
 from typing import Any
 
 from plcopen_sfc.errors import SimulationError
@@ -205,17 +206,35 @@ def preset(frame: Frame, *values: tuple[int, Any]) -> Frame:
 
 
 def checked(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function that somebody supplies; what it gives must be a value."""
+    """Return a supplied function, called by parameter names in any case, that must return a value.
+
+    Raises `SimulationError` for any error in it.
+    """
+    name = getattr(function, "__name__", "")
+    parameters = {each.casefold(): each for each in _parameters(function)}
 
     @wraps(function)
     def call(*arguments: Any, **named: Any) -> Any:
-        result = function(*arguments, **named)
+        given = {parameters.get(each.casefold(), each): value for each, value in named.items()}
+        try:
+            result = function(*arguments, **given)
+        except SimulationError:
+            raise
+        except Exception as error:
+            told = f"{type(error).__name__}: {error}"
+            raise SimulationError(f"the supplied function {name} ends with an error: {told}") from None
         if isinstance(result, bool | int | float | str):
             return result
-        name = getattr(function, "__name__", "")
         raise SimulationError(f"the supplied function {name} gives {result!r}, which is no value")
 
     return call
+
+
+def _parameters(function: Callable[..., Any]) -> Iterable[str]:
+    try:
+        return signature(function).parameters
+    except (TypeError, ValueError):  # one written in C
+        return ()
 
 
 def named(frame: Frame, name: str) -> Any:

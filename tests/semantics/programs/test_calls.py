@@ -203,6 +203,18 @@ def test_functions_can_be_supplied() -> None:
     assert (instance["y"], instance["z"], instance["b"]) == (6, 50000 - 65536, True)
 
 
+def test_a_supplied_function_is_called_by_names_in_any_case_and_its_errors_are_told() -> None:
+    def count(Station: int = 0, **others: int) -> int:  # noqa: N803  # as it is in the project
+        return Station // others.get("parts", 0)
+
+    text = "y := Count(station := 8, Parts := 2);"
+    assert main("y : INT;", text, functions={"Count": lambda Station, Parts: Station // Parts})["y"] == 4  # noqa: N803
+    with pytest.raises(SimulationError, match="supplied function count ends with an error: ZeroDivisionError"):
+        main("y : INT;", "y := Count(STATION := 8);", functions={"Count": count})
+    with pytest.raises(SimulationError, match="unexpected keyword argument 'place'"):
+        main("y : INT;", "y := Count(place := 8);", functions={"Count": lambda Station: Station})  # noqa: N803
+
+
 def test_a_supplied_value_of_another_type_is_an_error() -> None:
     with pytest.raises(SimulationError, match="'no' is no INT"):
         main("x : INT;", "x := Magic();", functions={"Magic": lambda: "no"})
