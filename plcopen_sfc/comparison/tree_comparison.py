@@ -74,7 +74,7 @@ class TreeComparison:
                 gone = Change(ChangeKind.REMOVED, _path(inner, part), word_of(inner.kind), before=_told(part))
                 self._note(gone, inner, part)
             else:
-                self._name(inner, part, other, right.parts[other])
+                self._name(inner, left, other, right)
                 self._compare(inner, part, right.parts[other])
         taken = set(matched.values())
         for inner, part in right.parts.items():
@@ -107,11 +107,16 @@ class TreeComparison:
             if kind is ChangeKind.CHANGED or change.before != change.after:
                 self._note(change, key, left)
 
-    def _name(self, key: Key, left: Part, other: Key, right: Part) -> None:
-        """Note another name: another spelling of it, or that of a task or of an action that was found otherwise."""
+    def _name(self, key: Key, around: Part, other: Key, there: Part) -> None:
+        """Note another name: another spelling of it, or that of a task or of an action that was found otherwise.
+
+        Of a transition also other ends. `around` and `there` are what the two are in.
+        """
+        left, right = around.parts[key], there.parts[other]
         before, after = _name_of(left, key), _name_of(right, other)
         if key.kind == "transition" and key[:2] != other[:2]:
-            for aspect, mine, theirs in zip(("source", "target"), _ends_of(left), _ends_of(right), strict=True):
+            both = zip(("source", "target"), _ends_of(around, key), _ends_of(there, other), strict=True)
+            for aspect, mine, theirs in both:
                 if mine.casefold() != theirs.casefold():
                     self._note(Change(ChangeKind.CHANGED, left.path, key.kind, aspect, mine, theirs), key, left)
         if left.subject is not None and right.subject is not None and self.is_written:
@@ -138,7 +143,7 @@ class TreeComparison:
         for aspect, owner, part, order, others in found:
             before, after = _in_other_order(order, others, matched)
             if before:
-                was, now = (", ".join(_label(left.parts[each], each) for each in keys) for keys in (before, after))
+                was, now = (", ".join(_label(left, each) for each in keys) for keys in (before, after))
                 change = Change(ChangeKind.CHANGED, part.path, word_of(owner.kind), f"order of {aspect}", was, now)
                 self._note(change, owner, part)
 
@@ -269,15 +274,19 @@ def _name_of(part: Part, key: Key) -> str:
     return ObjectPath.of(part.path).last.removeprefix(f"{word_of(key.kind)} ")
 
 
-def _ends_of(transition: Part) -> tuple[str, str]:
-    """The names of the steps that a transition leaves and of those it leads to, as its file spells them."""
-    before, _, after = ObjectPath.of(transition.path).last.removeprefix("transition ").partition(" -> ")
+def _ends_of(chart: Part, transition: Key) -> tuple[str, str]:
+    """The names of the steps that a transition leaves and of those it leads to, as their file spells them."""
+    before, after = (
+        "+".join(_name_of(steps[0], Key("step", name)) if (steps := chart.steps_named(name)) else name for name in side)
+        for side in ends(transition)
+    )
     return before, after
 
 
-def _label(part: Part, key: Key) -> str:
+def _label(around: Part, key: Key) -> str:
     """A part by its name; a transition without one by where it leads."""
-    return (_ends_of(part)[1] if key.kind == "transition" else "") or _name_of(part, key)
+    name = _name_of(around.parts[key], key)
+    return _ends_of(around, key)[1] if key.kind == "transition" and " -> " in name else name
 
 
 def _variables(owner: Part, section: str) -> Iterator[Key]:

@@ -178,6 +178,16 @@ class TestChart:
         chart.transition("S4 -> S1").targets = [chart.step("S2").id]
         assert told(sfc.diff(before, after)) == ["POU Ablauf / transition S4 -> S1: target S1 -> S2"]
 
+    def test_a_transition_with_a_name_that_leads_elsewhere(self):
+        before, after = loaded("simaticml/FB_Drill.xml"), loaded("simaticml/FB_Drill.xml")
+        chart = after.pou("FB_Drill").chart
+        rest = chart.add_step("Rest", number=20)
+        up = chart.transition("T_Up")
+        chart.add_transition("Rest", "Release", "#DrillUp").name = "T_New"
+        up.targets = [rest.id]
+        lines = told(sfc.diff(before, after))
+        assert "POU FB_Drill / transition T_Up: target Release -> Rest" in lines
+
     def test_a_step_that_is_elsewhere_in_the_flow_is_moved(self, sides):
         before, after = sides
         chart = after.pou("Ablauf").chart
