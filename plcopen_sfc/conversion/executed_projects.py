@@ -35,7 +35,7 @@ from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.symbols import NamedObject
 from plcopen_sfc.languages.binding.text_sites import Role
-from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept
 from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags
 from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs, unused_inputs
@@ -175,6 +175,8 @@ class _Reader:
         for occurrence in names.undeclared():
             name = occurrence.reference.name
             own = occurrence.text_site.site.pou
+            if name.upper() in _OF_OBJECTS or (own is not None and name.casefold() in self._inherited(own)):
+                continue
             if (
                 name.casefold() in _RESULTS | self.global_names | self.programs.keys()
                 or standard_block(name) is not None
@@ -186,6 +188,23 @@ class _Reader:
             part.tell("name", Meaning.of(name))
             part.is_called = _is_call(occurrence)
         return self.whole
+
+    def _inherited(self, own: Pou) -> set[str]:
+        """Names that a POU of the source has from those that it extends: translated declarations do not tell that."""
+        pous = {pou.name.casefold(): pou for pou in self.source.pous}
+        found: set[str] = set()
+        waiting, seen = [own.name], set[str]()
+        while waiting:
+            pou = pous.get(waiting.pop().rpartition(".")[2].casefold())
+            if pou is None or pou.name in seen:
+                continue
+            seen.add(pou.name)
+            if pou.name != own.name:
+                names = [variable.name for variable in pou.variables()]
+                names += [action.name for action in pou.actions] + [method.name for method in pou.methods]
+                found |= {name.casefold() for name in names}
+            waiting += inheritance(pou.interface).extends
+        return found
 
     def _calls_of_programs(self, names: Names) -> None:
         """Note where a program is called or its variables are read, as in CODESYS: IEC 61131-3 has no such calls."""
@@ -590,6 +609,8 @@ def _instance(block: DataBlock) -> Variable:
 
 _DEEPEST = 32
 """No type is another name for another name .. more often: these name each other."""
+_OF_OBJECTS = frozenset({"THIS", "SUPER"})
+"""Names that no tool declares: languages have them, or translations report them."""
 _RESULTS = frozenset({"trcoil", "ilcoil", "svcoil"})
 """Names of the results of the networks of S7-GRAPH."""
 

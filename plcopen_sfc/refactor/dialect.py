@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
@@ -9,13 +10,15 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
+from plcopen_sfc.languages.expression_types import BIT_STRINGS, CALCULATING, ExpressionTypes
 from plcopen_sfc.languages.networks import body_statements, condition_reader, is_empty_network
+from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in_s7
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
-from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
+from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements, walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, string_literal
-from plcopen_sfc.languages.st.nodes import Assignment, Call, Expression, Name, Statements
+from plcopen_sfc.languages.st.nodes import Assignment, Call, Expression, Member, Name, Node, Operation, Statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, S7_VERSION
 from plcopen_sfc.languages.translation import (
@@ -218,14 +221,17 @@ def _all_interfaces(project: Project) -> list[Interface]:
 def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]:
     """Put every text of `project` that `target` does not read into it: CODESYS for IEC 61131-3, or the reverse.
 
-    The others stay as they are: tools of both read most of each other's text.
+    The others stay as they are: tools of both read most of each other's text. What only CODESYS has is noted.
     """
     known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {}, None)
+    resolver = Resolver(project, project.dialect)
     found: list[TranslatedText] = []
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
     for text_site in [
         text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
     ]:
+        if family(target) is Dialect.IEC:
+            found += _only_of_codesys(text_site, project.dialect, resolver)
         named = enumerations and "#" in text_site.text
         if family(target) is Dialect.CODESYS and "**" not in text_site.text and not named:
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
@@ -237,6 +243,42 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
             text_site.put(result.text)
     return found
+
+
+def _only_of_codesys(text_site: TextSite, dialect: Dialect, resolver: Resolver) -> Iterator[TranslatedText]:
+    """Note what stays in a text for IEC 61131-3 though only tools of CODESYS compile it."""
+    if not _MAY_DIFFER.search(text_site.text):
+        return
+    is_statements = text_site.reading is SiteKind.STATEMENTS
+    parsed = (parse_statements if is_statements else parse_condition)(text_site.text, dialect)
+
+    def type_of(value: Expression) -> str:
+        type_ = resolver.type_of(value, text_site.site)
+        return type_.name.value if isinstance(type_, ElementaryType) else ""
+
+    types = ExpressionTypes(Dialect.IEC, type_of)
+    reasons: dict[str, tuple[int, int]] = {}
+    for node in walk(parsed.tree):
+        if why := _reason_of_codesys(node, types):
+            reasons.setdefault(why, node.span or (0, 0))
+    places = {why: Lines(text_site.text).place(span[0]) for why, span in reasons.items()}
+    notes = tuple(Note(Severity.WARNING, why, span, *places[why]) for why, span in reasons.items())
+    if notes:
+        yield TranslatedText(text_site.report_path, changed=False, notes=notes)
+
+
+_MAY_DIFFER = re.compile(r"\.\d|[-+*/]|\bMOD\b", re.IGNORECASE)
+
+
+def _reason_of_codesys(node: Node, types: ExpressionTypes) -> str:
+    """Why IEC 61131-3 does not have an expression of CODESYS; empty if it has."""
+    if isinstance(node, Member) and node.name.identifier.isdecimal():
+        return f"IEC 61131-3 has no bits of variables as .{node.name.identifier}: only tools of CODESYS compile it"
+    if not isinstance(node, Operation) or node.operator not in CALCULATING:
+        return ""
+    kinds = (types.value(operand).type for operand in node.operands)
+    bits = next((kind for kind in kinds if kind in BIT_STRINGS), "")
+    return f"IEC 61131-3 has no {node.operator.value} of {bits}: only tools of CODESYS compile it" if bits else ""
 
 
 _ARGUMENTS = (SectionKind.INPUT, SectionKind.IN_OUT)

@@ -542,3 +542,32 @@ END_PROGRAM
     _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True)
     lost = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if "is a keyword" in item.why]
     assert {item.path.split(" ")[-1] for item in lost} == words
+
+
+def test_what_only_codesys_compiles_is_told_in_files_of_tc6() -> None:
+    """TC6 is read by tools of CODESYS and by others: the text stays, and the report has its lines."""
+    text = "PROGRAM Main\nVAR w : WORD; i : INT; END_VAR\ni := i + 1;\nw := w + 1;\nw.0 := w.3;\nEND_PROGRAM\n"
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS
+    _, report = sfc.convert(project, "plcopen-2.01", partial=True)
+    losses = [(item.outcome, item.why.partition(":")[0]) for item in report.losses]
+    assert [outcome for outcome, _ in losses] == [Outcome.APPROXIMATED] * 3
+    assert {line for _, line in losses} == {"line 2", "line 3"}
+    assert sfc.convert(project, "codesys")[1].losses == []
+
+
+def test_inherited_names_are_declared_in_the_source() -> None:
+    text = """FUNCTION_BLOCK Base
+VAR_OUTPUT o : BOOL; END_VAR
+o := TRUE;
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK Derived EXTENDS Base
+VAR p : BOOL; END_VAR
+p := o;
+END_FUNCTION_BLOCK
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS
+    _, report = sfc.convert(project, "simaticml", partial=True)
+    (item,) = [item for item in report.losses if item.what == "undeclared name"]
+    assert (item.outcome, item.why) == (Outcome.NOT_EXECUTED, "the name `o` is not declared in TIA Portal")
