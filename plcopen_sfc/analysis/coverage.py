@@ -5,15 +5,16 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
 from plcopen_sfc.analysis.exclusivity import association_condition
-from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.unreachable import Unreachable
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st import parse_condition, print_node
+from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model import conditions
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
@@ -93,6 +94,10 @@ class Coverage:
     def untested(self) -> tuple[Unreached, ...]:
         """Parts that were not reached though they may be reachable."""
         return tuple(each for each in self.unreached if not each.impossible)
+
+    def led(self) -> Coverage:
+        """Return the coverage of code with what its chart does not tell: assignments that may be executed."""
+        return replace(self, unreached=tuple(each for each in self.untested if each.kind == ASSIGNMENT))
 
     def joined(self, other: Coverage) -> Coverage:
         """Return what was reached here or there, in two searches of the same side."""
@@ -199,8 +204,13 @@ class Tally:
         everything = {key for key, _ in _of_kind(self.system, kind)}
         return len(self.reached(kind) & everything), len(everything)
 
-    def coverage(self, *, complete: bool) -> Coverage:
-        """Return the coverage. `complete`: all that the system can do was searched."""
+    def coverage(
+        self, *, complete: bool, chart: Unreachable | None = None, never: Sequence[Expression] = ()
+    ) -> Coverage:
+        """Return the coverage. `complete`: all that the system can do was searched.
+
+        Of code that does the same as a chart: what nothing reaches there, and flags of steps that are `never` TRUE.
+        """
         kinds: tuple[str, ...] = (STEP, TRANSITION, ACTION, PART, ASSIGNMENT) if _charts(self.system) else (ASSIGNMENT,)
         kinds += (OUTCOME, DECISION) if self.parts is not None else ()
         counts: dict[str, tuple[int, int]] = {}
@@ -218,15 +228,35 @@ class Tally:
         unreached: list[Unreached] = []
         if any(missing.values()):
             deciding = {_key(part): part for part in self.parts or ()}
-            reasons = _Reasons(self.system, reached, deciding, complete=complete)
+            unreachable = unreachable_in(self.system, chart, never)
+            reasons = _Reasons(self.system, reached, deciding, unreachable, complete=complete)
             unreached = [reasons.of(kind, key) for kind in kinds for key in missing[kind]]
         return Coverage(self.system.subject.name, counts, tuple(unreached))
 
 
+def coverage_of(
+    tallies: tuple[Tally, Tally], pairs: Iterable[tuple[Observation, Observation]], *, complete: bool
+) -> tuple[Coverage, Coverage]:
+    """Return the coverage of two sides, of which `pairs` are compared: a chart tells of code beside it."""
+    left, right = tallies
+    if not _charts(left.system) or _charts(right.system):
+        return left.coverage(complete=complete), right.coverage(complete=complete)
+    chart = unreachable_in(left.system)
+    dead = chart.dead_paths()
+    flags = [
+        parse_condition(str(code), right.system.subject.project.dialect) for own, code in pairs if own.path in dead
+    ]
+    never = [flag.tree for flag in flags if flag.tree is not None]
+    return left.coverage(complete=complete), right.coverage(complete=complete, chart=chart, never=never)
+
+
 def any_untested(coverage: Sequence[Coverage]) -> bool:
-    """Return True if something that may be reachable was not reached: of a chart, where there is one."""
-    charts = [each for each in coverage if each.has_chart]
-    return any(each.untested for each in charts or coverage)
+    """Return True if something that may be reachable was not reached: of a chart, where there is one.
+
+    Of code beside a chart its assignments count: what they are behind follows from the chart, or is asked for there.
+    """
+    is_led = any(each.has_chart for each in coverage)
+    return any((each.led() if is_led and not each.has_chart else each).untested for each in coverage)
 
 
 def _key(part: ConditionPart) -> Key:
@@ -312,6 +342,19 @@ def _outcome_key(branch: MarkedBranch, text: str, value: bool) -> Key:
     return branch.owner, text, int(value), branch.inside
 
 
+def unreachable_in(
+    system: ProgramSystem, chart: Unreachable | None = None, never: Sequence[Expression] = ()
+) -> Unreachable:
+    """Return what nothing can reach; of sequencers of S7-GRAPH and charts with forcing orders that is not known.
+
+    Of code that does the same as a chart see `Tally.coverage`.
+    """
+    charts = _charts(system)
+    fired = {name: chart.reached.transitions for name, chart in charts}
+    known = not any(isinstance(each, GraphProgram) or each.net.hierarchy for _, each in charts)
+    return Unreachable(system, {name: each.net for name, each in charts} if known else {}, fired, chart, never)
+
+
 class _Reasons:
     """Reasons why something was not reached."""
 
@@ -320,15 +363,16 @@ class _Reasons:
         system: ProgramSystem,
         reached: Mapping[str, set[Key]],
         parts: Mapping[Key, ConditionPart],
+        unreachable: Unreachable,
         *,
         complete: bool,
     ) -> None:
         self._system = system
         self._reached = reached
         self._parts = parts
+        self._unreachable = unreachable
         self._complete = complete
         self._nets = {name: chart.net for name, chart in _charts(system)}
-        self._graphs = {name: isinstance(chart, GraphProgram) for name, chart in _charts(system)}
 
     def of(self, kind: str, key: Key) -> Unreached:
         name, label, number, condition = key
@@ -477,13 +521,6 @@ class _Reasons:
         return Unreached(PART, shown, why, impossible=bool(frozen), value=value)
 
     # -- what is possible
-
-    @cached_property
-    def _unreachable(self) -> Unreachable:
-        """Return what nothing can reach; of sequencers of S7-GRAPH and charts with forcing orders that is not known."""
-        fired = {name: chart.reached.transitions for name, chart in _charts(self._system)}
-        known = not any(self._graphs.values()) and not any(net.hierarchy for net in self._nets.values())
-        return Unreachable(self._system, self._nets if known else {}, fired)
 
     # -- what is in the way
 

@@ -19,6 +19,7 @@ from math import frexp, inf, nextafter
 from random import Random
 from typing import Any
 
+from plcopen_sfc.analysis.coverage import unreachable_in
 from plcopen_sfc.analysis.deciding_parts import ConditionParts
 from plcopen_sfc.analysis.domains import GREATEST_REAL, Domain, NotProvableError, plain
 from plcopen_sfc.analysis.goals import Goal, Goals, total
@@ -55,9 +56,18 @@ _CHANCES = 12
 _LOOKED_BACK = 40
 _REPEATED = 2_000
 _MOST_GOALS = 24
+_MOST_OTHERS = 8
+"""Branches of the side that does not lead, when all of the leading side were reached."""
+
 _MOST_STATES = 20_000
 _BOUND_TRIES = 3
 """How often a bound of a comparison is solved."""
+
+_PHASES = 10
+"""Parts of the effort: after one without anything new, what is left is looked at whether it is reachable at all.
+
+After the next ones the rest is wanted in turn with it.
+"""
 
 _TRIES = 8
 """How often inputs are tried that z3 has found for a part of a condition."""
@@ -132,9 +142,12 @@ class DirectedSearch:
         self._parts = parts
         self._with_parts = [self._goals]
         other = self._sides[1 - leading]
+        self._others = Goals(other, signals, parts[1 - leading])
+        for goal in self._others.branches:
+            goal.places = ()  # steps of the leading side are looked at
         has_outcomes = not all(branch.is_statement for branch in other.marks.branches)
         if any(parts[1 - leading]) or (has_outcomes and bool(other.instance.charts()) == bool(self._goals.charts)):
-            self._with_parts.append(Goals(other, signals, parts[1 - leading]))
+            self._with_parts.append(self._others)
         self._quiet: Row = {name: signal.default for name, signal in signals.items()}
         self._values = {name: _values(domains[name], signal) for name, signal in signals.items()}
         for side in self._sides:
@@ -157,6 +170,10 @@ class DirectedSearch:
         self._version: dict[int, int] = {}
         self._frontier: list[Goal] = []
         self._reached = -1
+        self._progress = 0
+        self._dead: set[Goal] | None = None
+        self._looks_aside = False
+        self._turned = False
         self._read: dict[str, None] = {}
         self._notes: dict[str, None] = {}
         self._runs = 0
@@ -172,6 +189,8 @@ class DirectedSearch:
         try:
             self._start()
             while self._waiting:
+                if self._turned:
+                    self._harvest()
                 self._go_on_from(self._next())
         except _End:
             pass
@@ -258,8 +277,17 @@ class DirectedSearch:
         """Keep the present state if something is new in it."""
         markings = self._goals.markings()
         reached = self._count()
-        if reached != self._reached:
-            self._reached = reached
+        is_stuck = self._scans - self._progress > self._effort // _PHASES
+        if reached != self._reached or is_stuck:
+            self._reached, self._progress = reached, self._scans
+            self._turned |= is_stuck
+            if is_stuck and self._dead is None:
+                leading = self._goals.system
+                present = leading.snapshot()  # first values are asked for, too
+                self._dead = self._goals.impossible(unreachable_in(leading))
+                leading.restore(present)
+            else:
+                self._looks_aside ^= is_stuck
             self._frontier = self._open()
         distances = [goal.distance() for goal in self._frontier]
         key = (markings, tuple(map(_bucket, distances)), len(self._frontier))
@@ -289,14 +317,17 @@ class DirectedSearch:
         return charts + sum(sum(side.marks.reached) for side in self._sides) + sum(each.seen for each in self._parts)
 
     def _open(self) -> list[Goal]:
-        found = list(islice(chain(self._goals.open_transitions(), self._goals.open_branches()), _MOST_GOALS))
+        leading = chain(self._goals.open_transitions(), self._goals.open_branches())
+        dead = self._dead or ()
+        found = [] if self._looks_aside else list(islice((each for each in leading if each not in dead), _MOST_GOALS))
         if not found:  # parts of conditions come last: they are many, and most decide on the way
             parts = (
                 goal
                 for goals in self._with_parts
                 for goal in chain(goals.open_actions(), goals.open_parts(), goals.open_outcomes())
             )
-            found = list(islice(parts, _MOST_GOALS))
+            others = islice(self._others.open_branches(), _MOST_OTHERS)  # most are reached with those of the first
+            found = list(islice(chain(others, parts), _MOST_GOALS))
         return found
 
     def _push(self, number: int) -> None:
@@ -338,13 +369,31 @@ class DirectedSearch:
         state.rounds += 1
         self._push(number)
 
+    def _harvest(self) -> None:
+        """Go on from all kept states in which only inputs are missing for branches that are wanted now."""
+        self._turned = False
+        wanted = [
+            (goals, each)
+            for goals in (self._goals, self._others)
+            for each in islice(goals.open_branches(), _MOST_GOALS)
+            if each in self._frontier
+        ]
+        for number in range(len(self._states) if wanted else 0):
+            self._begin(number)
+            for goals, goal in wanted:
+                if goals.system.marks.reached[goal.branch] or goal.distance():
+                    continue
+                values = goals.solve([goal], [])
+                if values is not None:
+                    self._scan({**self._states[number].row, **values})
+                    self._begin(number)
+
     def _solve(self, number: int) -> None:
         """Make the conditions of the next transitions TRUE, each alone where that is possible; then none of them."""
         state = self._states[number]
         self._begin(number)
         self._runs -= 1
         enabled = self._goals.enabled(state.key[0]) if state.key is not None else []
-        wanted = [goal for goal in self._goals.branches if goal in self._frontier]
         rows: list[Row] = []
         bounds: list[Row] = []
 
@@ -369,8 +418,10 @@ class DirectedSearch:
             held = self._goals.solve([], enabled)
             add(held, self._quiet)  # where an action adds up an input, nothing but clocks goes on only while that is 0
             add(held)
-        for goal in wanted[:_MOST_GOALS]:
-            add(self._goals.solve([goal], []))
+        for goals in (self._goals, self._others):
+            for goal in goals.branches:
+                if goal in self._frontier:
+                    add(goals.solve([goal], []))
         for goals in self._with_parts:
             for goal in chain(goals.open_actions(), goals.open_parts()):
                 if goal.tries < _TRIES and add(goals.solve_part(goal)):

@@ -18,7 +18,7 @@ from functools import cached_property
 from time import monotonic
 from typing import Any, NamedTuple, Protocol, TypedDict
 
-from plcopen_sfc.analysis.coverage import Tally, any_untested
+from plcopen_sfc.analysis.coverage import Tally, any_untested, coverage_of
 from plcopen_sfc.analysis.decomposition import divide, race
 from plcopen_sfc.analysis.directed import DirectedSearch, Step
 from plcopen_sfc.analysis.domains import Domain
@@ -485,7 +485,7 @@ class _Attempt:
         frozen = tuple(dict.fromkeys([*left.frozen(), *right.frozen()]))
         failed = next((note for note in found.notes if note.startswith(BOTH_FAIL)), "")
         covered = found.complete and not frozen and not failed
-        coverage = tuple(tally.coverage(complete=covered) for tally in self._tallies)
+        coverage = coverage_of(self._tallies, comparison.pairs, complete=covered)
         equal = VerdictKind.PROVEN if found.complete else VerdictKind.TESTED
         reason = "; ".join(filter(None, (found.reason, ran.stopped)))
         interrupted = reason.endswith(INTERRUPTED)

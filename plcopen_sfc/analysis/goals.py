@@ -18,6 +18,7 @@ from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
 from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, negation
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.analysis.unreachable import Unreachable
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.wires import joined
@@ -90,7 +91,7 @@ class Goals:
     """The conditions of one system, and what is known of them. `signals`: the inputs that both systems share."""
 
     def __init__(self, system: ProgramSystem, signals: Mapping[str, Signal], parts: ConditionParts) -> None:
-        self._system = system
+        self.system = system
         self._signals = signals
         self._shared = {own.casefold(): name for own, name in system.shared_names().items()}
         self._project = system.subject.project
@@ -117,7 +118,7 @@ class Goals:
     # -- which
 
     def _of_transition(self, number: int, transition: NetTransition) -> Goal:
-        pou = self._system.subject.pou
+        pou = self.system.subject.pou
         place = [(number, transition.pre)]
         goal = Goal(transition.path, None, number, transition.bit, transition.pre, places=place)
         if transition.transition.condition is None:
@@ -135,8 +136,8 @@ class Goals:
         return goal
 
     def _find_branches(self) -> None:
-        marks = self._system.marks
-        own = self._system.subject.pou.name
+        marks = self.system.marks
+        own = self.system.subject.pou.name
         for number, branch in enumerate(marks.branches):
             goals = self.branches if branch.is_statement else self.outcomes
             if len(goals) >= _MOST_BRANCHES:
@@ -153,7 +154,7 @@ class Goals:
     @cached_property
     def _executing(self) -> Mapping[str, list[tuple[int, int]]]:
         """The steps that execute a text only while they are active, by the name of its owner."""
-        own, found = self._system.subject.pou.name, dict[str, list[tuple[int, int]]]()
+        own, found = self.system.subject.pou.name, dict[str, list[tuple[int, int]]]()
         for number, (chart, _) in enumerate(self.charts):
             for step in chart.net.steps if chart in self._own else ():
                 at, model = (number, step.bit), step.step
@@ -266,7 +267,7 @@ class Goals:
 
     def open_outcomes(self) -> Iterator[Goal]:
         """The outcomes of comparisons that are assigned, and which have not come out so."""
-        reached = self._system.marks.reached
+        reached = self.system.marks.reached
         return (goal for goal in self.outcomes if not reached[goal.branch])
 
     def open_transitions(self) -> Iterator[Goal]:
@@ -279,8 +280,22 @@ class Goals:
 
     def open_branches(self) -> Iterator[Goal]:
         """The branches that were not executed yet."""
-        reached = self._system.marks.reached
+        reached = self.system.marks.reached
         return (goal for goal in self.branches if not reached[goal.branch])
+
+    def impossible(self, unreachable: Unreachable) -> set[Goal]:
+        """Return the open transitions and branches that nothing can reach."""
+        names = {id(chart): name for name, chart in self.system.instance.unit.charts}
+        found: set[Goal] = set()
+        for goals, (chart, _) in zip(self.transitions, self.charts, strict=True):
+            dead = unreachable.transitions.get(names.get(id(chart), ""), ())
+            found |= {goal for number, goal in enumerate(goals) if number in dead}
+        for goal in self.open_branches():
+            branch = self.system.marks.branches[goal.branch]
+            own = self.system.subject.pou.chart
+            if unreachable.is_never_executed(branch.owner) or unreachable.is_impossible(branch.guards, own):
+                found.add(goal)
+        return found
 
     def enabled(self, markings: Sequence[int]) -> list[Goal]:
         """The transitions that are enabled in a situation, in the order in which they are tried."""
@@ -371,7 +386,7 @@ class Goals:
                 return None
             if isinstance(node, n.Name | n.Member | n.Index | n.Address) and self._input(print_node(node)) is not None:
                 return None
-        instance = self._system.instance
+        instance = self.system.instance
         self._library.is_complete = True  # a branch of a method has names that are known in the method alone
         try:
             function = Routines(instance.unit.scope).expression(print_node(tree), instance.unit.pou.name)
@@ -435,12 +450,12 @@ class Goals:
         return goal._formula
 
     def _formula(self) -> Formula:
-        chart = self._system.subject.pou.chart
-        return Formula(self._project.dialect, self._knowledge.at(self._system.subject.pou, chart), guessing=True)
+        chart = self.system.subject.pou.chart
+        return Formula(self._project.dialect, self._knowledge.at(self.system.subject.pou, chart), guessing=True)
 
     def _present(self, text: str) -> Any:
         try:
-            return self._system.instance[text]
+            return self.system.instance[text]
         except (SfcError, AttributeError):
             return None
 
@@ -466,7 +481,7 @@ class Goals:
     def _named(self, text: str, value: Any) -> Any:
         """The value of an enumeration as its name."""
         try:
-            type_ = self._system.instance.type_of(text)
+            type_ = self.system.instance.type_of(text)
         except SfcError:
             return None
         if isinstance(type_, ElementaryType) and type_.family is Family.DATE and isinstance(value, int):

@@ -458,9 +458,9 @@ class ProgramSystem:
 
     @cached_property
     def uncalled_actions(self) -> tuple[str, ...]:
-        """The actions of a POU without charts that no text of the project names, so that nothing can execute them."""
+        """The actions of a POU that no text of the project names and whose body is no chart: nothing executes them."""
         pou, dialect = self.subject.pou, self.subject.project.dialect
-        if self.instance.charts():
+        if pou.chart is not None:
             return ()
         inside = {id(action): names_in(action, dialect) for action in pou.actions}
         others = [each for each in self.subject.project.pous if each.name != pou.name]

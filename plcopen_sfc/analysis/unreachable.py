@@ -35,13 +35,26 @@ _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 
 
 class Unreachable:
-    """Looks at the charts of a system; `nets` are those that are looked at, by name, `fired` what fired somewhere."""
+    """Looks at the charts of a system; `nets` are those that are looked at, by name, `fired` what fired somewhere.
 
-    def __init__(self, system: ProgramSystem, nets: Mapping[str, Net], fired: Mapping[str, int]) -> None:
+    Code that does the same as a `chart` executes no text of it that the chart never executes; `never`: conditions that
+    are then never TRUE in the code.
+    """
+
+    def __init__(
+        self,
+        system: ProgramSystem,
+        nets: Mapping[str, Net],
+        fired: Mapping[str, int],
+        chart: Unreachable | None = None,
+        never: Sequence[Expression] = (),
+    ) -> None:
         self._system = system
         self._pou = system.subject.pou
         self._nets = nets
         self._fired = fired
+        self._chart = chart
+        self._known = tuple(map(inverted, never))
         self._knowledge = ProjectKnowledge(system.subject.project)
         self.steps: dict[str, set[int]] = {}
         self.transitions: dict[str, set[int]] = {}
@@ -57,9 +70,20 @@ class Unreachable:
         own = self._pou.name
         if owner.removeprefix(f"{own}.").casefold() in self._never_said:
             return True
+        if self._chart is not None and self._chart.is_never_executed(owner):
+            return True
         place = owner.removeprefix(f"{own} / step ")
         steps = self._nets[own].steps if own in self._nets else ()
         return any(step.path == place and step.index in self.steps.get(own, ()) for step in steps)
+
+    def dead_paths(self) -> set[str]:
+        """Return the paths of the steps of the POU's own chart that are never entered."""
+        own = self._pou.name
+        return (
+            {step.path for step in self._nets[own].steps if step.index in self.steps[own]}
+            if own in self.steps
+            else set()
+        )
 
     def is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, called: str | None = None) -> bool:
         """True if conditions that stand in a chart, or in a called POU of a name, are never TRUE together."""
@@ -239,7 +263,7 @@ class Unreachable:
     def _is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, fixed: set[str]) -> bool:
         """Return True if one of some conditions is FALSE while some variables are not written."""
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._pou, chart))
-        terms = formula.terms([JudgedCondition(tree) for tree in trees])
+        terms = formula.terms([JudgedCondition(tree) for tree in (*trees, *self._known)])
         known = {}
         for text in formula.names():
             root = text.casefold().partition(".")[0]

@@ -201,17 +201,18 @@ class Verdict:
             yield f"unknown, taken as functions of what they are given: {', '.join(self.unknown)}"
 
     @property
-    def _leading(self) -> list[Coverage]:
-        """The sides that tell what was not reached: what is not reached of code follows from its chart."""
-        return [each for each in self.coverage if each.has_chart] or list(self.coverage)
+    def _told(self) -> list[Coverage]:
+        """Both sides; of code beside a chart only what that does not tell."""
+        is_led = any(each.has_chart for each in self.coverage)
+        return [each.led() if is_led and not each.has_chart else each for each in self.coverage]
 
     def _missing(self) -> str:
-        found = "; ".join(dict.fromkeys(filter(None, (each.missing() for each in self._leading))))
+        found = "; ".join(dict.fromkeys(filter(None, (each.missing() for each in self._told))))
         return f" ({found})" if found else ""
 
     def _covered(self) -> Iterator[str]:
         """Return what was not executed, then how much was, in lines."""
-        yield from dict.fromkeys(line for each in self._leading for line in each.lines())
+        yield from dict.fromkeys(line for each in self._told for line in each.lines())
         if self.coverage:
             yield "covered: " + "; ".join(map(str, self.coverage))
         yield from self._unknown()

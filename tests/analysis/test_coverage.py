@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.model import Project, conditions
+from plcopen_sfc.lowering.proof import prove
+from plcopen_sfc.model import Project, StBody, conditions
+from plcopen_sfc.semantics.subjects import resolve
 
 
 def project(declarations: str, transitions: str, steps: str = "INITIAL_STEP A: END_STEP STEP B: END_STEP") -> Project:
@@ -492,3 +495,47 @@ def test_booleans_must_have_been_true_and_false_where_they_were_tested(condition
     parts = [each for each in found.coverage[0].unreached if each.kind == "part of condition"]
     assert [str(each) for each in parts] == [f"transition S2 -> S1: {each}" for each in missed]
     assert all(each.impossible is ("far" not in each.name) for each in parts)
+
+
+# -- code beside its chart
+
+
+@cache
+def press() -> Project:
+    return sfc.load("fixtures/twincat/press_station.xml")
+
+
+def press_and_code(old: str = "", new: str = "") -> Verdict:
+    """The press, whose code sets stored actions back, beside that code with a change."""
+    code = sfc.lower(press(), "case", pou="FB_Press", verify=False)
+    body = code.project.pou("FB_Press").bodies[0]
+    assert isinstance(body, StBody)
+    assert old in body.text
+    body.text = body.text.replace(old, new)
+    return prove(
+        *(resolve(each, "FB_Press") for each in (press(), code.project)),
+        code.profile,
+        fixed=code.at_rest,
+        left_out=code.left_out,
+        step_flags=code.step_flags,
+        cap=2_000,
+        runs=30,
+    )
+
+
+def test_every_assignment_of_code_beside_a_chart_is_reached_or_proven_dead() -> None:
+    verdict = press_and_code()
+    assert verdict.kind is VerdictKind.TESTED
+    assert [each for each in verdict.coverage[1].unreached if each.kind == "assignment" and not each.impossible] == []
+
+
+def test_a_mistake_in_what_code_does_when_it_is_set_back_is_found() -> None:
+    setting_back = "IF bOverload_before THEN\n        bOverload := FALSE;"
+    assert press_and_code(setting_back, setting_back.replace("FALSE", "TRUE")).different
+
+
+def test_an_assignment_that_only_code_has_is_named_where_nothing_reached_it() -> None:
+    verdict = press_and_code("// Step times", "IF fForce * fForce < 0.0 THEN bDone := TRUE; END_IF;")
+    assert verdict.kind is VerdictKind.UNTESTED
+    assert "(1 assignment)" in str(verdict)
+    assert "not reached: assignment bDone := TRUE;: needs `fForce * fForce < 0.0`, never reached" in str(verdict)

@@ -104,6 +104,11 @@ class ActionControlCode:
             return None
         return self._input(action, Q.S), disjunction([self._input(action, Q.R, Q.R0), self._ending])
 
+    def never_ends(self, action: ActionSource) -> bool:
+        """True if an action that was executed once is executed in all later scans: code behind it would be dead."""
+        lasting = {use.qualifier for use in action.uses}
+        return bool(lasting) and lasting <= {Q.S, Q.SD, Q.DS} and is_constant(self._ending, FALSE)
+
     def outputs(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
         """Return Q in two parts: one that lasts, after whose end an action is executed once more, and P1 and P0."""
         reset = self._input(action, Q.R, Q.R0)
@@ -305,6 +310,10 @@ class SequentialControlCode:
     def remember(self) -> list[Statement]:
         """Return the statements behind all that this control made: the flags of steps for the next scan."""
         return [assignment(before, self._is_active(steps)) for steps, before in self._before.items()]
+
+    def never_ends(self, _: ActionSource) -> bool:
+        """True if nothing ends an action: that is not known."""
+        return False
 
     def never_holds(self, action: ActionSource) -> bool:
         """Return True if a variable is FALSE in every scan in which nothing decides on it, if nothing else writes it.

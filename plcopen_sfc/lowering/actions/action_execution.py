@@ -207,7 +207,8 @@ class _Execution:
                 return
             lasting, single = self._control.outputs(action, statements)
             executed = disjunction([lasting, single])
-            if self._final_scan and self._verbatim and not is_constant(lasting, FALSE):
+            is_ending = not is_constant(lasting, FALSE) and not self._control.never_ends(action)
+            if self._final_scan and self._verbatim and is_ending:
                 # the scan behind the last one: whatever was on in the scan before is executed
                 if not self._is_brief(lasting):
                     lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
@@ -215,7 +216,7 @@ class _Execution:
                 self._memory.ends.append(assignment(on, FALSE))
                 self._add(action, disjunction([lasting, single, on]), statements, [assignment(on, lasting)])
                 return
-            if self._final_scan and not is_constant(lasting, FALSE):
+            if self._final_scan and is_ending:
                 lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
                 ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), lasting, statements)
                 executed = disjunction([lasting, single, ended])
@@ -252,12 +253,14 @@ class _Execution:
             # other code writes this variable too: it is set back once, and left alone while its action is inactive
             on = on_before or self._memory.variable(f"{action.name}_Q", BOOL)
             begin, end = [[assignment(action.target, each), assignment(on, each)] for each in (TRUE, FALSE)]
-            statements.append(n.If((n.Branch(driven, tuple(begin)), n.Branch(on, tuple(end)))))
+            ending = () if self._control.never_ends(action) else (n.Branch(on, tuple(end)),)
+            statements.append(n.If((n.Branch(driven, tuple(begin)), *ending)))
             self._end_when_set_back(on, action.target)
         else:
             driven = self._memory.named(f"{action.name}_Q", self._control.drive(action, statements), statements)
-            ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), driven, statements)
-            statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
+            if not self._control.never_ends(action):
+                ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), driven, statements)
+                statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
             self._end_when_set_back(driven, action.target)
         self._code.add(self._texts.action(action.name), statements, self._captions(action))
@@ -346,6 +349,8 @@ class _Execution:
                 rest, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
                 if self._always:
                     idle += self._memory.conditional("", negation(driven), rest)
+                elif self._control.never_ends(action):
+                    self._end_when_set_back(self._memory.remembered(name, driven, behind), action.target)
                 else:
                     ended, was = self._memory.ended(name, driven, deciding, behind)
                     ending += self._memory.conditional("", ended, rest)
@@ -356,7 +361,7 @@ class _Execution:
                 single = self._memory.named(self._texts.with_suffix(name, "pulse"), single, deciding)
             if not is_constant(lasting, FALSE):
                 lasting = self._memory.named(f"{name}_Q", lasting, deciding)
-                if self._final_scan:
+                if self._final_scan and not self._control.never_ends(action):
                     ended, was = self._memory.ended(name, lasting, deciding, behind)
                     if was is not lasting:
                         self._memory.ends.append(assignment(was, FALSE))

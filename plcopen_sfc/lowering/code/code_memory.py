@@ -79,6 +79,10 @@ class Memory(ABC):
         """
         return self.falling(self.texts.with_suffix(wanted, "end"), value, into), value
 
+    def remembered(self, wanted: str, value: Expression, behind: list[Statement]) -> Expression:  # noqa: ARG002
+        """Return what was TRUE in the last scan, of a value that stays the same until `behind`."""
+        return value
+
     def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
         """Return an expression that is TRUE when `value` has been TRUE for `time`.
 
@@ -189,9 +193,14 @@ class BitMemory(Memory):
         behind: list[Statement],
     ) -> tuple[Expression, Expression]:
         """Return ``before AND NOT value``, and ``before``."""
+        before = self.remembered(wanted, value, behind)
+        return conjunction([before, negation(value)]), before
+
+    def remembered(self, wanted: str, value: Expression, behind: list[Statement]) -> Expression:
+        """Return a variable with the value of the last scan: the value itself may be reset first."""
         before = self._code.declare(self.texts.with_suffix(wanted, "before"))
         behind.append(assignment(before, value))
-        return conjunction([before, negation(value)]), before
+        return before
 
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """Return ``value AND NOT`` the value of the last scan."""
