@@ -214,7 +214,10 @@ class Verdict:
         """Return what was not executed, then how much was, in lines."""
         yield from dict.fromkeys(line for each in self._told for line in each.lines())
         if self.coverage:
-            yield "covered: " + "; ".join(map(str, self.coverage))
+            told = list(dict.fromkeys(map(str, self.coverage)))
+            yield (
+                f"covered on both sides: {told[0]}" if len(told) < len(self.coverage) else f"covered: {'; '.join(told)}"
+            )
         yield from self._unknown()
         if self.uncompared:
             yield f"not compared: {listed(self.uncompared)}"

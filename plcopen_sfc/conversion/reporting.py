@@ -10,6 +10,7 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.conversion.comparison import ExecutionDifference
@@ -29,6 +30,9 @@ from plcopen_sfc.conversion.executed_parts import (
 )
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import SfcError
+from plcopen_sfc.languages.binding import names_in
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
@@ -64,6 +68,7 @@ def report_running(
     is the time in seconds that all of this may take.
     """
     from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
+    from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415
     from plcopen_sfc.analysis.verdict import VerdictKind  # noqa: PLC0415
 
     profiles = default_profile(source), target or default_profile(result)
@@ -73,19 +78,23 @@ def report_running(
         if left <= 0:
             _note_untested(report, there.report_path, "not run: the time limit was reached")
             continue
+        compared = partial(
+            equivalent,
+            resolve(source, there.name),
+            resolve(result, here.name),
+            profiles,
+            inputs=_executed_inputs(report, there),
+            free_inputs=ALL_FREE,
+            cap=_CAP,
+            runs=_RUNS,
+            scans=_SCANS,
+        )
         try:
-            verdict = equivalent(
-                resolve(source, there.name),
-                resolve(result, here.name),
-                profiles,
-                delay="auto",
-                inputs=_executed_inputs(report, there),
-                free_inputs=ALL_FREE,
-                cap=_CAP,
-                runs=_RUNS,
-                scans=_SCANS,
-                limit=left,
-            )
+            verdict = compared(delay="auto", limit=left)
+            is_cut = verdict.delay.retimed and verdict.equal
+            other = profiles[0].order is not profiles[1].order
+            is_cut = is_cut and _lasts(there, source.dialect, verdict.inputs, has_other_inputs=other)
+            as_run = compared(delay=Delay(verdict.delay.scans), limit=left) if is_cut else verdict
         except SfcError as error:
             _note_untested(report, there.report_path, f"not run: {error.message}")
             continue
@@ -98,6 +107,41 @@ def report_running(
             _note_stability(report, there.report_path)
         if verdict.counterexample is not None:
             report.add(Outcome.APPROXIMATED, "chart", there.report_path, _refused(verdict.counterexample, tool))
+        elif not as_run.equal:
+            example = as_run.counterexample
+            why = _refused(example, tool) if example is not None else "it is not known to do the same"
+            report.add(Outcome.APPROXIMATED, "chart", there.report_path, why + _told_apart(profiles, tool))
+
+
+def _lasts(chart: Chart, dialect: Dialect, inputs: Iterable[str], *, has_other_inputs: bool) -> bool:
+    """True if a chart can do something else for good where its actions see other inputs, or in the first scan.
+
+    A Boolean that follows its initial step is late or early once. What is stored, and what statements do, stays.
+    """
+    bodies = {action.name.casefold() for action in chart.pou.actions}
+
+    def follows(each: ActionAssociation) -> bool:
+        is_plain = each.qualifier in (Qualifier.N, Qualifier.L, Qualifier.D) and each.event is None
+        return is_plain and each.body is None and each.value is None and (each.target or "").casefold() not in bodies
+
+    for step in chart.chart.initial_steps:
+        if step.entry_action or step.main_action or step.exit_action or not all(map(follows, step.actions)):
+            return True
+    if not has_other_inputs:
+        return False
+    known = {name.casefold().partition("[")[0].rpartition(".")[2] for name in inputs}
+    texts = (*chart.pou.actions, *chart.chart.steps)
+    return any(not known.isdisjoint(names_in(each, dialect)) for each in texts)
+
+
+def _told_apart(profiles: tuple[Profile, Profile], tool: str) -> str:
+    """Return why tools differ that are equal with actions that see earlier inputs, and a first scan at rest."""
+    sides = {True: "the source", False: tool}
+    early = [sides[each is profiles[0]] for each in profiles if each.order is ScanOrder.ACTIONS_FIRST]
+    if len(early) == 1:
+        return f"; {early[0]} executes the actions before the transitions, and so sees other inputs in them"
+    held = [sides[each is profiles[0]] for each in profiles if each.initial_situation_held]
+    return f"; {held[0]} tests no transition in its first scan" if len(held) == 1 else ""
 
 
 def _note_stability(report: ConversionReport, path: str) -> None:

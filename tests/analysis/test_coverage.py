@@ -383,7 +383,7 @@ END_PROGRAM""",
     assert head.startswith("not all was reached (2 steps, 1 transition"), head
     assert first == "not reached: steps S2, S3: needs `INT_TO_REAL(m) * level > 7.0`, never reached"
     assert second == "not reached behind these steps: 2 transitions, 2 actions, 1 assignment"
-    assert third.startswith("covered: 1 of 3 steps")
+    assert third.startswith("covered on both sides: 1 of 3 steps")
     assert {each["name"] for each in verdict.as_dict()["coverage"][0]["unreached"]} >= {"q", "Count", "S3 -> S1"}
 
 

@@ -57,6 +57,34 @@ def test_what_looks_the_same_and_acts_otherwise_is_approximated(project: sfc.Pro
         saved(project, target, strict=True)
 
 
+SAMPLED = """ACTION Look: IF b AND m = 0 THEN m := 1; END_IF; IF NOT b AND m = 0 THEN m := 2; END_IF; END_ACTION"""
+
+
+@pytest.mark.parametrize(
+    ("first", "initial", "target", "why"),
+    [
+        ("Look(N);", "", "codesys", "CODESYS executes the actions before the transitions, and so sees other inputs"),
+        ("", "q(S);", "codesys", "CODESYS executes the actions before the transitions"),
+        ("", "q(S);", "simaticml", "TIA Portal tests no transition in its first scan"),
+    ],
+    ids=["an input read on entry", "a stored action of the initial step", "a first scan that waits"],
+)
+def test_inputs_of_the_entry_and_of_the_first_scan_are_no_constant_delay(
+    first: str, initial: str, target: str, why: str
+) -> None:
+    text = CHART.format(first=first, second="", initial="", edge="", actions=SAMPLED if first else "")
+    text = text.replace("INITIAL_STEP S0: ", f"INITIAL_STEP S0: {initial} ")
+    report = saved(sfc.loads(text.encode(), format="iec-text"), target)
+    (item,) = [item for item in report.losses if item.what == "chart"]
+    assert item.outcome is Outcome.APPROXIMATED
+    assert why in item.why
+
+
+def test_actions_that_read_no_input_are_only_later() -> None:
+    report = saved(chart("q(N);", "Set(S);"), "codesys", strict=True)
+    assert report.compared["POU Main"].startswith("equal, second 1 scan later")
+
+
 @pytest.mark.parametrize("target", ["codesys", "plcopen", "simaticml"])
 def test_what_acts_the_same_is_said_to(target: str) -> None:
     report = saved(chart("q(N);", "Aa(P1);"), target, strict=True)
