@@ -170,10 +170,27 @@ def encode(
     if behaviour is not None:
         seen = read_document(data, format=name, path=None, as_tool=True)
         report_behaviour(report, project, behaviour, seen, called, tool=kind.tool, flavour=flavour, limit=limit)
+    elif limit:
+        _report_without_tool(report, project, data, kind, called, limit=limit)
     if source is not None and format_named(source.format)[0].xml:
         report.locate(format_named(source.format)[0].codec().lines(source.content, project), called=called)
     locate_in_folder(project, report, called)
     return data, report
+
+
+def _report_without_tool(
+    report: ConversionReport, project: Project, data: bytes, kind: Format, called: Mapping[str, str], *, limit: float
+) -> None:
+    """Run the charts of a format that is no tool's: GRAFCETs by the rules of IEC 60848. Nothing executes step lists."""
+    from plcopen_sfc.conversion.reporting import report_running  # noqa: PLC0415  # brings the interpreter
+    from plcopen_sfc.semantics.profile import profile_of_format  # noqa: PLC0415
+
+    if profile_of_format(kind.name).grafcet_terms:
+        seen = read_document(data, format=kind.name, path=None, as_tool=True)
+        report_running(report, project, seen, called, tool="GRAFCET", target=None, limit=limit)
+    elif kind.name != "json":  # the model itself
+        told = f"not compared, as nothing executes a {kind.title}"
+        report.compared |= {chart.report_path: told for chart in project.charts()}
 
 
 def report_behaviour(
