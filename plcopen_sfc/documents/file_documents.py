@@ -388,15 +388,20 @@ _SHOWN = 60
 
 def _patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the file that was read with the edits in it. What has no edits is neither read nor drawn nor written."""
-    from plcopen_sfc.conversion.adaptation import is_rewritten, rewrite_project  # noqa: PLC0415
+    from plcopen_sfc.conversion.adaptation import (  # noqa: PLC0415
+        is_rewritten,
+        is_rewritten_throughout,
+        rewrite_project,
+    )
     from plcopen_sfc.drawing import prepare  # noqa: PLC0415
 
     codec = cast("XmlCodec", kind.codec())
     is_other = is_rewritten(project, source.content, kind)
-    excerpt = None if is_other else _Excerpt.of(project, source, codec)
+    throughout = is_rewritten_throughout(project, source.content, kind)
+    excerpt = None if throughout else _Excerpt.of(project, source, codec)
     if excerpt is not None:
         notes = ConversionReport(report.source_format, report.target_format)
-        data = _merged(excerpt.project, source, kind, notes, excerpt=excerpt)
+        data = _merged(excerpt.project, source, kind, notes, is_other=is_other, excerpt=excerpt)
         whole = excerpt.filled(data) if data is not None else None
         if whole is not None:
             report.items += notes.items

@@ -117,3 +117,17 @@ def test_a_chart_of_the_same_name_in_another_file_is_saved(what: str) -> None:
     else:
         project.pous[0].bodies[0] = SfcBody(chart=other.pous[0].chart)
     assert b'name="Start"' in sfc.dumps(project)
+
+
+def test_charts_with_statements_in_steps_are_rewritten_alone_in_codesys(tmp_path: Path) -> None:
+    generate(tmp_path / "many.xml", megabytes=2.4, codesys=True, steps=8)
+    data = (tmp_path / "many.xml").read_bytes()
+    project = sfc.loads(data)
+    charts = [body.chart for pou in project.pous for body in pou.bodies if isinstance(body, SfcBody)]
+    assert len(charts) > 2
+    charts[1].rename_step(charts[1].steps[0].name, "Renamed")
+    saved = sfc.dumps(project)
+    assert [not chart.is_unread for chart in charts] == [at == 1 for at in range(len(charts))]
+    old, new = data.splitlines(), saved.splitlines()
+    assert len(old) == len(new)
+    assert {b"Renamed" in after for before, after in zip(old, new, strict=True) if before != after} == {True}

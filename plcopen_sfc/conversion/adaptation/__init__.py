@@ -13,6 +13,11 @@ The abilities of the target are those of its record (`formats.format_interface.C
 source beside it (`formats.plcopen.source_marks`).
 """
 
-from plcopen_sfc.conversion.adaptation.project_rewriting import is_rewritten, rewrite_project, rule_tables
+from plcopen_sfc.conversion.adaptation.project_rewriting import (
+    is_rewritten,
+    is_rewritten_throughout,
+    rewrite_project,
+    rule_tables,
+)
 
-__all__ = ["is_rewritten", "rewrite_project", "rule_tables"]
+__all__ = ["is_rewritten", "is_rewritten_throughout", "rewrite_project", "rule_tables"]

@@ -336,19 +336,27 @@ def _without_result(project: Project) -> Iterator[Interface]:
 def is_rewritten(project: Project, content: bytes, kind: Format) -> bool:
     """True if the file `content` holds what was rewritten, or an edit of `project` made that necessary."""
     host = kind.charts
+    if is_rewritten_throughout(project, content, kind):
+        return True
     if host is None:
-        return kind.codec().is_rewritten(project, content)
-    if f'"{REWRITTEN_FIELD}"'.encode() in content or has_globals(project):
-        return True
-    if (
-        any(_without_result(project))
-        or any(_with_system_data(project))
-        or any(_partly_retained(project))
-        or (not host.is_codesys and project.global_variables)
-    ):
-        return True
+        return False
     charts = (chart for chart in project.charts() if not is_untouched(chart.chart))
     return any(needs_rewriting(chart, host, WriteOptions()) for chart in charts)
+
+
+def is_rewritten_throughout(project: Project, content: bytes, kind: Format) -> bool:
+    """True if that may concern any POU, and not the edited charts alone."""
+    host = kind.charts
+    if host is None:
+        return kind.codec().is_rewritten(project, content)
+    return (
+        f'"{REWRITTEN_FIELD}"'.encode() in content
+        or has_globals(project)
+        or any(_without_result(project))
+        or any(_with_system_data(project))
+        or any(_partly_retained(project))
+        or bool(not host.is_codesys and project.global_variables)
+    )
 
 
 def _drawn(project: Project) -> Iterator[tuple[str, str, FbdBody | LdBody]]:
