@@ -39,6 +39,7 @@ from plcopen_sfc.documents.picture_files import (
 )
 from plcopen_sfc.errors import (
     ArgumentError as ArgumentError,
+    ExhaustionError as ExhaustionError,
     FileAccessError as FileAccessError,
     FormatError as FormatError,
     InputError as InputError,

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import io
 from collections.abc import Collection
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.documents.file_documents import read_document
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.documents.storage import SaveOptions, Source, load_project, save_project
-from plcopen_sfc.errors import Location, UnknownFormatError, check_argument, nearest
+from plcopen_sfc.errors import Location, UnknownFormatError, check_argument, nearest, told_when_exhausted
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.base import Model
@@ -36,7 +37,8 @@ def load(
     this package carries in files of a format that has no place for it (comments, pragmas and foreign data of its own)
     is ignored, and is gone where the project is saved. Raises `FileAccessError` or `FormatError`.
     """
-    return load_project(source, format=format, progress=progress, as_tool=as_tool)
+    with told_when_exhausted(str(source) if isinstance(source, str | Path) else None):
+        return load_project(source, format=format, progress=progress, as_tool=as_tool)
 
 
 def loads(data: bytes, *, format: str | None = None, path: str | None = None, as_tool: bool = False) -> Project:
@@ -44,9 +46,11 @@ def loads(data: bytes, *, format: str | None = None, path: str | None = None, as
     hint = "load takes a path. Text has to be encoded: text.encode()." if isinstance(data, str) else ""
     check_argument(data, (bytes, bytearray, memoryview), "loads needs bytes", hint)
     data = bytes(data)
-    return read_document(data, format=format, path=path, as_tool=as_tool)
+    with told_when_exhausted(path):
+        return read_document(data, format=format, path=path, as_tool=as_tool)
 
 
+@told_when_exhausted()
 def save(
     project: Project | LoweredPou,
     target: Source,

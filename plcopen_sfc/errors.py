@@ -6,7 +6,8 @@ to do about it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -74,6 +75,22 @@ class SfcError(Exception):
 
 def _without_init(kind: type[SfcError], args: tuple[object, ...]) -> SfcError:
     return kind.__new__(kind, *args)
+
+
+class ExhaustionError(SfcError):
+    """A file takes more memory than there is, or is nested more deeply than the stack of Python allows."""
+
+
+@contextmanager
+def told_when_exhausted(file: str | None = None) -> Iterator[None]:
+    """Raise `ExhaustionError` where Python raises errors of its own for the lack of memory or depth."""
+    try:
+        yield
+    except (MemoryError, RecursionError) as error:
+        lacks_memory = isinstance(error, MemoryError)
+        message = "not enough memory for this file" if lacks_memory else "the content is nested too deeply"
+        hint = "Saving an edit takes about 70 times the size of an XML file. Divide it." if lacks_memory else ""
+        raise ExhaustionError(message, location=Location(file), hint=hint) from None
 
 
 class FileAccessError(SfcError, OSError):

@@ -309,6 +309,31 @@ def test_many_megabytes_of_something(tmp_path, repeated):
     assert "Traceback" not in done.stderr
 
 
+@POSIX
+@pytest.mark.slow
+def test_a_sound_file_for_which_memory_does_not_suffice(tmp_path):
+    """It is not called damaged, in Python neither."""
+    path = tmp_path / "huge.xml"
+    path.write_text(f'<project xmlns="{TC6}">{"<a/>" * 3_000_000}</project>', encoding="utf-8", newline="")
+    done = python(SHORT, path, timeout=120)
+    path.unlink()
+    assert done.stdout.startswith(f"ExhaustionError: {path}: not enough memory"), done.stderr
+
+
+SHORT = """
+import resource, sys
+from pathlib import Path
+import plcopen_sfc as sfc
+sfc.loads(Path("fixtures/broken/umlauts_utf8.xml").read_bytes())
+used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + (60 << 20),) * 2)
+try:
+    sfc.load(sys.argv[1])
+except sfc.SfcError as error:
+    print(f"{type(error).__name__}: {error}")
+"""
+
+
 # -- names in every encoding ------------------------------------------------------------------------------------------
 
 

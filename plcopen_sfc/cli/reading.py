@@ -12,9 +12,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from plcopen_sfc.api import load, loads
-from plcopen_sfc.cli.screen import UNREADABLE, Screen, describe_exhaustion
+from plcopen_sfc.cli.screen import UNREADABLE, Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import FileAccessError, Location, SfcError
+from plcopen_sfc.errors import FileAccessError, Location, SfcError, told_when_exhausted
 from plcopen_sfc.files import folder_exists, path_exists
 from plcopen_sfc.model.project import Project
 
@@ -40,16 +40,15 @@ def load_each(screen: Screen, names: Sequence[str], doing: str = "Reading") -> I
     for name in screen.progress(names, doing):
         try:
             screen.detail(f"reading {name}")
-            if folder_exists(name):
-                project = _load_folder(screen, name, doing, bars=len(names) == 1)
-            else:
-                project = load_input(screen, name)
-            findings = project.diagnostics  # reads the charts, too, while their errors can be reported
+            with told_when_exhausted(name):
+                if folder_exists(name):
+                    project = _load_folder(screen, name, doing, bars=len(names) == 1)
+                else:
+                    project = load_input(screen, name)
+                findings = project.diagnostics  # reads the charts, too, while their errors can be reported
             found = LoadedFile(name, project, findings)
         except SfcError as error:
             failure = error
-        except (MemoryError, RecursionError) as error:
-            failure = SfcError(describe_exhaustion(error), location=Location(name))
         else:
             yield found
             continue

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal, TextIO, TypeVar
 
 import typer
 
-from plcopen_sfc.errors import SfcError
+from plcopen_sfc.errors import SfcError, told_when_exhausted
 from plcopen_sfc.files import refuse_unwritable, write_atomic
 
 if TYPE_CHECKING:
@@ -48,7 +48,8 @@ def guarded(*, as_json: bool, quiet: bool, verbose: int, report: Path | None = N
     try:
         if report is not None:
             refuse_unwritable(report)
-        yield screen
+        with told_when_exhausted():
+            yield screen
         screen.flush()
     except SfcError as error:
         screen.exit_code = UNREADABLE
@@ -57,10 +58,6 @@ def guarded(*, as_json: bool, quiet: bool, verbose: int, report: Path | None = N
     except KeyboardInterrupt:
         screen.exit_code = INTERRUPTED
         screen.complain("interrupted")
-    except (MemoryError, RecursionError) as error:
-        screen.exit_code = UNREADABLE
-        screen.complain(describe_exhaustion(error))
-        _trace(wanted=debug)
     except BrokenPipeError:
         screen.exit_code = _PIPE_CLOSED
         silence_stdout()
@@ -79,13 +76,6 @@ def guarded(*, as_json: bool, quiet: bool, verbose: int, report: Path | None = N
         screen.advise("This is a bug in plcopen_sfc, please report it; --verbose shows the details.")
         _trace(wanted=debug or verbose > 0)
     raise typer.Exit(screen.exit_code)
-
-
-def describe_exhaustion(error: MemoryError | RecursionError) -> str:
-    """Return the message for a file that takes too much memory or nesting."""
-    if isinstance(error, MemoryError):
-        return "not enough memory for this file"
-    return "the content of this file is nested too deeply"
 
 
 def _give_up_output(screen: Screen) -> None:

@@ -43,6 +43,7 @@ from plcopen_sfc.errors import (
     SfcError,
     UnknownFormatError,
     UnreadFormatError,
+    told_when_exhausted,
 )
 from plcopen_sfc.files import access_failure, file_exists, path_exists, read_bytes, write_all
 from plcopen_sfc.formats.file_recognition import named_like, recognised_as
@@ -84,13 +85,10 @@ def load_folder(
     with collecting_rarely():
         for name in progress(scan.files) if progress is not None else scan.files:
             try:
-                things += _read(source, kind, name, as_tool=as_tool)
+                with told_when_exhausted(str(Path(folder, name))):
+                    things += _read(source, kind, name, as_tool=as_tool)
             except SfcError as error:
                 source.unreadable[name] = error
-            except (MemoryError, RecursionError) as error:
-                what = "memory" if isinstance(error, MemoryError) else "nesting"
-                place = Location(str(Path(folder, name)))
-                source.unreadable[name] = SfcError(f"the document takes more {what} than there is", location=place)
     source.others += scan.links
     if not source.documents:
         raise _no_document(source, [kind] if format is not None else [each for each in all_formats() if each.folders])

@@ -115,7 +115,7 @@ def _mistakes(project: Project, kind: Format, things: Collection[ProjectObject])
 
 def _unwritable_texts(project: Project, kind: Format) -> Iterator[Mistake]:
     """Yield texts with characters that a file of a format cannot hold: no file holds surrogates, XML no controls."""
-    forbidden, holder = (_NOT_IN_XML, "XML") if kind.xml else (_SURROGATES, "a file")
+    forbidden, holder = (_NOT_IN_XML, "XML") if kind.xml or kind.xml_texts else (_SURROGATES, "a file")
     texts = [("project", text) for text in texts_of(project, exclude=set(Project.OBJECTS))]
     come_from_xml = all(format_named(source.format)[0].xml for source in _sources(project))
     for thing in project.objects():

@@ -235,7 +235,8 @@ class Format:
     `tool` is the name of the tools that execute its files, in reports; empty: none does. `module` is imported when the
     format is used. `recognises` looks at the start of a file. `capabilities` are for people: what charts keep in this
     format in its own terms. `dialect` is that of the structured text in its files; None: a file may hold any and names
-    it. `xml`, `text`, `folders`: the codec is an `XmlCodec`, a `TextCodec`, a `FolderCodec`; `list_extension` is that
+    it. `xml`, `text`, `folders`: the codec is an `XmlCodec`, a `TextCodec`, a `FolderCodec`; `xml_texts`: texts are in
+    XML inside its files all the same; `list_extension` is that
     of a file which lists the files of such a folder. `ids`: its files keep the
     ids of steps, transitions and elements of networks. `positions`: they keep positions. `networks` is the form of
     networks in its files, `one_sheet`: all networks of a body are on one. `il_conditions`, `il_bodies`: the conditions
@@ -253,6 +254,7 @@ class Format:
     versions: tuple[str, ...] = field(default=())
     flavours: tuple[str, ...] = field(default=())
     xml: bool = False
+    xml_texts: bool = False
     text: bool = False
     drawing: DrawingNeed = DrawingNeed.NONE
     positions: bool = False

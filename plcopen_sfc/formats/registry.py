@@ -314,6 +314,7 @@ FORMATS: tuple[Format, ...] = (
         extensions=(".xlsx",),
         recognises=_is_workbook,
         capabilities=_OF_LISTS,
+        xml_texts=True,
         ids=False,
         dialect=Dialect.IEC,
         networks=NetworkForm.STATEMENTS,

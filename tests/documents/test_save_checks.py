@@ -184,7 +184,7 @@ def test_a_character_that_no_file_of_the_target_can_hold_is_refused(put, charact
     """It was left out of XML without a word, and lone surrogates ended with an error of Python."""
     made = project()
     put(made, f"a{character}b")
-    for format in ("plcopen", "codesys", "simaticml"):
+    for format in ("plcopen", "codesys", "simaticml", "xlsx"):
         with pytest.raises(sfc.ModelError, match=f"the character U\\+{ord(character):04X}, which XML cannot hold"):
             sfc.dumps(made, format=format)
     for format in ("iec-text", "scl", "json"):

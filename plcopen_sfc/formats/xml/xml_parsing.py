@@ -183,6 +183,8 @@ def _parser(*, huge: bool = False) -> etree.XMLParser:
 
 def _second_try(data: bytes, plain: bytes, error: etree.XMLSyntaxError, file: str | None) -> etree._Element:
     """Parse once more without libxml2's size limits where one of them was the reason; otherwise explain the error."""
+    if error.code == etree.ErrorTypes.ERR_NO_MEMORY:
+        raise MemoryError
     if "depth" in (error.msg or "").lower():
         raise _too_deep(file, error.lineno)
     again = len(plain) > _TEXT_LIMIT
@@ -194,6 +196,8 @@ def _second_try(data: bytes, plain: bytes, error: etree.XMLSyntaxError, file: st
             return etree.fromstring(plain, _parser(huge=True))
         except etree.XMLSyntaxError as second:
             error = second
+            if error.code == etree.ErrorTypes.ERR_NO_MEMORY:
+                raise MemoryError from None
     raise explain_syntax_error(plain, error, file)
 
 
