@@ -89,7 +89,7 @@ def told_when_exhausted(file: str | None = None) -> Iterator[None]:
     except (MemoryError, RecursionError) as error:
         lacks_memory = isinstance(error, MemoryError)
         message = "not enough memory for this file" if lacks_memory else "the content is nested too deeply"
-        hint = "Saving an edit takes about 70 times the size of an XML file. Divide it." if lacks_memory else ""
+        hint = "Loading and saving take 20 to 70 times the size of an XML file. Divide it." if lacks_memory else ""
         raise ExhaustionError(message, location=Location(file), hint=hint) from None
 
 

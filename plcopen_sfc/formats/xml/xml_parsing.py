@@ -183,8 +183,7 @@ def _parser(*, huge: bool = False) -> etree.XMLParser:
 
 def _second_try(data: bytes, plain: bytes, error: etree.XMLSyntaxError, file: str | None) -> etree._Element:
     """Parse once more without libxml2's size limits where one of them was the reason; otherwise explain the error."""
-    if error.code == etree.ErrorTypes.ERR_NO_MEMORY:
-        raise MemoryError
+    _refuse_without_memory(error)
     if "depth" in (error.msg or "").lower():
         raise _too_deep(file, error.lineno)
     again = len(plain) > _TEXT_LIMIT
@@ -196,9 +195,14 @@ def _second_try(data: bytes, plain: bytes, error: etree.XMLSyntaxError, file: st
             return etree.fromstring(plain, _parser(huge=True))
         except etree.XMLSyntaxError as second:
             error = second
-            if error.code == etree.ErrorTypes.ERR_NO_MEMORY:
-                raise MemoryError from None
+            _refuse_without_memory(error)
     raise explain_syntax_error(plain, error, file)
+
+
+def _refuse_without_memory(error: etree.XMLSyntaxError) -> None:
+    """Raise `MemoryError` where the parser failed for the lack of memory, which it calls a syntax error."""
+    if getattr(error, "code", None) == etree.ErrorTypes.ERR_NO_MEMORY:  # its stubs lack the attribute
+        raise MemoryError
 
 
 def _too_deep(file: str | None, line: int | None) -> UnsafeXmlError:
