@@ -89,6 +89,12 @@ def operations(folder: Path, scale: float) -> list[Operation]:
     def as_text(size: int) -> bytes:
         return sfc.dumps(chart(size), format="iec-text")
 
+    def long_string(size: int) -> sfc.Project:
+        return _program(f"s := '{'a' * int(100_000 * size * scale)}';")
+
+    def long_line(size: int) -> sfc.Project:
+        return _program("x := x + 1; " * int(2_000 * size * scale))
+
     return [
         Operation("load", data, sfc.loads),
         Operation("load and read all", data, lambda content: sfc.loads(content).read_all()),
@@ -97,11 +103,19 @@ def operations(folder: Path, scale: float) -> list[Operation]:
         Operation("simulate 20 scans", chart, lambda project: sfc.simulate(project, scans=20)),
         Operation("convert to CODESYS", chart, lambda project: sfc.dumps(project, format="codesys")),
         Operation("convert to text", chart, lambda project: sfc.dumps(project, format="iec-text")),
+        Operation("long string to SCL", long_string, lambda project: sfc.dumps(project, format="scl")),
+        Operation("long line to SCL", long_line, lambda project: sfc.dumps(project, format="scl")),
         Operation("lower, no proof", chart, lambda project: sfc.lower(project, verify=False)),
         Operation("rename a step", loaded, step_of),
         Operation("save an edit", lambda size: _edited(loaded(size)), sfc.dumps),
         Operation("diff", lambda size: (loaded(size), _edited(loaded(size))), lambda pair: sfc.diff(*pair)),
     ]
+
+
+def _program(text: str) -> sfc.Project:
+    """A program with these statements."""
+    source = f"PROGRAM Main\nVAR s : STRING; x : INT; END_VAR\n{text}\nEND_PROGRAM\n"
+    return sfc.loads(source.encode(), format="iec-text")
 
 
 def _edited(project: sfc.Project) -> sfc.Project:

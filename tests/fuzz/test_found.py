@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -43,6 +44,13 @@ def test_what_does_not_fit_the_model_has_its_line(name: str, line: int, place: s
         sfc.load(BROKEN / name, format=FORMATS[Path(name).suffix])
     location = caught.value.location
     assert (location.file, location.line, location.path) == (str(BROKEN / name), line, place)
+
+
+def test_an_export_with_an_id_of_5000_digits_is_written() -> None:
+    data = (FIXTURES / "codesys-export" / "mixer.export").read_bytes()
+    damaged = re.sub(rb'(<Single Name="Id" Type="[^"]*">)[^<]*', rb"\g<1>" + b"1" * 5000, data)
+    assert damaged != data
+    assert sfc.dumps(sfc.loads(damaged), fresh=True, partial=True)
 
 
 def test_a_type_without_its_end_is_kept_and_told() -> None:

@@ -12,6 +12,8 @@ from uuid import UUID
 
 from lxml import etree
 
+from plcopen_sfc.whole_numbers import whole_number
+
 _XML_SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
 TYPES = {
@@ -89,12 +91,7 @@ def text_of(value: etree._Element | None) -> str | None:
 
 def number_of(value: etree._Element | None) -> int | None:
     """Return a whole number (``11L``); None where the value is none."""
-    text = (text_of(value) or "").removesuffix("L")
-    return int(text) if text.isascii() and text.isdigit() and len(text) < _DIGITS else None
-
-
-_DIGITS = 19
-"""Numbers are of 64 bits."""
+    return whole_number((text_of(value) or "").removesuffix("L"))
 
 
 def entries(thing: etree._Element, name: str) -> Iterator[tuple[str, etree._Element]]:

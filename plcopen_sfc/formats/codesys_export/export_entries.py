@@ -26,6 +26,7 @@ from plcopen_sfc.formats.codesys_export.export_notation import (
     value,
 )
 from plcopen_sfc.formats.xml.extension_data import markup
+from plcopen_sfc.whole_numbers import whole_number
 
 POU, TYPE, LIST, INTERFACE, TASK, APPLICATION = "POU", "DUT", "GVL", "Itf", "Task", "application"
 ACTION, METHOD, TRANSITION, PROPERTY, ACCESSOR = "Action", "Method", "Transition", "Property", "accessor"
@@ -199,9 +200,10 @@ def put(entry: Entry, written: etree._Element, *, keep_body: bool = False) -> No
     if not keep_body:
         _put_body(entry, content, written)
     generator = member(content, "UniqueIdGenerator")
-    if generator is not None and (generator.text or "").isdigit():
-        used = (each.text or "" for each in content.iter(SINGLE) if each.get("Name") == "Id")
-        generator.text = str(max(int(generator.text or 0), *(int(text) for text in used if text.isdigit()), 0))
+    greatest = whole_number(generator.text) if generator is not None else None
+    if generator is not None and greatest is not None:
+        used = (whole_number(each.text) for each in content.iter(SINGLE) if each.get("Name") == "Id")
+        generator.text = str(max(greatest, *filter(None, used), 0))
 
 
 def _put_body(entry: Entry, content: etree._Element, written: etree._Element) -> None:

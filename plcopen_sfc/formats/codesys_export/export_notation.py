@@ -14,6 +14,7 @@ from difflib import SequenceMatcher
 from lxml import etree
 
 from plcopen_sfc.formats.archives.object_archive import TYPES
+from plcopen_sfc.whole_numbers import whole_number
 
 SINGLE, NONE, KEY = "Single", "Null", "Name"
 _NAMES = {guid.casefold(): name for name, guid in TYPES.items()}
@@ -175,7 +176,7 @@ def change_text(holder: etree._Element, text: str) -> None:
         new_text(holder, text)
     else:
         old = list(lines.iterchildren(SINGLE))
-        numbers = [int(found) for line in old if (found := value(line, "Id")).isdigit()]
+        numbers = [number for line in old if (number := whole_number(value(line, "Id"))) is not None]
         after = text.split("\n")
         free = max(numbers, default=0) + 1
         matcher = SequenceMatcher(None, [value(line, _TEXT) for line in old], after, autojunk=False)

@@ -7,6 +7,7 @@ from lxml import etree
 from plcopen_sfc.formats.codesys_export.export_entries import Entry
 from plcopen_sfc.formats.codesys_export.export_notation import SINGLE, member, value
 from plcopen_sfc.model.project import PouInstance, Task, TaskSettings, TaskWatchdog
+from plcopen_sfc.whole_numbers import whole_number
 
 _SETTINGS = {
     "kind": ("Kindoftask",),
@@ -25,9 +26,8 @@ _CALL_TYPE = "{f194d1ef-7376-42ce-a729-4a5485a97a46}"
 def read_task(entry: Entry) -> Task:
     """Return the task of an entry."""
     content = entry.content
-    priority = value(content, "Priority").strip()
     task = Task(name=entry.name, object_id=entry.guid)
-    task.priority = int(priority) if priority.isascii() and priority.isdigit() else 0
+    task.priority = whole_number(value(content, "Priority").strip()) or 0
     stated = {name: value(content, *path) or None for name, path in _SETTINGS.items()}
     watched = {name: value(content, *path) or None for name, path in _WATCHDOG.items()}
     task.settings = TaskSettings(**stated, watchdog=TaskWatchdog(enabled=_is_watched(entry), **watched))

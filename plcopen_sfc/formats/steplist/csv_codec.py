@@ -51,7 +51,7 @@ def _sheet(source: SourceText, file: str | None) -> Sheet:
     except csv.Error as error:
         hint = "A cell with quotation marks is in quotation marks, and they are doubled in it."
         raise StructureError(f"this is no CSV: {error}", location=Location(file, line), hint=hint) from error
-    return Sheet("", [[cell[1:] if _QUOTED.match(cell) else cell for cell in row] for row in rows], lines)
+    return Sheet("", [[cell[1:] if _QUOTED.match(cell) else cell for cell in row] for row in rows], lines or [1])
 
 
 def _delimiter(text: str) -> str:
