@@ -333,10 +333,12 @@ class _Builder:
         segment.spine.add(node)
         joint = self.flow.joints.get(node)
         loose = joint is not None and bool(joint.sources) and set(waiting) != set(joint.sources)
-        if joint is not None and len(joint.alternatives) > 1 and loose:
-            self.misfits.add(node)
-        elif joint is not None and len(joint.alternatives) > 1:
-            joint.members.sort(key=lambda member: waiting.index(member.sources[0]))
+        if joint is not None and len(joint.alternatives) > 1:
+            places = {step: place for place, step in enumerate(waiting)}
+            if loose or any(member.sources[0] not in places for member in joint.members):
+                self.misfits.add(node)
+            else:
+                joint.members.sort(key=lambda member: places[member.sources[0]])
         segment.items.append(NestedNode(node, loose))
 
     def close(self, segment: ChartSegment, node: int, divergence: NestedDivergence) -> _Walk:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc import model as m
 from tests.fuzz.mutation import Mutant
 from tests.fuzz.trial import faults
 from tests.samples import FIXTURES, UNREADABLE
@@ -83,3 +85,24 @@ def test_wires_from_nothing_come_from_nothing_in_every_format(target: str) -> No
     starts = {wire.source for node in nodes for wire in node.input.connections}
     assert len(starts) == 2
     assert not starts & {node.id for node in nodes}
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys23", "plcopen", "iec-text"])
+def test_transitions_from_steps_that_are_not_there_are_told_or_written(target: str) -> None:
+    chart = m.SfcNetwork(
+        steps=[m.Step(id=1, name="Idle", initial=True), m.Step(id=5, name="Fill"), m.Step(id=7, name="Drain")],
+        transitions=[
+            m.Transition(id=10 + place, sources=[source], targets=[to], condition=m.Expression(text="x"))
+            for place, (source, to) in enumerate([(1, 5), (4, 5), (7, 1), (6, 1)])
+        ],
+    )
+    pou = m.Pou(name="Main", kind=m.PouKind.PROGRAM, bodies=[m.SfcBody(chart=chart)])
+    with suppress(sfc.SfcError):
+        assert sfc.dumps(sfc.Project(name="Plant", pous=[pou]), format=target, partial=True)
+
+
+def test_a_grafcet_with_a_transition_from_nowhere_is_told_or_written() -> None:
+    project = sfc.load(FIXTURES / "grafcet" / "four_steps.gct")
+    next(project.charts()).chart.transitions[0].sources = [999]
+    with suppress(sfc.SfcError):
+        assert sfc.dumps(project, format="scl", partial=True)

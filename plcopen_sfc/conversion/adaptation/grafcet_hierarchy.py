@@ -274,7 +274,7 @@ def sequences_of(chart: SfcNetwork) -> list[list[Step]]:
     part = {step.id: step.id for step in chart.steps}
 
     def root(step: int) -> int:
-        while part[step] != step:
+        while part.setdefault(step, step) != step:  # a damaged chart has transitions from steps that it lacks
             step = part[step]
         return step
 
