@@ -368,6 +368,7 @@ def _lower(
     limit: o.Limit = None,
     jobs: o.Jobs = 1,
     skip_refused: o.SkipRefused = False,
+    partial: o.Partial = False,
     tia: o.Tia = "",
     accept_errors: o.AcceptErrors = False,
 ) -> int:
@@ -400,6 +401,7 @@ def _lower(
         construction,
         options,
         skip_refused,
+        partial,
         verify,
         accept_untested,
         wanted,

@@ -19,6 +19,8 @@ from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.processes import results
 from plcopen_sfc.analysis.search_limits import SearchProgress
 from plcopen_sfc.analysis.verdict import UntestedError
+from plcopen_sfc.conversion.executed_parts import UNDECLARED, UNDECLARED_TYPE
+from plcopen_sfc.documents.file_documents import refuse_losses
 from plcopen_sfc.documents.storage import (
     SaveOptions,
     Source,
@@ -27,7 +29,7 @@ from plcopen_sfc.documents.storage import (
     load_project,
     save_project,
 )
-from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.errors import LossError, LoweringError
 from plcopen_sfc.files import refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou, lower_project
@@ -36,10 +38,11 @@ from plcopen_sfc.lowering.code_header import with_headers
 from plcopen_sfc.lowering.construction import errors_of
 from plcopen_sfc.lowering.project_lowering import LoweringOptions
 from plcopen_sfc.lowering.proof import ProofOptions, refuse_untested
-from plcopen_sfc.lowering.proof_as_written import prove_written, refuse_comments, refuse_uncompiled
+from plcopen_sfc.lowering.proof_as_written import prove_written, refuse_comments, refuse_uncompiled, uncompiled
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
+from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -99,6 +102,7 @@ def lower_to_file(
     limit: float | str | None = None,
     progress: Callable[[SearchProgress], None] | None = None,
     jobs: int = 1,
+    partial: bool = False,
     **options: Unpack[LoweringOptions],
 ) -> LoweredFile:
     """Lower all charts of a project, or the one called `pou`, save the project, and prove the file.
@@ -107,6 +111,8 @@ def lower_to_file(
     does not hold is reported. Nothing is written where a chart is refused, in lowering or because its code in the file
     is not proven; with `skip_refused` such charts stay charts and the others are written. `jobs` charts are compared at
     a time, each in a process of its own; then there is no `progress`. Verdicts and their order do not depend on it.
+
+    Raises `LossError` where the target does not execute something else of the project, unless `partial`.
     """
     name = format_to_write(project, format, tia, target)
     searching: Searching = {
@@ -127,6 +133,8 @@ def lower_to_file(
             place.mkdir()
             asked_for, left_out = _asked_for(lowered.project, name, pou)
             draft = _Draft(asked_for, target, place, {"format": name, "partial": True})
+            if not refused or skip_refused:
+                draft.refuse_losses(lowered.pous, refused, partial=partial)
             for each in left_out:
                 why = "it was not asked for, and nothing in the file needs it: the file has no such block"
                 draft.report.add(Outcome.NOT_EXECUTED, "POU", each.report_path, why)
@@ -153,6 +161,24 @@ class _Draft:
         self._is_folder = path is not None and is_folder(path, project, name)
         self._path = place / (Path(path).resolve().name if path is not None else "draft")
         self.report = save_project(project, f"{self._path}/" if self._is_folder else self._path, **options)
+
+    def refuse_losses(
+        self, lowered: Iterable[LoweredPou], refused: Mapping[str, LoweringError], *, partial: bool
+    ) -> None:
+        """Raise `LossError` where the target does not execute something, unless `partial`.
+
+        Code that the target does not compile is refused with its chart. Names that the file does not declare may be in
+        the project that it is for: they are only listed.
+        """
+        own = {each.pou.report_path for each in lowered if uncompiled(self.report, each)}
+        found = [item for item in self.report.items if ObjectPath.of(item.path).owner not in own]
+        items = [item for item in found if item.what not in _DECLARED_ELSEWHERE]
+        rest = replace(self.report, items=items)
+        try:
+            refuse_losses(rest, strict=False, partial=partial)
+        except LossError as loss:
+            loss.hint += "".join(f" {name} was not lowered: {error.message}." for name, error in refused.items())
+            raise
 
     def all_proven(
         self, lowered: Iterable[LoweredPou], options: ProofOptions | None, jobs: int = 1
@@ -216,6 +242,9 @@ class _Draft:
             self._target.write(content)
             self.report.written = []
         return self.report
+
+
+_DECLARED_ELSEWHERE = frozenset({UNDECLARED, UNDECLARED_TYPE, "global variable", "tag_tables", "tags"})
 
 
 def _asked_for(project: Project, name: str, pou: str | None) -> tuple[Project, list[Pou]]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.conversion.adaptation import rewrite_project
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, WriteOptions
+from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT
 from plcopen_sfc.languages.binding.text_sites import text_sites
@@ -79,7 +79,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if _has_flags(kind) is not _has_flags(project):
         _put_into_notation(copy, kind, report)
     if not options.same:
-        _without_il(copy, kind, report)
+        _in_structured_text(copy, kind, report)
     if dialect is not None:
         _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour))
     _note_counted_words(project, kind, report)
@@ -165,17 +165,20 @@ def _put_into_notation(project: Project, kind: Format, report: ConversionReport)
         report.add(Outcome.TRANSLATED, "step flag", path, why)
 
 
-def _without_il(project: Project, kind: Format, report: ConversionReport) -> None:
-    """Write instruction list as structured text, where the target has none."""
+def _in_structured_text(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Write instruction list and networks as structured text, where the target has none."""
     from plcopen_sfc.refactor.il_texts import (  # noqa: PLC0415
         write_bodies_as_statements,
         write_conditions_as_expressions,
+        write_drawn_pous_as_statements,
     )
 
     for path in write_conditions_as_expressions(project) if not kind.il_conditions else ():
         report.add(Outcome.TRANSLATED, "condition", path, "from instruction list into an expression")
     for path in write_bodies_as_statements(project) if not kind.il_bodies else ():
         report.add(Outcome.TRANSLATED, "body", path, "from instruction list into structured text")
+    for path in write_drawn_pous_as_statements(project) if kind.networks is NetworkForm.COMMENTS else ():
+        report.add(Outcome.TRANSLATED, "body", path, "from a drawing into structured text")
 
 
 def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionReport, *, wholly: bool) -> None:

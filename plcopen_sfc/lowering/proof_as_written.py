@@ -20,7 +20,7 @@ from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
 _NO_CODE = frozenset(
@@ -75,10 +75,8 @@ def refuse_uncompiled(report: ConversionReport, seen: Project, lowered: LoweredP
     the code that the file (`seen` as its tool reads it) does not declare. Global variables and library types may be
     elsewhere in the project of the user: the report lists them.
     """
-    place = lowered.pou.report_path
-    for item in report.with_outcome(Outcome.NOT_EXECUTED):
-        if item.what in ("text", "body") and (item.path == place or item.path.startswith(f"{place} / action ")):
-            raise LoweringError(f"the target does not compile the code: {item.why}", location=Location(path=item.path))
+    for item in uncompiled(report, lowered):
+        raise LoweringError(f"the target does not compile the code: {item.why}", location=Location(path=item.path))
     sections = lowered.pou.interface.sections if lowered.pou.interface is not None else []
     inner = [each for each in sections if each.kind is not SectionKind.EXTERNAL]
     # S7 has variables with addresses in its tables of tags
@@ -87,6 +85,17 @@ def refuse_uncompiled(report: ConversionReport, seen: Project, lowered: LoweredP
         if each.reference.name.casefold() in own:
             message = f"the target does not compile the code: the file does not declare {each.reference.name}"
             raise LoweringError(message, location=Location(path=each.text_site.report_path))
+
+
+def uncompiled(report: ConversionReport, lowered: LoweredPou) -> list[Item]:
+    """Return the items of the code of a chart that the target does not compile."""
+    place = lowered.pou.report_path
+    return [
+        item
+        for item in report.with_outcome(Outcome.NOT_EXECUTED)
+        if item.what in ("text", "body", "network")
+        and (item.path == place or item.path.startswith(f"{place} / action "))
+    ]
 
 
 def refuse_comments(report: ConversionReport, pou: str) -> None:

@@ -1,4 +1,4 @@
-"""Conditions and bodies in instruction list as expressions and statements, for tools that have no others."""
+"""Conditions and bodies in instruction list, and drawn bodies, as structured text, for tools that have no others."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.il import result_expression, statements
+from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.model.body import Body, IlBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method
@@ -51,6 +52,17 @@ def write_bodies_as_statements(project: Project) -> Iterator[str]:
                 if (found := _as_statements(getattr(step, name), dialect)) is not None:
                     setattr(step, name, found)
                     yield f"{chart.report_path} / step {step.name}"
+
+
+def write_drawn_pous_as_statements(project: Project) -> Iterator[str]:
+    """Write the drawn bodies of POUs as structured text, where it needs no more variables, and yield their paths."""
+    dialect = dialect_of(project)
+    for pou in project.pous:
+        for place, body in enumerate(pou.bodies):
+            text = shown_body(body, dialect) if isinstance(body, FbdBody | LdBody) else None
+            if text is not None:
+                pou.bodies[place] = StBody(text=text, worksheet=body.worksheet)
+                yield pou.report_path
 
 
 def _as_statements(body: Body | str | None, dialect: Dialect) -> StBody | None:

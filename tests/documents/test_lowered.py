@@ -11,9 +11,11 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.analysis.verdict import UntestedError
-from plcopen_sfc.errors import ArgumentError, LoweringError, SfcError
+from plcopen_sfc.errors import ArgumentError, LossError, LoweringError, SfcError
+from plcopen_sfc.languages.networks import draw_fbd
+from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.lowering.proof_as_written import refuse_uncompiled
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.report import ConversionReport, Outcome
 from tests.lowering.charts import boolean, training_chain
 
 
@@ -54,7 +56,7 @@ def test_verdicts_and_their_order_are_the_same_in_several_processes(tmp_path: Pa
     stuck.interface.sections.append(m.VariableSection(kind=m.SectionKind.LOCAL, variables=[boolean("Never")]))
     stuck.sfc.transitions[0].condition = m.Expression(text="Never")
     made = [
-        sfc.lower_to_file(project, str(tmp_path / f"{jobs}.scl"), "case", skip_refused=skip, jobs=jobs)
+        sfc.lower_to_file(project, str(tmp_path / f"{jobs}.scl"), "case", skip_refused=skip, jobs=jobs, partial=True)
         for jobs in (1, 2)
         for skip in (False, True)
     ]
@@ -93,11 +95,14 @@ def test_code_that_only_we_read_is_not_saved(tmp_path: Path) -> None:
     assert sfc.load(tmp_path / "chain.xml").pou("Ablauf").actions
 
 
-def test_networks_in_comments_are_not_saved(tmp_path: Path) -> None:
-    lowered = sfc.lower(plant("Ablauf"), "flipflop", language="FBD")
-    with pytest.raises(LoweringError, match="a network would only be in a comment"):
-        sfc.save(lowered, tmp_path / "chain.scl", format="scl", partial=True)
-    assert list(tmp_path.iterdir()) == []
+def test_networks_are_structured_text_in_scl(tmp_path: Path) -> None:
+    """They were in comments only, and the program empty."""
+    lowered = sfc.lower(plant("Ablauf"), "case", target="scl")
+    selection = draw_fbd(parse_statements("Q := SEL(a, 1, 17);").tree.statements).body
+    lowered.project.pous.append(m.Pou(name="Main", kind=m.PouKind.PROGRAM, bodies=[selection]))
+    report = sfc.save(lowered, tmp_path / "chain.scl", format="scl", partial=True)
+    assert report.compared["POU Ablauf"].startswith("equal (proof: ")
+    assert "Q := SEL(G := a, IN0 := 1, IN1 := 17);" in (tmp_path / "chain.scl").read_text("utf-8-sig").replace('"', "")
 
 
 def test_what_was_not_to_be_verified_is_saved_as_it_is() -> None:
@@ -144,7 +149,11 @@ def test_a_chart_whose_code_is_not_in_the_file_is_refused_and_can_be_skipped(tmp
     assert made.path is None
     assert list(made.refused) == ["Ablauf"]
     assert list(tmp_path.iterdir()) == []
-    made = sfc.lower_to_file(project, str(target), "case", format="scl", skip_refused=True)
+    with pytest.raises(LossError, match="chart POU Ablauf: the block is empty") as caught:
+        sfc.lower_to_file(project, str(target), "case", format="scl", skip_refused=True)
+    assert "Ablauf was not lowered: " in str(caught.value.hint)
+    assert list(tmp_path.iterdir()) == []
+    made = sfc.lower_to_file(project, str(target), "case", format="scl", skip_refused=True, partial=True)
     assert made.path == str(target)
     assert [each.name for each in made.pous] == ["Other"]
     assert list(made.refused) == ["Ablauf"]
@@ -174,6 +183,17 @@ def test_drawn_actions_that_a_text_cannot_hold_are_not_saved(tmp_path: Path) -> 
     assert made.path is None
 
 
+def test_a_project_is_not_written_without_the_programs_that_its_target_does_not_execute(tmp_path: Path) -> None:
+    """The chart was proven, and the program beside it, which calls it, was empty."""
+    project = plant("Ablauf")
+    project.pous.append(m.Pou(name="Main", kind=m.PouKind.PROGRAM, bodies=[m.OpaqueBody(source="x", content="")]))
+    with pytest.raises(LossError, match="body POU Main: the block is empty"):
+        sfc.lower_to_file(project, str(tmp_path / "a.scl"), "case", verify=False)
+    assert list(tmp_path.iterdir()) == []
+    made = sfc.lower_to_file(project, str(tmp_path / "a.scl"), "case", verify=False, partial=True)
+    assert [item.path for item in made.report.with_outcome(Outcome.NOT_EXECUTED)] == ["POU Main"]
+
+
 def test_variables_of_the_code_are_declared_in_the_file() -> None:
     lowered = sfc.lower(plant("Ablauf"), "bits")
     seen = lowered.project.model_copy(deep=True)
@@ -197,7 +217,7 @@ def test_a_source_of_scl_has_the_pou_that_was_asked_for_and_what_it_needs(
     file: str, name: str, needed: list[str], tmp_path: Path
 ) -> None:
     project, path = sfc.load(Path("fixtures/codesys") / file), tmp_path / "main.scl"
-    made = sfc.lower_to_file(project, str(path), format="scl", pou=name, verify=False)
+    made = sfc.lower_to_file(project, str(path), format="scl", pou=name, verify=False, partial=True)
     blocks = [pou.name for pou in sfc.load(path).pous if pou.kind is not m.PouKind.ORGANIZATION_BLOCK]
     assert blocks == needed
     left_out = {item.path for item in made.report.items if "not asked for" in item.why}

@@ -12,12 +12,12 @@ from plcopen_sfc.batch import functions_of
 from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import INTERRUPTED, UNREADABLE, Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
-from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.errors import LossError, LoweringError
 from plcopen_sfc.files import folder_exists
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou
 from plcopen_sfc.lowering.project_lowering import LoweringOptions
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.report import ConversionReport, Item
 
 _FINDINGS = 1
 _SHOWN = 10
@@ -33,6 +33,7 @@ class LowerOptions:
     construction: str = "auto"
     options: LoweringOptions = field(default_factory=LoweringOptions)
     skip_refused: bool = False
+    partial: bool = False
     verify: bool = True
     accept_untested: bool = False
     free: tuple[str, ...] = ()
@@ -57,23 +58,31 @@ def run(screen: Screen, source: str, target: str | None, how: LowerOptions) -> i
         project.accept_errors()
     extension = format_named(how.to)[0].extensions[0]
     with written_to_stdout(screen, target, extension) as place, screen.searching() as progress:
-        made = lower_to_file(
-            project,
-            place,
-            how.construction,
-            format=how.to,
-            tia=how.tia,
-            pou=how.pou,
-            skip_refused=how.skip_refused,
-            verify=how.verify,
-            accept_untested=how.accept_untested,
-            free_inputs=how.free,
-            functions=functions_of(how.functions) if how.functions is not None else {},
-            limit=how.limit,
-            progress=progress,
-            jobs=how.jobs,
-            **how.options,
-        )
+        try:
+            made = lower_to_file(
+                project,
+                place,
+                how.construction,
+                format=how.to,
+                tia=how.tia,
+                pou=how.pou,
+                skip_refused=how.skip_refused,
+                partial=how.partial,
+                verify=how.verify,
+                accept_untested=how.accept_untested,
+                free_inputs=how.free,
+                functions=functions_of(how.functions) if how.functions is not None else {},
+                limit=how.limit,
+                progress=progress,
+                jobs=how.jobs,
+                **how.options,
+            )
+        except LossError as loss:
+            if not screen.as_json and not screen.quiet:
+                _show_losses(screen, loss.report.losses)
+            screen.result({"file": None, "pous": [], "refused": [], "conversion": loss.report.as_dict()})
+            screen.error(loss)
+            return _FINDINGS
     if target == STANDARD_STREAM and made.path is not None:
         made = replace(made, path=target)
         made.report.written = [target]
@@ -121,12 +130,15 @@ def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: Co
         screen.line((each.name, "bold"), head.removeprefix(each.name))
         for line in rest if each.proof is not None else [*rest, "not compared with the chart"]:
             screen.line(line)
-    losses = [*(item for each in lowered for item in each.losses), *report.losses]
+    _show_losses(screen, [*(item for each in lowered for item in each.losses), *report.losses])
+    screen.line("written: ", (target, "bold"))
+
+
+def _show_losses(screen: Screen, losses: Sequence[Item]) -> None:
     for item in losses if screen.verbose else losses[:_SHOWN]:
         screen.line((item.outcome.value, "yellow"), f": {item.place}: {item.why}")
     if len(losses) > _SHOWN and not screen.verbose:
         screen.line(f".. and {len(losses) - _SHOWN} more: --verbose shows all, --report writes all")
-    screen.line("written: ", (target, "bold"))
 
 
 def _beside(source: Path, to: str) -> str:
