@@ -83,6 +83,7 @@ def report_running(
             resolve(source, there.name),
             resolve(result, here.name),
             profiles,
+            step_flags=_step_flags(there, here, called),
             inputs=_executed_inputs(report, there),
             free_inputs=ALL_FREE,
             cap=_CAP,
@@ -150,6 +151,16 @@ def _note_stability(report: ConversionReport, path: str) -> None:
         if item.what == STABILITY and item.path == path:
             why = "with all inputs the target, which fires transitions once in a scan, does the same"
             report.items[at] = replace(item, outcome=Outcome.TRANSLATED, why=why)
+
+
+def _step_flags(there: Chart, here: Chart, called: Mapping[str, str]) -> dict[str, str] | None:
+    """Return the steps of the result by those of the source; None where all have their names."""
+    start = f"{here.report_path} / step "
+    old = {step.name: ObjectPath.of(called.get(start + step.name, start + step.name)).last for step in here.chart.steps}
+    found = {name.removeprefix("step "): step for step, name in old.items()}
+    if all(name == step for name, step in found.items()):
+        return None
+    return {step.name: found[step.name] for step in there.chart.steps if step.name in found}
 
 
 def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:

@@ -47,7 +47,7 @@ from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import LOSSES, ConversionReport, Outcome
+from plcopen_sfc.report import FIELD, LOSSES, ConversionReport, Outcome
 
 if TYPE_CHECKING:
     from lxml import etree
@@ -356,10 +356,10 @@ def verify(project: Project, kind: Format, back: Project, report: ConversionRepo
     for difference in differences(project, back, ignore=frozenset({"drawing"})):
         if difference.left is None:
             why = f"the written file has {_short(difference.right)}, and the source nothing"
-            report.add(Outcome.TRANSLATED, "field", difference.path, why)
+            report.add(Outcome.TRANSLATED, FIELD, difference.path, why)
             continue
         why = f"{_short(difference.left)} comes back as {_short(difference.right)}"
-        report.add(Outcome.DROPPED, "field", difference.path, why)
+        report.add(Outcome.DROPPED, FIELD, difference.path, why)
 
 
 def _short(value: object) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -48,7 +49,7 @@ def test_inputs_without_effect_are_named_with_the_option(cli, fixtures, tmp_path
 def test_fresh_writes_from_the_model(cli, fixtures, tmp_path):
     outcome = cli("convert", BELT, tmp_path / "fresh.xml", "--to", "codesys", "--fresh", "--limit", "0")
     assert outcome.code == 0
-    assert "transition" in outcome.out
+    assert "items: " in outcome.out
     assert len(list(sfc.load(tmp_path / "fresh.xml").charts())) == 3
 
 
@@ -69,7 +70,7 @@ def test_to_plcopen(cli, fixtures, tmp_path, version):
         tmp_path / "report.json",
     )
     assert outcome.code == 0
-    assert any(line.split()[:2] == ["what", "kept"] for line in outcome.out.splitlines())
+    assert any(line.startswith("items: ") and " kept, " in line for line in outcome.out.splitlines())
     assert outcome.out.splitlines()[-1] == f"written: {target}"
     assert "\x1b" not in outcome.out
     report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
@@ -103,12 +104,14 @@ def test_for_beremiz(cli, fixtures, tmp_path):
     assert "no flavour 'nobody'" in unknown.err
 
 
-def test_many_items_are_cut_off_with_their_number(cli, fixtures, tmp_path):
+def test_what_no_machine_executes_is_counted_and_listed_on_request(cli, fixtures, tmp_path):
     arguments = ["convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--partial", "--limit", 0]
     short, long = cli(*arguments).out, cli(*arguments, "--verbose").out
-    assert "--verbose shows all, --report writes all" in short
-    assert "--verbose shows all" not in long
-    assert len(long.splitlines()) > len(short.splitlines())
+    assert short.startswith("NOT EXECUTED in the target")
+    assert not any(line.startswith(("extension data", "translated")) for line in short.splitlines())
+    assert re.search(r"^items: .*\d+ extension data.*--verbose lists them", short, re.MULTILINE)
+    assert any(line.startswith("extension data: ") for line in long.splitlines())
+    assert any(line.split()[:2] == ["what", "kept"] for line in long.splitlines())
 
 
 def test_usual_target_stands_beside_the_source(cli, fixtures, tmp_path):

@@ -9,6 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.report import ConversionReport, Outcome
+from tests.corpus import corpus_files
 from tests.samples import FIXTURES
 
 CHART = """FUNCTION_BLOCK Main
@@ -216,3 +217,13 @@ def test_an_action_with_an_operation_is_no_row(value: str) -> None:
     chart = next(sfc.loads(data, as_tool=True).charts()).chart
     called = [row.qualifier for step in chart.steps for row in step.actions if row.target is None]
     assert called == ["CALL"]
+
+
+@pytest.mark.corpus
+def test_steps_with_other_names_in_the_target_are_compared() -> None:
+    """Nothing else can be: no row of this sequencer writes anything, and its steps are called ``Step 1``."""
+    files = [path for path in corpus_files("simaticml") if path.name == "GraphBranch.xml"]
+    if not files:
+        pytest.skip("no corpus beside the repository (see tests/corpus.py)")
+    report = sfc.save(sfc.load(files[0]), io.BytesIO(), format="codesys", limit=20, at_rest=["all"])
+    assert [verdict.partition(" (")[0] for verdict in report.compared.values()] == ["equal"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -17,7 +16,7 @@ from plcopen_sfc.files import folder_exists, refuse_empty, refuse_unwritable, wr
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import ConversionReport, Item, Outcome
+from plcopen_sfc.report import FIELD, LOSSES, ConversionReport, Item, Outcome
 
 _SHOWN = 20
 _FINDINGS = 1
@@ -147,21 +146,14 @@ def _show(screen: Screen, report: ConversionReport) -> None:
         screen.line("the format is the same and nothing was edited: the file as it was read")
         return
     _show_not_executed(screen, report.with_outcome(Outcome.NOT_EXECUTED))
-    counts = report.counts()
-    outcomes = [outcome for outcome in Outcome if any(outcome is known for _, known in counts)]
-    if not outcomes:
-        return
-    table = Table(["what", *(outcome.value for outcome in outcomes)])
-    for what in sorted({what for what, _ in counts}):
-        table.rows.append([what, *(counts.get((what, outcome), 0) for outcome in outcomes)])
-    screen.table(table)
-    _show_items(screen, report)
     for path, found in report.compared.items():
         screen.line(f"run in both tools: {path}: {found}")
         for line in report.untested.get(path, ()):
             screen.line(f"  {line}")
     if report.compared:
         screen.line()
+    _show_items(screen, report)
+    _show_counts(screen, report)
 
 
 def _show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
@@ -215,19 +207,39 @@ def _position(item: Item) -> str:
 
 
 def _show_items(screen: Screen, report: ConversionReport) -> None:
-    """The other items that are not simply kept; the worst first."""
-    others = [outcome for outcome in _OUTCOME_STYLES if outcome is not Outcome.NOT_EXECUTED]
-    changed = [item for outcome in others for item in report.with_outcome(outcome)]
-    shown = changed if screen.verbose else changed[:_SHOWN]
-    if shown:
-        screen.line()
+    """Print what else differs for a machine or for the way back; with --verbose every item that is not simply kept."""
+    outcomes = [outcome for outcome in _OUTCOME_STYLES if outcome is not Outcome.NOT_EXECUTED]
+    items = [item for outcome in outcomes for item in report.with_outcome(outcome)]
+    if not screen.verbose:
+        items = [
+            item for item in items if item.outcome in LOSSES or (item.outcome is Outcome.DROPPED and item.what != FIELD)
+        ]
+    shown = items if screen.verbose else items[:_SHOWN]
     for item in shown:
         place = item.place + _position(item)
         reason = f": {item.why}" if item.why else ""
         screen.line((item.outcome.value, _OUTCOME_STYLES.get(item.outcome, "")), f": {place}{reason}")
-    left_out = Counter(item.outcome.value for item in changed[len(shown) :])
-    if left_out:
-        what = ", ".join(f"{count} {outcome}" for outcome, count in left_out.items())
-        screen.line(f".. and {left_out.total()} more ({what}): --verbose shows all, --report writes all")
-    if report.items:
+    if len(shown) < len(items):
+        screen.line(f".. and {len(items) - len(shown)} more: --verbose shows all, --report writes all")
+    if shown:
         screen.line()
+
+
+def _show_counts(screen: Screen, report: ConversionReport) -> None:
+    """Print how many items there are of each outcome; with --verbose a table of the kinds of things."""
+    counts = report.counts()
+    outcomes = [outcome for outcome in Outcome if any(outcome is known for _, known in counts)]
+    if not outcomes:
+        return
+    if screen.verbose:
+        table = Table(["what", *(outcome.value for outcome in outcomes)])
+        for what in sorted({what for what, _ in counts}):
+            table.rows.append([what, *(counts.get((what, outcome), 0) for outcome in outcomes)])
+        screen.table(table)
+    else:
+        totals = [
+            (outcome, sum(count for (_, known), count in counts.items() if known is outcome)) for outcome in outcomes
+        ]
+        told = ", ".join(f"{total} {outcome.value}" for outcome, total in totals)
+        screen.line(f"items: {told} (--verbose lists them)")
+    screen.line()
