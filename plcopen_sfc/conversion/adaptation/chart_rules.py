@@ -35,7 +35,7 @@ from plcopen_sfc.formats.plcopen.source_marks import (
 )
 from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import IlBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
@@ -61,7 +61,7 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
         own = ("P1", "P0") if options.final_scan else ("P1", "P0", "P", "N", "None")
         rows = any(row.negated or row.qualifier in own for _, row in chart.associations())
         conditions = any(_is_foreign(transition.condition, host) for transition in chart.transitions)
-        return rows or conditions or any(isinstance(body, StBody) for body in bodies)
+        return rows or conditions or any(isinstance(body, StBody | IlBody | FbdBody | LdBody) for body in bodies)
     if any(step.main_action is not None or step.min_time or step.max_time for step in chart.steps):
         return True
     excluded = any(s.exclude for s in chart.steps) or any(t.exclude for t in chart.transitions)
@@ -79,8 +79,10 @@ def _flags_in_use(place: Chart) -> frozenset[SfcFlag]:
 
 def _is_foreign(condition: Condition | None, host: ChartHost) -> bool:
     """True if CODESYS has no such condition: it takes expressions and names of transition objects."""
-    is_il = isinstance(condition, BodyCondition) and isinstance(condition.body, IlBody) and not host.il_conditions
-    return condition is not None and (condition.negated or is_network(condition) or condition.kind == "wired" or is_il)
+    body = condition.body if isinstance(condition, BodyCondition) else None
+    is_text = isinstance(body, StBody) or (isinstance(body, IlBody) and not host.il_conditions)
+    wired = isinstance(condition, WiredCondition)
+    return condition is not None and (condition.negated or is_network(condition) or wired or is_text)
 
 
 def rewrite_charts(
@@ -171,7 +173,8 @@ class _ChartRewriter:
             )
         elif foreign:
             what = "a network" if is_network(condition) else "logic drawn in the chart"
-            what = what if is_network(condition) or isinstance(condition, WiredCondition) else "a negated condition"
+            if not is_network(condition) and not isinstance(condition, WiredCondition):
+                what = "a negated condition" if condition.negated else "a body"
             self._note(Outcome.TRANSLATED, "condition", label, f"{what} in the source, here the expression {text}")
         if is_empty_network(condition) and not (supervised or timed):
             text = "TRUE"

@@ -18,8 +18,9 @@ from functools import cached_property
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
 from plcopen_sfc.conversion.adaptation.step_checks import COMPUTED, StepChecks
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, rewritten_step
+from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.pou import Action
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.report import Outcome
@@ -256,7 +257,7 @@ class StepRewriter:
     def _name_bodies(self, step: Step, uses: list[str]) -> None:
         """Give bodies in place a name: CODESYS executes actions of the POU."""
         for kind in ("entry", "main", "exit"):
-            body = getattr(step, f"{kind}_action")
+            body = self._in_words(getattr(step, f"{kind}_action"))
             if isinstance(body, StBody | IlBody):
                 setattr(step, f"{kind}_action", self._action(f"{step.name}_{kind}", body, uses))
                 self._note_action(Outcome.TRANSLATED, step, body, f"the {kind} action, an action of the POU")
@@ -264,13 +265,19 @@ class StepRewriter:
         if rows != step.actions:
             step.actions = rows
 
+    def _in_words(self, body: Body | str | None) -> Body | str | None:
+        """Return a body in place; a drawn one as structured text where that needs no more variables."""
+        text = shown_body(body, self._host.dialect) if isinstance(body, FbdBody | LdBody) else None
+        return StBody(text=text) if text is not None else body
+
     def _named_row(self, step: Step, row: ActionAssociation, uses: list[str]) -> ActionAssociation | None:
         """Return a row that executes an action of the POU; None if it became the entry or exit action of its step."""
         kind = {Qualifier.P1: "entry", Qualifier.P0: "exit"}.get(row.qualifier, "")
         if self._runs_no_final_scan(step, row):
             kind = {Qualifier.P: "entry", Qualifier.N: "main", Qualifier.NONE: "main"}.get(row.qualifier, kind)
-        if isinstance(row.body, StBody) and row.target is None:
-            name = self._action(f"{step.name}_{kind or 'action'}", row.body, uses)
+        body = self._in_words(row.body)
+        if isinstance(body, StBody | IlBody) and row.target is None:
+            name = self._action(f"{step.name}_{kind or 'action'}", body, uses)
             row = row.model_copy(update={"target": name, "body": None})
             self._note_action(Outcome.TRANSLATED, step, row.body, f"an action of the POU, {name}")
         action = self._pou.find_action(row.target) if row.target is not None else None

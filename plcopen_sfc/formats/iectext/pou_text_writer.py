@@ -39,6 +39,7 @@ from plcopen_sfc.formats.text_patch import Key, WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.networks import shown_body, shown_condition, shown_named_condition
 from plcopen_sfc.languages.pragmas import Fields, Numbered, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.words import is_plain
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
@@ -338,8 +339,13 @@ class ChartTextWriter:
             return "", {}
         inner = self.indent + INDENT
         wish = transition.name or "Transition"
+        intended_condition = plain_fields(condition)
+        if isinstance(condition, BodyCondition) and isinstance(condition.body, StBody):
+            text = condition.body.text.strip().removesuffix(";")
+            if self.printer.is_expression(text):
+                condition = Expression(text=text, negated=condition.negated)
         if isinstance(condition, Expression | NamedCondition):
-            intended["condition"] = plain_fields(condition)
+            intended["condition"] = intended_condition
             text = (condition.text if isinstance(condition, Expression) else condition.name).strip()
             if not self.printer.is_expression(text):
                 return self._nothing_right(transition, inner)
@@ -370,11 +376,12 @@ class ChartTextWriter:
         path = f"{self.path} / transition {self.labels[transition.id]}"
         found = shown_condition(self.chart, transition, self.printer.dialect, self.objects)
         shown, lines = "", ""
-        if found is not None and found[1]:
+        # statements give the condition to the name of the transition; without one no reader would know it
+        if found is not None and found[1] and is_plain(transition.name):
             code, comes_back = self.printer.code(found[0])
             if comes_back and code.whole() == code.text:
                 shown, lines = code.text, f"{inner}:\n{indented(code.text, inner + INDENT)}\n"
-        elif found is not None and self.printer.is_expression(found[0]):
+        elif found is not None and not found[1] and self.printer.is_expression(found[0]):
             shown, lines = found[0], f"{inner}:= {found[0]};\n"
         if lines:
             self.printer.note(Outcome.TRANSLATED, "condition", path, "shown as text; the drawing in pragmas")
