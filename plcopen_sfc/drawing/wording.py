@@ -65,13 +65,31 @@ class Wording:
             return ""
         text = self._text(read.tree)
         for helper in reversed(read.helpers):
-            if helper.name not in text:
-                continue
-            watched = next((self._text(value) for value in _watched(read, helper)), None)
-            if watched is None:
-                return ""
-            text = text.replace(f"{helper.name}.Q", f"{_EDGES[helper.type_name or '']} edge of {watched}")
+            if helper.name in text:
+                meant = self._meant(read, helper)
+                if meant is None:
+                    return ""
+                text = text.replace(f"{helper.name}.Q" if helper.type_name == "R_TRIG" else helper.name, meant)
         return text
+
+    def _meant(self, read: NetworkExpression, helper: Helper) -> str | None:
+        """Return a helper variable in words: the edge that it has, or the value that it is given; None for others."""
+        if helper.type_name == "R_TRIG":
+            watched = next(_watched(read, helper), None)
+            return None if watched is None else f"rising edge of {self._text(watched)}"
+        given = {
+            statement.target.identifier: statement.value
+            for statement in read.before
+            if isinstance(statement, n.Assignment) and isinstance(statement.target, n.Name)
+        }
+        value = given.get(helper.name)
+        if value is None or helper.retained:
+            return None
+        retained = {other.name for other in read.helpers if other.retained}
+        last = value.operands[-1] if isinstance(value, n.Operation) else None
+        if isinstance(last, n.Name) and last.identifier in retained:  # as `Wires.edge` has it: NOT now AND last
+            return f"falling edge of {self._text(given[last.identifier])}"
+        return f"({self._text(value)})"
 
     def _text(self, tree: n.Expression) -> str:
         return _one_line(print_node(tree, self._dialect))
@@ -88,12 +106,9 @@ class Wording:
             yield ActionLine(step.macro.expansion or "", "macro")
 
 
-_EDGES = {"R_TRIG": "rising", "F_TRIG": "falling"}
-
-
 def _watched(read: NetworkExpression, helper: Helper) -> Iterator[n.Expression]:
-    """Yield what the edge block `helper` watches; nothing where it is none."""
-    for statement in read.before if helper.type_name in _EDGES else ():
+    """Yield what the edge block `helper` watches."""
+    for statement in read.before:
         call = statement.call if isinstance(statement, n.CallStatement) else None
         if isinstance(call, n.Call) and isinstance(call.callee, n.Name) and call.callee.identifier == helper.name:
             yield from (argument.value for argument in call.arguments if argument.value is not None)

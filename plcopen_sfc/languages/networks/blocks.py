@@ -259,7 +259,8 @@ class BlockReader:
         result = memory
         if block.type_name.upper() in EDGES:
             clock = inputs.get("CLK") or n.Literal("FALSE")
-            result = self._edge(block, clock, memory, rising=block.type_name.upper() == "R_TRIG")
+            rising = block.type_name.upper() == "R_TRIG"
+            result = self._wires.edge_since(memory, clock, (block.id, None), rising=rising)
         else:
             sets, resets = inputs.get("S"), inputs.get("R")
             stays = [inverted(resets)] if resets is not None else []
@@ -272,14 +273,6 @@ class BlockReader:
             self._wires.execute(n.Assignment(memory, value))
         for variable in outputs:
             self._give(block, variable, result)
-
-    def _edge(self, block: Block, clock: Expression, memory: Expression, *, rising: bool) -> Expression:
-        """True if a value has an edge since the last cycle, from which `memory` has it."""
-        clock = clock if is_variable(clock) else self._kept(block, clock, "BOOL")
-        now, before = (clock, inverted(memory)) if rising else (inverted(clock), memory)
-        result = self._kept(block, n.Operation(Operator.AND, (now, before)), "BOOL")
-        self._wires.execute(n.Assignment(memory, clock))
-        return result
 
     def _edge_element(self, block: Block, arguments: list[_Argument], outputs: list[BlockVariable]) -> None:
         """An edge contact or coil of S7 (TIA Portal help: scan operand, set operand on positive signal edge).
@@ -299,7 +292,7 @@ class BlockReader:
         flow = power.value if power is not None and power.value is not None else TRUE
         name = block.type_name.upper()
         if name in EDGE_CONTACTS:
-            edge = self._edge(block, operand, memory, rising=EDGE_CONTACTS[name])
+            edge = self._wires.edge_since(memory, operand, (block.id, None), rising=EDGE_CONTACTS[name])
             products = (
                 [power.product or (Factor((block.id, "pre"), flow),)] if power is not None and flow != TRUE else []
             )
@@ -307,7 +300,7 @@ class BlockReader:
                 self._give_product(block, variable, product_of([*products, (Factor((block.id, "edge"), edge),)]))
             return
         flow = flow if is_variable(flow) else self._kept(block, flow, "BOOL")
-        edge = self._edge(block, flow, memory, rising=EDGE_COILS[name])
+        edge = self._wires.edge_since(memory, flow, (block.id, None), rising=EDGE_COILS[name])
         self._wires.execute(n.Assignment(operand, edge))
         for variable in outputs:
             self._give(block, variable, flow)

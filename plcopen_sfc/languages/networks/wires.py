@@ -334,14 +334,32 @@ class Wires:
         return n.Name(name, self._quoting)
 
     def edge(self, edge: Edge, value: Expression, source: Source) -> Expression:
-        """The edge of a value: an instance of R_TRIG or F_TRIG is called, the result is its output."""
+        """The edge of a value: an instance of R_TRIG is called, or a variable keeps the value for a falling edge.
+
+        A falling edge is a change from ON to OFF between two evaluations (ed. 3, 8.2.3), so the first has none. An
+        F_TRIG of IEC 61131-3 would see one there, one of S7 none.
+        """
         if edge is Edge.NONE:
             return value
-        type_name = "R_TRIG" if edge is Edge.RISING else "F_TRIG"
-        instance = self.helper("edge", source, type_name, retained=True)
-        self.instance(instance.identifier, type_name)
+        if edge is Edge.FALLING:
+            return self.edge_since(self.helper("last", source, "BOOL", retained=True), value, source, rising=False)
+        instance = self.helper("edge", source, "R_TRIG", retained=True)
+        self.instance(instance.identifier, "R_TRIG")
         self.execute(n.CallStatement(n.Call(instance, (n.Argument(value, n.Name("CLK")),))))
         return n.Member(instance, n.Name("Q"))
+
+    def edge_since(self, memory: Expression, value: Expression, source: Source, *, rising: bool) -> Expression:
+        """The edge of a value since the last cycle, from which `memory` has it."""
+        clock = value if is_variable(value) else self._flag(value, source)
+        now, before = (clock, inverted(memory)) if rising else (inverted(clock), memory)
+        result = self._flag(n.Operation(Operator.AND, (now, before)), source)
+        self.execute(n.Assignment(memory, clock))
+        return result
+
+    def _flag(self, value: Expression, source: Source) -> n.Name:
+        name = self.helper("value", source, "BOOL", retained=False)
+        self.execute(n.Assignment(name, value))
+        return name
 
     # -- values
 

@@ -94,7 +94,7 @@ def test_set_and_reset() -> None:
     assert lines(read(*nodes, dialect=CODESYS), CODESYS) == ["x S= a;", "y R= a;"]
 
 
-def test_edges_need_instances() -> None:
+def test_edges_need_an_instance_or_a_variable() -> None:
     result = read(
         rail(),
         contact(1, "a", 0, edge=Edge.RISING),
@@ -102,9 +102,16 @@ def test_edges_need_instances() -> None:
         coil(3, "x", 2, edge=Edge.FALLING),
         taken=["edge_1"],
     )
-    assert lines(result) == ["edge_1_2(CLK := a);", "edge_3(CLK := edge_1_2.Q AND b);", "x := edge_3.Q;"]
-    assert result.helpers == (Helper("edge_1_2", "R_TRIG", True), Helper("edge_3", "F_TRIG", True))
-    assert result.instances == {"edge_1_2": "R_TRIG", "edge_3": "F_TRIG"}
+    assert lines(result) == [
+        "edge_1_2(CLK := a);",
+        "value_3 := edge_1_2.Q AND b;",
+        "value_3_2 := NOT value_3 AND last_3;",
+        "last_3 := value_3;",
+        "x := value_3_2;",
+    ]
+    assert Helper("edge_1_2", "R_TRIG", True) in result.helpers
+    assert Helper("last_3", "BOOL", True) in result.helpers
+    assert result.instances == {"edge_1_2": "R_TRIG"}
 
 
 def test_helpers_are_locals_in_scl() -> None:
