@@ -74,6 +74,7 @@ FOUND = (
     "broken/type_without_its_end.st",
     "broken/value_of_another_kind.json",
     "broken/view_without_entries.export",
+    "broken/start_value_of_itself.st",
     "broken/wires_from_nothing.json",
 )
 SOUND = (*CODESYS, *TWINCAT, *PLCOPEN, *ENCODINGS)

@@ -106,3 +106,39 @@ def test_a_grafcet_with_a_transition_from_nowhere_is_told_or_written() -> None:
     next(project.charts()).chart.transitions[0].sources = [999]
     with suppress(sfc.SfcError):
         assert sfc.dumps(project, format="scl", partial=True)
+
+
+def test_numbers_of_5000_digits_are_read_and_written_as_texts(tmp_path: Path) -> None:
+    lines = (FIXTURES / "steplist" / "mixer.csv").read_text(encoding="utf-8-sig").splitlines()
+    cells = lines[1].split(";")
+    cells[lines[0].split(";").index("Number")] = "1" * 5000
+    listed = "\n".join([lines[0], ";".join(cells), *lines[2:]])
+    assert "LST105" in {finding.code for finding in sfc.loads(listed.encode(), format="csv").diagnostics}
+    project = sfc.load(FIXTURES / "steplist" / "mixer.csv")
+    next(project.charts()).chart.steps[0].comment = "1" * 5000
+    back = sfc.loads(sfc.dumps(project, format="xlsx", partial=True), format="xlsx")
+    assert next(back.charts()).chart.steps[0].comment == "1" * 5000
+
+
+def test_a_part_without_a_name_is_damaged() -> None:
+    data = (FIXTURES / "simaticml" / "FB_Drill.xml").read_bytes()
+    damaged = re.sub(rb'<Part Name="[^"]*"', b"<Part", data)
+    assert damaged != data
+    with suppress(sfc.SfcError):
+        sfc.loads(damaged).read_all()
+
+
+def test_extension_data_of_a_body_with_an_unknown_field_have_their_line() -> None:
+    """The name of the field was `content_comment`; no body has such a field."""
+    data = sfc.dumps(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml"), format="plcopen-2.01", partial=True)
+    place = data.index(b"<SFC")
+    place = data.index(b"<field name=", data.index(b"</SFC>", place))
+    damaged = data[:place] + re.sub(rb'name="\w+"', b'name="(*"', data[place:], count=1)
+    with pytest.raises(sfc.SfcError) as caught:
+        sfc.loads(damaged).read_all()
+    assert caught.value.location.line
+
+
+def test_a_start_value_of_something_that_has_none_yet_is_an_own_error() -> None:
+    with pytest.raises(sfc.SimulationError, match="gets its own start value later"):
+        sfc.simulate(sfc.load(BROKEN / "start_value_of_itself.st"), pou="Mixer", scans=1)

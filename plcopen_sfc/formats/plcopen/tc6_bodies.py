@@ -66,7 +66,12 @@ def finished_body(fields: Fields) -> Fields | SfcBody:
     if not isinstance(chart, UnreadChart):
         return fields
     rest = {name: value for name, value in fields.items() if name != "chart"}
-    return SfcBody.model_validate({**rest, "chart": read_later(SfcNetwork, {}, lambda: _read_chart(chart), chart.text)})
+    unread = read_later(SfcNetwork, {}, lambda: _read_chart(chart), chart.text)
+    try:
+        return SfcBody.model_validate({**rest, "chart": unread})
+    except ValidationError as error:
+        ctx = chart.ctx
+        raise misfit(error, rest, chart.element, file=ctx.file, lines=ctx.lines, place=chart.place) from None
 
 
 def _read_chart(unread: UnreadChart) -> SfcNetwork:

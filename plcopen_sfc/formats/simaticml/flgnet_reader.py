@@ -237,6 +237,8 @@ def _node(number: str, part: _Part) -> Fields:
     if local(element) == "Call":
         return _call(number, part)
     name = element.get("Name", "")
+    if not name:
+        raise DamagedError("a part has no name")
     if part.label is not None or (name == "Return" and set(part.pins) == {"in"}):
         return _leaving(number, part, name)
     if set(element.attrib) == {"Name", "UId"}:

@@ -27,6 +27,7 @@ from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Supervised, Transition
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.whole_numbers import whole_number
 
 KINDS = {"PROGRAM": PouKind.PROGRAM, "FUNCTION_BLOCK": PouKind.FUNCTION_BLOCK}
 """Words before the name of a program."""
@@ -339,10 +340,10 @@ class _Reader:
     def _number(self, row: TableRow, heading: str) -> int | None:
         if not row[heading]:
             return None
-        if not row[heading].isdecimal():
-            self._wrong("LST105", f"{row[heading]!r} is no whole number", row, heading)
-            return None
-        return int(row[heading])
+        number = whole_number(row[heading])
+        if number is None:
+            self._wrong("LST105", f"{row[heading]!r:.40} is no whole number of at most 18 digits", row, heading)
+        return number
 
     def _is_marked(self, row: TableRow, heading: str) -> bool:
         if row[heading] not in _TRUE | _FALSE:

@@ -12,6 +12,7 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 from plcopen_sfc.errors import FormatError, Location, SfcError, StructureError
 from plcopen_sfc.formats.steplist.list_codec import ListCodec
 from plcopen_sfc.formats.steplist.list_tables import Sheet, TableKind, cell_name
+from plcopen_sfc.whole_numbers import whole_number
 
 if TYPE_CHECKING:
     from openpyxl import Workbook
@@ -132,9 +133,10 @@ def _put(page: Worksheet, before: Sequence[Sequence[str]], rows: Sequence[Sequen
             old, new = (each[at][place] if at < len(each) and place < len(each[at]) else "" for each in (before, rows))
             if old != new:
                 cell = page.cell(at + 1, place + 1)
-                number = new.isdecimal() and new == str(int(new))
-                cell.value = int(new) if number else new or None
-                if new and not number:
+                number = whole_number(new)
+                is_number = number is not None and new == str(number)
+                cell.value = number if is_number else new or None
+                if new and not is_number:
                     cell.data_type = "s"  # never a formula
                     cell.quotePrefix = new[0] in "=+-@"  # nor when somebody edits it
 

@@ -386,8 +386,12 @@ class Library(TranslatedProject):
         added = self.linker.routine("", writer, "global variables") if fields else None
         self.version += 1
         self.link()
-        if added is not None:
-            added()
+        try:
+            if added is not None:
+                added()
+        except IndexError:  # of `g`, which has the values of those before only
+            message = "a start value names a variable that gets its own start value later"
+            raise SimulationError(message, hint="Write the value instead of the name.") from None
 
     def give_in_outs(self, unit: TranslatedPou, frame: Frame) -> None:
         """Nobody calls the outermost instance: its VAR_IN_OUT refer to variables of their own."""
