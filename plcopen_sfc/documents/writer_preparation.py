@@ -100,6 +100,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     behaviour = executed(unchanged, profile, source=project, at_rest=options.at_rest) if kind.tool else None
     if kind.drawing is DrawingNeed.NONE:
         written, marks = rewrite_project(copy, kind, options, report)
+        if kind.charts is not None and kind.charts.is_codesys and not options.same:
+            _note_limits(copy, kind, report)
         if written is not copy and _has_flags(kind):
             _put_into_notation(written, kind, report)
         return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
@@ -243,5 +245,8 @@ def _note_limits(project: Project, kind: Format, report: ConversionReport) -> No
             if problem.code == "SFC132" and problem.symbol in initial:
                 why = f"a chart of {kind.tool} begins with one step: it is not active there from the start"
                 report.add(Outcome.NOT_EXECUTED, "initial step", path, why)
+            elif problem.code == "SFC130":
+                why = f"{problem.code}: {problem.detail}, and charts of {kind.tool} are nested branches: restructure it"
+                report.add(Outcome.NOT_EXECUTED, "chart", path, why)
             else:
                 report.add(Outcome.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 from pathlib import Path
 from random import Random
@@ -571,3 +572,28 @@ END_FUNCTION_BLOCK
     _, report = sfc.convert(project, "simaticml", partial=True)
     (item,) = [item for item in report.losses if item.what == "undeclared name"]
     assert (item.outcome, item.why) == (Outcome.NOT_EXECUTED, "the name `o` is not declared in TIA Portal")
+
+
+CROSSED = b"""PROGRAM Main
+VAR_INPUT a, b, c, d : BOOL; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP P1: END_STEP
+STEP P2: END_STEP
+STEP P3: END_STEP
+TRANSITION FROM S1 TO (P1, P2) := a; END_TRANSITION
+TRANSITION (PRIORITY := 2) FROM S1 TO P3 := b; END_TRANSITION
+TRANSITION FROM P1 TO P3 := b; END_TRANSITION
+TRANSITION FROM (P3, P2) TO S1 := c; END_TRANSITION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys-export", "twincat", "codesys23"])
+def test_branches_that_do_not_nest_are_refused_in_the_family_of_codesys(target: str) -> None:
+    """CODESYS took them as approximated, CoDeSys 2.3 without an item, and TwinCAT refused."""
+    project = sfc.loads(CROSSED, format="iec-text")
+    with pytest.raises(sfc.LossError) as caught:
+        sfc.save(project, io.BytesIO(), format=target)
+    told = [item for item in caught.value.report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "chart"]
+    assert [item.path for item in told] == ["POU Main / transition P3+P2 -> S1"]
+    assert "charts of" in told[0].why
