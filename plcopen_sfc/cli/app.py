@@ -314,6 +314,7 @@ def _simulate(
     record: o.Record = None,
     free: o.Free = None,
     functions: o.Functions = None,
+    as_tool: o.AsTool = False,
     csv: o.Csv = None,
     vcd: o.Vcd = None,
     svg: o.TraceSvg = None,
@@ -335,6 +336,7 @@ def _simulate(
         record or (),
         free or (),
         functions,
+        as_tool,
     )
     return simulate.run(screen, file, how, files=simulate.TraceFiles(csv, vcd, svg, html, lang))
 

@@ -36,6 +36,7 @@ class SimulateOptions:
     record: Sequence[str] = ()
     free: Sequence[str] = ()
     functions: str | None = None
+    as_tool: bool = False
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ def run(screen: Screen, file: str, how: SimulateOptions, *, files: TraceFiles) -
     """Run what is asked for; prints the scans in which something happens."""
     if how.inputs is not None and how.seed is not None:
         raise InputError("inputs come from a file or from chance, not from both", hint="Leave out --inputs or --seed.")
-    project = load_input(screen, file)
+    project = load_input(screen, file, as_tool=how.as_tool)
     for wanted in (files.csv, files.vcd, files.svg, files.html):
         if wanted is not None:
             refuse_unwritable(wanted)

@@ -344,6 +344,9 @@ def check_associations(owned: Sequence[tuple[Owner, ActionAssociation]], profile
             raise UnknownBehaviourError(
                 f"the profile {profile.name} does not say what the qualifier {model.qualifier} of {what} does",
                 location=where,
+                hint="If the file was converted, read it as its tool does: --as-tool, as_tool=True."
+                if profile.graph_parameters
+                else "",
             )
         if (model.kind is not None or model.forcing is not None) and not knows_grafcet:
             raise UnknownBehaviourError(
