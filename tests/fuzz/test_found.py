@@ -142,3 +142,12 @@ def test_extension_data_of_a_body_with_an_unknown_field_have_their_line() -> Non
 def test_a_start_value_of_something_that_has_none_yet_is_an_own_error() -> None:
     with pytest.raises(sfc.SimulationError, match="gets its own start value later"):
         sfc.simulate(sfc.load(BROKEN / "start_value_of_itself.st"), pou="Mixer", scans=1)
+
+
+def test_a_file_header_with_an_unknown_attribute_and_an_unknown_element_is_kept() -> None:
+    data = (FIXTURES / "plcopen" / "filling_station_2.01.xml").read_bytes()
+    damaged = re.sub(rb"<fileHeader ([^>]*?)/>", rb'<fileHeader odd="1" \1><odd/></fileHeader>', data)
+    assert damaged != data
+    project = sfc.loads(damaged)
+    assert (project.header.carried.attributes, len(project.header.carried.elements)) == ({"odd": "1"}, 1)
+    assert sfc.dumps(project) == damaged

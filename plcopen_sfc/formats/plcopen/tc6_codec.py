@@ -32,6 +32,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Tc6ReadContext,
     attributes,
     decimal_or_none,
+    extension_data,
     keep_attributes,
     keep_element,
     line_of,
@@ -151,7 +152,7 @@ def _read_file_header(ctx: Tc6ReadContext, element: etree._Element, fields: Fiel
         "description": left.pop("contentDescription", None),
     }
     if left:
-        header["carried"] = {"attributes": left}
+        extension_data(header)["attributes"].update(left)
     for child in element:
         keep_element(ctx, header, child)
     fields["header"] = header
@@ -179,7 +180,7 @@ def _read_content_header(ctx: Tc6ReadContext, element: etree._Element, fields: F
         else:
             read_common(ctx, content, child, local, "contentHeader")
     if left:
-        content.setdefault("carried", {"data": [], "attributes": {}, "elements": []})["attributes"].update(left)
+        extension_data(content)["attributes"].update(left)
     if "carried" in content:
         fields["content_carried"] = content["carried"]
 
