@@ -22,7 +22,7 @@ from plcopen_sfc.languages.declarations.type_names import is_quoted_in_scl
 from plcopen_sfc.languages.s7_types import S7Types, number_of
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.base import ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlock, Pou
@@ -220,7 +220,7 @@ _HARMLESS = {
     "projectstructure": "the project tree",
     "sfc/element": "what the editor shows of steps; what is executed of it is read",
 }
-"""The data of CODESYS and TwinCAT, where the model only carries it, that no machine executes, each with the reason."""
+"""The data of CODESYS and TwinCAT, where the model only keeps it, that no machine executes, each with the reason."""
 
 _PROPERTY = re.compile(r"\bPROPERTY\s+(?:(?:PUBLIC|PRIVATE|PROTECTED|INTERNAL|FINAL|ABSTRACT|OVERRIDE)\s+)*(\w+)", re.I)
 _NAME = re.compile(r"""<(?:\w+:)?\w+[^>]*?\bname=["']([^"']+)["']""", re.IGNORECASE)
@@ -242,7 +242,7 @@ def tell_type(part: Part, kind: DataType, declaration: DataTypeDeclaration | Non
     """Note that a type is a UNION, or has one in it, and what its declaration extends."""
     if _has_union(kind):
         part.tell("union", Meaning.of(True, "UNION"))
-    base = kept(declaration.carried).get("extends") if declaration is not None else None
+    base = kept(declaration.extension_data).get("extends") if declaration is not None else None
     part.tell("extends", Meaning.of(base.casefold(), base) if base else None)
 
 
@@ -251,7 +251,7 @@ def _has_union(kind: DataType) -> bool:
         kind = kind.base
     if not isinstance(kind, StructType):
         return False
-    return "union" in kept(kind.carried) or any(_has_union(member.type) for member in kind.members)
+    return "union" in kept(kind.extension_data) or any(_has_union(member.type) for member in kind.members)
 
 
 def tell_inheritance(part: Part, pou: Pou) -> None:
@@ -263,11 +263,11 @@ def tell_inheritance(part: Part, pou: Pou) -> None:
 
 def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool: Dialect) -> None:
     """Add what the `tool` of a project executes of what is kept as text, and each type that nothing declares."""
-    texts = list(_units(project.carried))
+    texts = list(_units(project.extension_data))
     for keyword, name in (found[0] for found in texts if found):
         whole.add("unit", name, f"{keyword} {name}").tell("kind", Meaning.of(keyword))
     for pou in project.pous:
-        for data in pou.carried.data if pou.carried is not None else ():
+        for data in pou.extension_data.data if pou.extension_data is not None else ():
             place, text = unwrapped(data.content) or ("", "")
             if place == "property" and (named := _PROPERTY.search(text)):
                 name = named.group(1)
@@ -288,9 +288,9 @@ def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool
             whole.add(UNDECLARED_TYPE, name, path).tell("name", Meaning.of(name))
 
 
-def _units(carried: Carried | None) -> Iterator[list[tuple[str, str]]]:
+def _units(extension_data: ExtensionData | None) -> Iterator[list[tuple[str, str]]]:
     """Declarations of each unit that is kept as text: the unit first, then what is in it, by keyword and name."""
-    for data in carried.data if carried is not None else ():
+    for data in extension_data.data if extension_data is not None else ():
         place, text = unwrapped(data.content) or ("", "")
         if place == "unit":
             yield [(found[1].upper(), found[2]) for found in _UNIT.finditer(text)]
@@ -299,7 +299,7 @@ def _units(carried: Carried | None) -> Iterator[list[tuple[str, str]]]:
 def _bases(project: Project) -> Iterator[tuple[str, str]]:
     """The names behind EXTENDS and IMPLEMENTS, with where they stand."""
     for declaration in project.data_types:
-        if base := kept(declaration.carried).get("extends"):
+        if base := kept(declaration.extension_data).get("extends"):
             yield base, declaration.report_path
     for pou in project.pous:
         for name in chain.from_iterable(inheritance(pou.interface)):
@@ -307,7 +307,7 @@ def _bases(project: Project) -> Iterator[tuple[str, str]]:
 
 
 def _add_data(whole: Part, text_site: TextSite, tool: Dialect) -> None:
-    """Add data of CODESYS that the model only carries, where it is executed."""
+    """Add data of CODESYS that the model only keeps, where it is executed."""
     data: ForeignData = text_site.holder
     kind = data.name.removeprefix(codesys.PREFIX)
     if kind == data.name or family(tool) is not Dialect.CODESYS:

@@ -318,7 +318,7 @@ class _Reader:
                     self._variable(self.whole, "global variable", variable, section, section.name or "")
         for block in self.project.data_blocks:
             sections = block.interface.sections if block.interface is not None else []
-            unread = kept(block.carried).get("unread")
+            unread = kept(block.extension_data).get("unread")
             if unread is not None:
                 part = self.whole.add("start values", block.name, block.report_path)
                 part.tell("start values", Meaning.of(" ".join(unread.split())))
@@ -369,7 +369,7 @@ class _Reader:
             self._variable(part, "member", member, VariableSection(), "")
         if not is_listed or variable.initial is not None:
             part.tell("initial value", self.starts.meaning(variable))
-        unread = [each for each in _carried_elements(variable) if "<StartValue" in each]
+        unread = [each for each in _kept_elements(variable) if "<StartValue" in each]
         if unread and variable.initial is None:
             part.tell("start values", Meaning.of(tuple(unread), "in a form that is not read"))
         tell_type(part, variable.type)
@@ -384,14 +384,14 @@ class _Reader:
             for name, value in variable.attributes.items():
                 part.tell(name, Meaning.of(value))
         self.tell_comment(part, variable)
-        edge = kept(variable.carried).get("edge")
+        edge = kept(variable.extension_data).get("edge")
         part.tell("edge", Meaning.of(edge) if edge else None)
         if owner is not self.whole:
             section_kind = SectionKind.LOCAL if section.kind is SectionKind.CONSTANT else section.kind
             if section_kind is SectionKind.LOCAL and kind == "variable of a function":
                 section_kind = SectionKind.TEMP  # a function keeps nothing
             part.tell("section", Meaning.of(section_kind.value))
-            if kept(section.carried).get("keyword") == "VAR_STAT":
+            if kept(section.extension_data).get("keyword") == "VAR_STAT":
                 part.tell("static", Meaning.of(True, "VAR_STAT"))
 
     # -- tasks
@@ -502,7 +502,7 @@ class _Reader:
         if program in shared:
             memory = "shared by all calls" if self._is_of_codesys else "its own"
             part.tell("variables", Meaning.of(memory))
-        for data in instance.carried.data if instance.carried is not None else ():
+        for data in instance.extension_data.data if instance.extension_data is not None else ():
             place, text = unwrapped(data.content) or ("", "")
             if place == "arguments":
                 part.tell("arguments", Meaning.of(" ".join(text.split()).casefold(), text))
@@ -581,8 +581,8 @@ def _called_alone(node: Node) -> str:
     return (node.instance or "").strip('"').casefold()
 
 
-def _carried_elements(variable: Variable) -> list[str]:
-    return variable.carried.elements if variable.carried is not None else []
+def _kept_elements(variable: Variable) -> list[str]:
+    return variable.extension_data.elements if variable.extension_data is not None else []
 
 
 def _members(variable: Variable, type_: StructType) -> Iterator[Variable]:

@@ -24,7 +24,7 @@ from plcopen_sfc.model.types import DataType
 from plcopen_sfc.whole_numbers import whole_number
 
 _NOT_EXECUTED = frozenset(
-    {"carried", "comment", "global_id", "title", "markup", "worksheet", "attributes", "position", "points"}
+    {"extension_data", "comment", "global_id", "title", "markup", "worksheet", "attributes", "position", "points"}
     | {"width", "height", "local_id"}
 )
 """Fields of types, values and networks that people and tools look at and no machine."""

@@ -39,7 +39,7 @@ from plcopen_sfc.formats.provenance import (
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.model.base import Carried, Model
+from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.dialect import Dialect
@@ -372,7 +372,7 @@ def _shown(value: object) -> str:
     match value:
         case None:
             return "nothing"
-        case Carried():
+        case ExtensionData():
             return "extension data"
         case Model():
             inner = [each for name in type(value).model_fields if (each := getattr(value, name)) not in (None, [], {})]

@@ -17,7 +17,7 @@ from plcopen_sfc.documents.sources import FolderSource, SourceDocument, with_obj
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.provenance import as_in_file, place_in_folder
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.project import FileHeader, Project
 from plcopen_sfc.model.project_object import ProjectObject
 
@@ -42,7 +42,9 @@ def shared_fields(project: Project) -> dict[str, Any]:
 def is_bare(project: Project) -> bool:
     """True if a document has nothing of the project beside its objects and its header."""
     plain = Project()
-    return all(getattr(project, name) == getattr(plain, name) for name in SHARED if name not in ("header", "carried"))
+    return all(
+        getattr(project, name) == getattr(plain, name) for name in SHARED if name not in ("header", "extension_data")
+    )
 
 
 def merged(documents: dict[str, SourceDocument], kind: Format) -> Project:
@@ -54,7 +56,7 @@ def merged(documents: dict[str, SourceDocument], kind: Format) -> Project:
         values = [value for frame in frames if (value := getattr(frame, name)) != getattr(plain, name)]
         if not values or name == "header":
             continue
-        if name == "carried":
+        if name == "extension_data":
             fields[name] = _merged_extension_data(values)
         elif isinstance(values[0], list):
             fields[name] = [item for value in values for item in copy.deepcopy(value)]
@@ -73,7 +75,7 @@ def _header(documents: dict[str, SourceDocument], kind: Format) -> FileHeader:
         if not document.objects and not is_bare(document.frame):
             return document.frame.header.model_copy(deep=True)
     headers = [document.frame.header for document in documents.values()]
-    agreed = _agreed([header.model_dump(exclude={"carried"}) for header in headers])
+    agreed = _agreed([header.model_dump(exclude={"extension_data"}) for header in headers])
     agreed["version"] = newest(kind, [header.version for header in headers])
     return FileHeader.model_validate(agreed)
 
@@ -90,11 +92,11 @@ def _agreed(dumps: list[dict[str, Any]]) -> dict[str, Any]:
     return {key: value for key, value in first.items() if all(dump.get(key) == value for dump in dumps)}
 
 
-def _merged_extension_data(values: list[Carried]) -> Carried | None:
+def _merged_extension_data(values: list[ExtensionData]) -> ExtensionData | None:
     """Return the extension data of the project in documents; their attributes describe the documents."""
     data = [item for value in values for item in value.data]
     elements = [item for value in values for item in value.elements]
-    return Carried(data=copy.deepcopy(data), elements=elements) if data or elements else None
+    return ExtensionData(data=copy.deepcopy(data), elements=elements) if data or elements else None
 
 
 _ILLEGAL = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f]')
@@ -268,8 +270,8 @@ def _parent(path: str) -> str:
 
 def _has_objects_only(frame: Project) -> bool:
     """True if a document has nothing but objects, so that it means nothing without them."""
-    carried = frame.carried
-    return is_bare(frame) and (carried is None or not (carried.elements or carried.data))
+    extension_data = frame.extension_data
+    return is_bare(frame) and (extension_data is None or not (extension_data.elements or extension_data.data))
 
 
 def _frames(project: Project, source: FolderSource, kind: Format) -> dict[str | None, Project]:
@@ -298,7 +300,7 @@ def _frames(project: Project, source: FolderSource, kind: Format) -> dict[str | 
         for path, frame in frames.items():
             value = getattr(project, name) if path == owner else plain
             frames[path] = frame.model_copy(
-                update={name: _edited_extension_data(frame, value) if name == "carried" else value}
+                update={name: _edited_extension_data(frame, value) if name == "extension_data" else value}
             )
     return frames
 
@@ -329,15 +331,15 @@ PART_FIELDS = ("global_variables", "applications")
 def _content(frame: Project, name: str) -> Any:
     """Return the field `name` of a document, as far as it belongs to the project."""
     value = getattr(frame, name)
-    return None if name == "carried" and value is not None and not (value.data or value.elements) else value
+    return None if name == "extension_data" and value is not None and not (value.data or value.elements) else value
 
 
-def _edited_extension_data(frame: Project, value: Carried | None) -> Carried | None:
+def _edited_extension_data(frame: Project, value: ExtensionData | None) -> ExtensionData | None:
     """Return the extension data of a document: its own attributes, and data and elements of the project."""
-    if frame.carried is None:
+    if frame.extension_data is None:
         return value
-    return Carried(
-        attributes=frame.carried.attributes,
+    return ExtensionData(
+        attributes=frame.extension_data.attributes,
         data=value.data if value is not None else [],
         elements=value.elements if value is not None else [],
     )
@@ -349,7 +351,7 @@ def _edit_headers(frames: dict[str | None, Project], project: Project, source: F
     The version is that of each document: another one is written by saving in that version.
     """
     before = source.shared["header"]
-    names = [name for name in type(before).model_fields if name not in ("version", "carried")]
+    names = [name for name in type(before).model_fields if name not in ("version", "extension_data")]
     update = {name: value for name in names if (value := getattr(project.header, name)) != getattr(before, name)}
     for path, frame in frames.items():
         if frame.header.product == before.product:

@@ -85,7 +85,17 @@ class WireClusters:
         self.parent[self.root(one)] = self.root(other)
 
 
-_FIELDS = ("position", "width", "height", "execution_order", "exclude", "local_id", "comment", "global_id", "carried")
+_FIELDS = (
+    "position",
+    "width",
+    "height",
+    "execution_order",
+    "exclude",
+    "local_id",
+    "comment",
+    "global_id",
+    "extension_data",
+)
 
 
 def take_over(

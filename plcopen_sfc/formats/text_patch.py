@@ -36,7 +36,7 @@ def section_block(section: VariableSection, dialect: Dialect) -> WrittenBlock:
     """Return the block of a section, each variable a block of its own."""
     indent = indent_of(dialect)
     head = section_head(section, dialect)
-    struct = kept(section.carried).get("keyword") == "STRUCT"
+    struct = kept(section.extension_data).get("keyword") == "STRUCT"
     words = "STRUCT" if struct else head[-1]
     lines = [*head[:-1], words]
     blocks = [WrittenBlock(("head", ""), "\n".join(indent + line for line in lines))]

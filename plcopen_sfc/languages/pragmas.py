@@ -472,7 +472,7 @@ def _index(items: Any, segment: Segment) -> int:
 
 
 def format_path(path: tuple[Segment, ...]) -> str:
-    """``supervision.condition``, ``variables[Start].comment``, ``symbols[]``, ``steps[#4].carried``."""
+    """``supervision.condition``, ``variables[Start].comment``, ``symbols[]``, ``steps[#4].extension_data``."""
     text = ""
     for segment in path:
         if isinstance(segment, str):

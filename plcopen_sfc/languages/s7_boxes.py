@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from plcopen_sfc.languages.networks.network_graph import MEMORY_PINS, is_memory_pin, wires_of
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.call_translation import HALVES, is_lacking, translated_truncation
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition
 from plcopen_sfc.model.dialect import Dialect
@@ -38,7 +38,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
 
 BOX = "flip-flop"
-"""Carried attribute of logic in place of a flip-flop: the box, as JSON."""
+"""Extension attribute of logic in place of a flip-flop: the box, as JSON."""
 _PINS = {"RS": ("s", "r1"), "SR": ("s1", "r")}
 """The set and the reset input of each."""
 _INNER = {"RS": "OR", "SR": "AND"}
@@ -61,8 +61,12 @@ def put_boxes(project: Project) -> None:
     for _, _, body in project.bodies():
         for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
             for node in list(network.nodes):
-                if isinstance(node, Block) and node.carried is not None and BOX in node.carried.attributes:
-                    _put_back(network, node, node.carried.attributes.pop(BOX))
+                if (
+                    isinstance(node, Block)
+                    and node.extension_data is not None
+                    and BOX in node.extension_data.attributes
+                ):
+                    _put_back(network, node, node.extension_data.attributes.pop(BOX))
 
 
 def _operand(box: Block) -> str:
@@ -82,7 +86,7 @@ def _replace(network: LogicNetwork, box: Block, number: int) -> None:
         inner, outer = _box(number, "OR", sets, state), _box(box.id, "AND", _wired(number), reset)
     else:
         inner, outer = _box(number, "AND", state, reset), _box(box.id, "OR", sets, _wired(number))
-    outer.carried = Carried(attributes={BOX: json.dumps(box.model_dump(mode="json", exclude_none=True))})
+    outer.extension_data = ExtensionData(attributes={BOX: json.dumps(box.model_dump(mode="json", exclude_none=True))})
     wire = InputPin(connections=[Connection(source=box.id, pin="OUT")])
     nodes: list[Node] = [inner, outer, OutputVariable(id=number + 1, expression=_operand(box), input=wire)]
     _rename_wires(network, box.id, "OUT")
@@ -95,7 +99,7 @@ def _pin(box: Block, name: str) -> BlockVariable:
     found = next((pin for pin in box.parameters.inputs if pin.name.casefold() == name), None)
     if found is None or found.input is None:
         return BlockVariable(name="", input=InputPin(expression="FALSE"))
-    return found.model_copy(update={"carried": None}, deep=True)
+    return found.model_copy(update={"extension_data": None}, deep=True)
 
 
 def _wired(source: int) -> BlockVariable:
@@ -210,7 +214,7 @@ class _Box:
         self.target = target
         self.tool = tool
         self.report = report
-        self.types = dict(block.carried.attributes) if block.carried is not None else {}
+        self.types = dict(block.extension_data.attributes) if block.extension_data is not None else {}
 
     def translate(self) -> None:
         """Make it one of IEC 61131-3, or report that there is none."""

@@ -17,7 +17,7 @@ from plcopen_sfc.languages.binding import Kind, Names
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.translation.literal_translation import translated_address
-from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.base import ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, PouKind
 from plcopen_sfc.model.project import Project, Tag, TagTable, TreeNode
@@ -298,7 +298,7 @@ def called_actions(project: Project) -> frozenset[int]:
     found: set[int] = set()
     for each in Names(project).occurrences(*(action.name for action in actions)) if actions else ():
         declaration = each.meaning.declaration
-        if isinstance(each.text_site.holder, Carried | ForeignData | TreeNode):
+        if isinstance(each.text_site.holder, ExtensionData | ForeignData | TreeNode):
             continue
         if declaration is not None and declaration.kind is Kind.ACTION:
             found.add(id(declaration.holder))

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.lowering.code.code_declarations import names_of
 from plcopen_sfc.model.actions import ActionAssociation
-from plcopen_sfc.model.base import Carried, Model
+from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -44,7 +44,7 @@ def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption
     if isinstance(thing, list | tuple):
         for each in thing:
             yield from captions(each, path, dialect)
-    if not isinstance(thing, Model) or isinstance(thing, Carried | SfcSettings):
+    if not isinstance(thing, Model) or isinstance(thing, ExtensionData | SfcSettings):
         return
     if isinstance(thing, Block) and thing.code is not None:
         yield from _inside(thing.code, path, dialect)

@@ -24,8 +24,8 @@ from plcopen_sfc.report import ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
 _NO_CODE = frozenset(
-    """drawing comment title carried content_carried header name modified tree place attributes object_id global_id
-    foreign_data_infos scales folder number markup worksheet""".split()
+    """drawing comment title extension_data content_extension_data header name modified tree place attributes object_id
+    global_id foreign_data_infos scales folder number markup worksheet""".split()
 )
 """Fields that no program is made of."""
 _MOST_LIKELY = (
@@ -54,13 +54,13 @@ def prove_written(
     # the code cannot be resolved or executed as the tool reads it: is that so with our extension data too?
     except (LoweringError, ModelError) as error:
         if _is_equal(chart, carrying := whole(), lowered, **searching):
-            raise _carried(lowered, seen, carrying, error.message) from error
+            raise _extension_data(lowered, seen, carrying, error.message) from error
         raise
     if found.kind is not VerdictKind.DIFFERENT:
         return found
     exact, carrying = lowered.style is Style.EXACT, whole()
     if _is_equal(chart, carrying, lowered, **searching) if exact else not _is_same_code(carrying, seen, lowered):
-        raise _carried(lowered, seen, carrying, str(found).partition("\n")[0])
+        raise _extension_data(lowered, seen, carrying, str(found).partition("\n")[0])
     if exact:
         raise LoweringError(
             f"read back, the code does not do what the chart does: {found}", hint="Please report it with the chart."
@@ -134,7 +134,7 @@ def _is_same_code(whole: Project, seen: Project, lowered: LoweredPou) -> bool:
     return found.kind is not VerdictKind.DIFFERENT
 
 
-def _carried(lowered: LoweredPou, seen: Project, whole: Project, why: str) -> LoweringError:
+def _extension_data(lowered: LoweredPou, seen: Project, whole: Project, why: str) -> LoweringError:
     places = list(_places(seen, whole, lowered.pou.name))
     shown = "; ".join(places[:_NAMED]) + (f"; and {len(places) - _NAMED} more" if len(places) > _NAMED else "")
     to_text = lowered.language != "ST"

@@ -21,7 +21,7 @@ from plcopen_sfc.model.actions import (
     Qualifier,
     SymbolAccess,
 )
-from plcopen_sfc.model.base import Carried, Element, ForeignData, Model, UnknownDataRule
+from plcopen_sfc.model.base import Element, ExtensionData, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
@@ -154,7 +154,6 @@ __all__ = [
     "BlockVariable",
     "Body",
     "BodyCondition",
-    "Carried",
     "Chart",
     "Coil",
     "CommentBox",
@@ -184,6 +183,7 @@ __all__ = [
     "EnumValue",
     "ErrorBox",
     "Expression",
+    "ExtensionData",
     "FbdBody",
     "FileHeader",
     "FlagUse",

@@ -38,7 +38,7 @@ class ForeignData(Model):
     content: str = ""
 
 
-class Carried(Model):
+class ExtensionData(Model):
     """Content of an object's element in its file that the model has no field for. Never dropped silently."""
 
     data: list[ForeignData] = Field(default_factory=list)
@@ -51,7 +51,7 @@ class Element(Model):
 
     comment: Text | None = None
     global_id: str | None = None
-    carried: Carried | None = None
+    extension_data: ExtensionData | None = None
 
 
 ElementId = Annotated[int, Field(ge=0)]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from plcopen_sfc.model.base import Carried, Model
+from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.network import InputPin
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ class Expression(Model):
     text: str
     negated: bool = False
     markup: str | None = None
-    carried: Carried | None = None
+    extension_data: ExtensionData | None = None
 
 
 class NamedCondition(Model):

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from plcopen_sfc.model.base import Carried, Element, ElementId, Model
+from plcopen_sfc.model.base import Element, ElementId, ExtensionData, Model
 from plcopen_sfc.model.text import Text
 
 Point = tuple[float, float]
@@ -28,7 +28,7 @@ class Connection(Model):
     pin: str | None = None
     points: list[Point] = Field(default_factory=list)
     global_id: str | None = None
-    carried: Carried | None = None
+    extension_data: ExtensionData | None = None
 
 
 class InputPin(Model):
@@ -38,7 +38,7 @@ class InputPin(Model):
     expression: str | None = None
     position: Point | None = None
     global_id: str | None = None
-    carried: Carried | None = None
+    extension_data: ExtensionData | None = None
 
 
 class OutputPin(Model):
@@ -48,7 +48,7 @@ class OutputPin(Model):
     expression: str | None = None
     position: Point | None = None
     global_id: str | None = None
-    carried: Carried | None = None
+    extension_data: ExtensionData | None = None
 
 
 class Edge(StrEnum):

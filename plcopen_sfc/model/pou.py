@@ -123,7 +123,7 @@ class Pou(ProjectObject):
             self.interface = Interface()
         plain = VariableSection(kind=SectionKind(kind))
         for section in self.interface.sections:
-            if section.model_copy(update={"variables": [], "comment": None, "carried": None}) == plain:
+            if section.model_copy(update={"variables": [], "comment": None, "extension_data": None}) == plain:
                 section.variables.append(variable)
                 break
         else:

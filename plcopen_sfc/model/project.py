@@ -9,7 +9,7 @@ from pydantic import Field, PrivateAttr
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
-from plcopen_sfc.model.base import Carried, Element, Model
+from plcopen_sfc.model.base import Element, ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
@@ -39,7 +39,7 @@ class FileHeader(Model):
     release: str | None = None
     created: str = ""
     description: str | None = None
-    carried: Carried | None = None
+    extension_data: ExtensionData | None = None
 
 
 class Scaling(Model):
@@ -206,8 +206,8 @@ class Project(Owned, Element):
 
     `applications` are resources of the project without a configuration (CODESYS and TwinCAT application
     exports). `config_variables` are outside of a configuration, as in CODESYS. POUs and data types are in one list
-    each, whatever their `place` is. `content_comment` and `content_carried` belong to the description of the content
-    (TC6 ``contentHeader``). `dialect` is that of all structured text in it, expressions included.
+    each, whatever their `place` is. `content_comment` and `content_extension_data` belong to the description of the
+    content (TC6 ``contentHeader``). `dialect` is that of all structured text in it, expressions included.
     """
 
     name: str = ""
@@ -218,7 +218,7 @@ class Project(Owned, Element):
     author: str | None = None
     language: str | None = None
     content_comment: str | None = None
-    content_carried: Carried | None = None
+    content_extension_data: ExtensionData | None = None
     scales: DrawingScales = Field(default_factory=DrawingScales)
     foreign_data_infos: list[ForeignDataInfo] | None = None
     data_types: list[DataTypeDeclaration] = Field(default_factory=list)

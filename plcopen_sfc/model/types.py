@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
-from plcopen_sfc.model.base import Carried, Element, Model
+from plcopen_sfc.model.base import Element, ExtensionData, Model
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.text import Text
 
@@ -72,7 +72,7 @@ class DerivedType(Model):
 
     kind: Literal["derived"] = "derived"
     name: str
-    carried: Carried | None = None
+    extension_data: ExtensionData | None = None
 
 
 class Dimension(Model):
@@ -96,7 +96,7 @@ class StructType(Model):
     kind: Literal["struct"] = "struct"
     members: list[Variable] = Field(default_factory=list)
     comment: Text | None = None
-    carried: Carried | None = None
+    extension_data: ExtensionData | None = None
 
 
 class EnumValue(Model):

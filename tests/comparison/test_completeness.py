@@ -27,7 +27,7 @@ NOT_COMPARED = {
     "id": "ids tell nothing to people",
     "global_id": "as ids",
     "object_id": "as ids",
-    "carried": "data of the tool",
+    "extension_data": "data of the tool",
     "symbol": "the symbol configuration of CODESYS",
     "duplicate": "ids of the file that several elements have",
     "monitoring": "how the online view watches a transition",

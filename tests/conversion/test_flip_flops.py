@@ -80,7 +80,7 @@ def test_the_box_comes_back_unless_the_logic_was_edited(kind: str, target: str) 
     other = sfc.loads(data)
     edited = other.pou("Main").bodies[0]
     assert isinstance(edited, m.FbdBody)
-    box = next(n for n in edited.networks[0].nodes if isinstance(n, m.Block) and n.carried is not None)
+    box = next(n for n in edited.networks[0].nodes if isinstance(n, m.Block) and n.extension_data is not None)
     box.type_name = "XOR"
     boxes = [n.type_name for n in loaded_boxes(sfc.dumps(other, format="simaticml"))]
     assert kind not in boxes

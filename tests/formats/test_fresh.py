@@ -133,7 +133,7 @@ def test_a_fresh_file_says_all_but_the_documented_exceptions(written: Written) -
 
 def test_a_fresh_file_keeps_the_order_of_elements(written: Written) -> None:
     if any(d.code == "SFC108" for d in written.project.diagnostics):
-        pytest.skip("an action block that belongs to no step is carried, and so written last")
+        pytest.skip("an action block that belongs to no step is kept, and so written last")
     old, new = order(written.data), order(written.fresh)
     assert [name for name in old if name.partition("[")[0] not in MAY_BE_EMPTY] == [
         name for name in new if name.partition("[")[0] not in MAY_BE_EMPTY

@@ -92,8 +92,8 @@ def test_renaming_a_step_changes_the_lines_that_name_it(path: Path) -> None:
         note = f"{old} in chart {chart}"
         assert_only_names_changed(data, edited, old, name_places(spans[chart], number), uses=len(uses), note=note)
         again = sfc.loads(edited)
-        # a reformatted file keeps the blanks around the name: what is carried for that says the new name now
-        assert again == project or (step.carried is not None and step.carried.data)
+        # a reformatted file keeps the blanks around the name: what is kept for that says the new name now
+        assert again == project or (step.extension_data is not None and step.extension_data.data)
         assert [net(c.chart) for c in again.charts()] == [net(c) for c in charts]
         if uses:
             charts[chart].rename_step(NEW, old)

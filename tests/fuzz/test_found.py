@@ -149,5 +149,5 @@ def test_a_file_header_with_an_unknown_attribute_and_an_unknown_element_is_kept(
     damaged = re.sub(rb"<fileHeader ([^>]*?)/>", rb'<fileHeader odd="1" \1><odd/></fileHeader>', data)
     assert damaged != data
     project = sfc.loads(damaged)
-    assert (project.header.carried.attributes, len(project.header.carried.elements)) == ({"odd": "1"}, 1)
+    assert (project.header.extension_data.attributes, len(project.header.extension_data.elements)) == ({"odd": "1"}, 1)
     assert sfc.dumps(project) == damaged

@@ -115,7 +115,9 @@ def check_renames(path: Path, most: int, *, lines: bool = True) -> None:
 def is_reformatted(made: m.Project) -> bool:
     """Whether blanks stand around names in the file, which are put in anew where a name changes."""
     charts = [chart.chart for chart in made.charts()]
-    return any(t.carried is not None and t.carried.data for c in charts for t in (*c.steps, *c.transitions))
+    return any(
+        t.extension_data is not None and t.extension_data.data for c in charts for t in (*c.steps, *c.transitions)
+    )
 
 
 def assert_only_lines_that_name_it(before: bytes, after: bytes, old: str, note: str) -> None:

@@ -344,7 +344,7 @@ def declare_lists(project: Project, report: ConversionReport, marks: SourceMarks
     moved: list[VariableSection] = []
     for section in project.global_variables:
         source = section.model_dump(mode="json", exclude_none=True)
-        plain = section.model_copy(update={"declaration": None, "object_id": None, "carried": None})
+        plain = section.model_copy(update={"declaration": None, "object_id": None, "extension_data": None})
         marks[id(plain)] = added_section(plain) | {"list": source}
         moved.append(plain)
     for listed in dict.fromkeys(section.name for section in moved):  # a list may have several sections

@@ -446,7 +446,7 @@ class ChartWriter:
 
     def _macros(self) -> Iterator[dict[str, str]]:
         """Yield what the chart keeps of its macros, inner ones first."""
-        for macro in kept_in(self._chart.carried).elements:
+        for macro in kept_in(self._chart.extension_data).elements:
             yield {str(name): str(value) for name, value in macro.attrib.items()}
 
     def _fold(self, segment: _Segment, macro: dict[str, str]) -> bool:
@@ -533,7 +533,7 @@ class ChartWriter:
 
     def _transition(self, transition: Transition, parent: int) -> etree._Element:
         written = new_object(TRANSITION)
-        variable = kept_in(transition.carried).attributes.get(VARIABLE_NAME)
+        variable = kept_in(transition.extension_data).attributes.get(VARIABLE_NAME)
         if variable is not None:
             add_text(written, VARIABLE_NAME, variable)
         else:

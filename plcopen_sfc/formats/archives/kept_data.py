@@ -8,7 +8,7 @@ from typing import NamedTuple
 from lxml import etree
 
 from plcopen_sfc.formats.xml.extension_data import markup, parsed_markup
-from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.base import ExtensionData, ForeignData
 
 _NAME = "urn:plcopen-sfc:twincat"
 
@@ -27,9 +27,9 @@ def kept_data(attributes: dict[str, str], elements: Iterable[etree._Element] = (
     return [ForeignData(name=_NAME, content=markup(holder))] if attributes or len(holder) else []
 
 
-def kept_in(carried: Carried | None) -> Kept:
+def kept_in(extension_data: ExtensionData | None) -> Kept:
     """Return what the extension data of an object keeps."""
-    for data in carried.data if carried is not None else ():
+    for data in extension_data.data if extension_data is not None else ():
         if data.name == _NAME:
             holder = parsed_markup(data.content)
             return Kept({str(name): str(value) for name, value in holder.attrib.items()}, list(holder))

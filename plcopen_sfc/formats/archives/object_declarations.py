@@ -14,7 +14,7 @@ from plcopen_sfc.formats.iectext.iectext_codec import IecTextCodec
 from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.formats.text_patch import patch_text
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou, PouKind
@@ -67,12 +67,14 @@ def read(unit: str, file: str | None) -> ReadResult:
 def bare(thing: Pou | Method) -> Project:
     """Return a project that has nothing but the declaration of a POU or a method."""
     if isinstance(thing, Method):
-        method = Method(name=thing.name, interface=_interface(thing), comment=thing.comment, carried=_declared(thing))
+        method = Method(
+            name=thing.name, interface=_interface(thing), comment=thing.comment, extension_data=_declared(thing)
+        )
         method.body = StBody()  # without one a pragma would say so
         pou = Pou(name="methods", kind=PouKind.FUNCTION_BLOCK, methods=[method])
     else:
         pou = Pou(name=thing.name, kind=thing.kind, interface=_interface(thing), comment=thing.comment)
-        pou.carried = _declared(thing)
+        pou.extension_data = _declared(thing)
     pou.bodies = [StBody()]
     return Project(pous=[pou], dialect=Dialect.CODESYS)
 
@@ -81,11 +83,14 @@ def _interface(thing: Pou | Method) -> Interface | None:
     return thing.interface.model_copy(deep=True) if thing.interface is not None else None
 
 
-def _declared(thing: Pou | Method) -> Carried | None:
+def _declared(thing: Pou | Method) -> ExtensionData | None:
     """Return what is kept of the declaration: pragmas, and words such as ABSTRACT."""
-    kept = [(unwrapped(data.content), data) for data in (thing.carried.data if thing.carried is not None else ())]
+    kept = [
+        (unwrapped(data.content), data)
+        for data in (thing.extension_data.data if thing.extension_data is not None else ())
+    ]
     found = [data for text, data in kept if text is not None and text[0] != PROPERTY]
-    return Carried(data=found) if found else None
+    return ExtensionData(data=found) if found else None
 
 
 def declaration_of(declared: Project, source: str | None) -> str:
@@ -136,7 +141,7 @@ def _patched(whole: str, declared: Project) -> str:
 
 
 def _declare(old: Pou | Method, new: Pou | Method) -> None:
-    old.name, old.interface, old.comment, old.carried = new.name, new.interface, new.comment, new.carried
+    old.name, old.interface, old.comment, old.extension_data = new.name, new.interface, new.comment, new.extension_data
     if isinstance(old, Pou) and isinstance(new, Pou):
         old.kind = new.kind
 

@@ -24,7 +24,7 @@ from plcopen_sfc.formats.iectext.text_source import unwrapped, wrapped
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.languages.networks.condition_reading import shown_body, shown_named_condition
-from plcopen_sfc.model.base import Carried, Element, ForeignData
+from plcopen_sfc.model.base import Element, ExtensionData, ForeignData
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
@@ -160,7 +160,7 @@ class _Reader:
                 pou.transitions.append(NamedTransition(name=child.get("Name", "")))
                 self._part(pou.transitions[-1], child, names)
             elif child.tag == "Property":
-                _carry(pou).data.append(_property(child))
+                _keep_data(pou).data.append(_property(child))
         others = [child for child in thing if isinstance(child.tag, str) and child.tag not in _OWN_ELEMENTS]
         _keep(pou, dict(set(attributes_of(thing).items()) - {_NOT_SPECIAL}), others)
         ctx.place = []
@@ -218,16 +218,16 @@ def attributes_of(element: etree._Element) -> dict[str, str]:
     return {str(name): str(value) for name, value in element.attrib.items() if name not in ("Name", "Id")}
 
 
-def _carry(thing: Element) -> Carried:
-    thing.carried = thing.carried or Carried()
-    return thing.carried
+def _keep_data(thing: Element) -> ExtensionData:
+    thing.extension_data = thing.extension_data or ExtensionData()
+    return thing.extension_data
 
 
 def _keep(thing: Element, attributes: dict[str, str], elements: Iterable[etree._Element] = ()) -> None:
     """Keep what is nothing in the model."""
     data = kept_data(attributes, [copy.deepcopy(each) for each in elements])
     if data:
-        _carry(thing).data += data
+        _keep_data(thing).data += data
 
 
 def _property(element: etree._Element) -> ForeignData:
@@ -300,7 +300,7 @@ class _PouWriter:
     def write(self) -> etree._Element:
         pou = self._pou
         self._report.add(Outcome.KEPT, "POU", pou.report_path)
-        known = kept_in(pou.carried)
+        known = kept_in(pou.extension_data)
         written = etree.Element("POU", Name=pou.name, Id=identity(pou.object_id, pou.name))
         for name, value in {**dict([_NOT_SPECIAL]), **known.attributes}.items():
             written.set(name, value)
@@ -329,7 +329,7 @@ class _PouWriter:
         source = self._parts.get((tag, part.name.casefold()))
         name = source.get("Name", "") if source is not None else part.name
         written = etree.Element(tag, Name=name, Id=identity(part.object_id, self._pou.name, part.name))
-        for name, value in kept_in(part.carried).attributes.items():
+        for name, value in kept_in(part.extension_data).attributes.items():
             written.set(name, value)
         path = f"{self._pou.report_path} / {what} {part.name}"
         self._report.add(Outcome.KEPT, what, path)
@@ -399,7 +399,7 @@ class _PouWriter:
 
 
 def _properties(pou: Pou) -> Iterator[tuple[str, str]]:
-    for data in pou.carried.data if pou.carried is not None else ():
+    for data in pou.extension_data.data if pou.extension_data is not None else ():
         kept = unwrapped(data.content)
         if kept is not None and kept[0] == PROPERTY:
             yield kept

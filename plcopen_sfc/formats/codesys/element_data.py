@@ -19,7 +19,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, exte
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written
 from plcopen_sfc.formats.xml.extension_data import legal_text, markup, parsed_markup
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
-from plcopen_sfc.model.base import Carried, Model, UnknownDataRule
+from plcopen_sfc.model.base import ExtensionData, Model, UnknownDataRule
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition
 from plcopen_sfc.model.drawing import Symbol, SymbolKind
@@ -181,10 +181,10 @@ def _truth(value: bool | None) -> str:
     return "TRUE" if value else "FALSE"
 
 
-def _attribute_table(carried: Carried | None, pairs: list[tuple[str, str | None]]) -> etree._Element:
+def _attribute_table(extension_data: ExtensionData | None, pairs: list[tuple[str, str | None]]) -> etree._Element:
     """Return the attribute table: `pairs` of GUID and value (None or empty: left out), and those that were carried."""
     kept: dict[str, str] = {}
-    for data in carried.data if carried is not None else ():
+    for data in extension_data.data if extension_data is not None else ():
         if data.name == names.SFC_ELEMENT:
             for attribute in parsed_markup(data.content):
                 kept[attribute.get("guid", "")] = attribute.text or ""
@@ -239,7 +239,7 @@ def _modern(ctx: Tc6WriteContext, *version: int) -> bool:
 def _write_step(ctx: Tc6WriteContext, step: Step, _owner: str) -> Iterator[Written]:
     duplicate = step.duplicate or _modern(ctx, 3, 5, 10)
     table = _attribute_table(
-        step.carried,
+        step.extension_data,
         [
             (names.NAME, step.name),
             (names.COMMENT, _comment(step.comment)),
@@ -275,7 +275,7 @@ def _write_transition(ctx: Tc6WriteContext, transition: Transition, _owner: str)
     duplicate = transition.duplicate or _modern(ctx, 3, 5, 10)
     monitoring = transition.monitoring is not Monitoring.NONE or _modern(ctx, 3, 5, 13)
     table = _attribute_table(
-        transition.carried,
+        transition.extension_data,
         [
             (names.NAME, condition_text(transition)),
             (names.COMMENT, _comment(transition.comment)),
@@ -291,7 +291,7 @@ def _write_transition(ctx: Tc6WriteContext, transition: Transition, _owner: str)
 def _write_association(_ctx: Tc6WriteContext, association: ActionAssociation, _owner: str) -> Iterator[Written]:
     qualifier = " ".join(filter(None, (association.qualifier.value, association.duration)))
     table = _attribute_table(
-        association.carried,
+        association.extension_data,
         [
             (names.NAME, association.target),
             (names.COMMENT, _comment(association.comment)),
@@ -313,7 +313,7 @@ def _write_symbol(ctx: Tc6WriteContext, symbol: Symbol, owner: str) -> Iterator[
         pairs.append((names.PARALLEL, _truth(symbol.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE)))
     else:
         return
-    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, _attribute_table(symbol.carried, pairs)
+    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, _attribute_table(symbol.extension_data, pairs)
 
 
 def read_settings(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, _owner: str) -> bool:

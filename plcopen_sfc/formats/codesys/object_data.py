@@ -37,7 +37,7 @@ from plcopen_sfc.formats.plcopen.tc6_versions import XHTML
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, finish_element
 from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.declarations.kept_texts import Inheritance, kept_inheritance
-from plcopen_sfc.model.base import Carried, Model, UnknownDataRule
+from plcopen_sfc.model.base import ExtensionData, Model, UnknownDataRule
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource, Task, TreeNode
 from plcopen_sfc.model.types import DataTypeDeclaration
@@ -274,7 +274,9 @@ def _mixed_list(ctx: Tc6WriteContext, parts: list[VariableSection]) -> etree._El
     report, ctx.report = ctx.report, ConversionReport()
     for part in parts:
         write_section(
-            ctx, element, part.model_copy(update=dict.fromkeys(("comment", "carried", "declaration", "object_id")))
+            ctx,
+            element,
+            part.model_copy(update=dict.fromkeys(("comment", "extension_data", "declaration", "object_id"))),
         )
     ctx.report = report
     return element
@@ -355,18 +357,18 @@ def read_inheritance(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields,
     kept = found.keep()
     if kept is None or len(found.extends) > 1:
         return False
-    known = fields.get("carried")
-    if kept_inheritance(Carried.model_validate(known) if known else None) != found:
+    known = fields.get("extension_data")
+    if kept_inheritance(ExtensionData.model_validate(known) if known else None) != found:
         extension_data(fields)["data"] += [each.model_dump(mode="json") for each in kept.data]
     return True
 
 
 def _write_interface(ctx: Tc6WriteContext, interface: Interface, _owner: str) -> Iterator[Written]:
-    yield from _write_inheritance(ctx, names.POU_INHERITANCE, interface.carried)
+    yield from _write_inheritance(ctx, names.POU_INHERITANCE, interface.extension_data)
 
 
-def _write_inheritance(ctx: Tc6WriteContext, name: str, carried: Carried | None) -> Iterator[Written]:
-    found = kept_inheritance(carried)
+def _write_inheritance(ctx: Tc6WriteContext, name: str, extension_data: ExtensionData | None) -> Iterator[Written]:
+    found = kept_inheritance(extension_data)
     if any(found):
         element = etree.Element(ctx.version_tag("Inheritance"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
         for tag, bases in (("Extends", found.extends), ("Implements", found.implements)):
@@ -376,7 +378,7 @@ def _write_inheritance(ctx: Tc6WriteContext, name: str, carried: Carried | None)
 
 
 def _write_data_type(ctx: Tc6WriteContext, declaration: DataTypeDeclaration, owner: str) -> Iterator[Written]:
-    yield from _write_inheritance(ctx, names.TYPE_INHERITANCE, declaration.carried)
+    yield from _write_inheritance(ctx, names.TYPE_INHERITANCE, declaration.extension_data)
     yield from _write_declared(ctx, declaration, owner)
 
 

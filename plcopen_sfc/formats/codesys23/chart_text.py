@@ -229,7 +229,7 @@ class _ChartReader:
             places.append((("pragma", pragma[2].upper()), pragma.span(1), ()))
             position = pragma.end(1)
         step = step.model_copy(update=said)  # no assignment validates: times in files may be invalid
-        step.carried = keep({"pragmas": "\n".join(others)} if others else {})
+        step.extension_data = keep({"pragmas": "\n".join(others)} if others else {})
         for ending, attribute in ((ENTRY, "entry_action"), (EXIT, "exit_action")):
             own = f"{name}{ending}"
             if own.casefold() in self.names.stand_ins:
@@ -400,7 +400,7 @@ def _step_block(step: Step, names: ChartNames, path: str) -> WrittenBlock:
     for pragma, field_name in _STEP_PRAGMAS.items():
         value = plain(getattr(step, field_name)) or ""
         blocks.append(WrittenBlock(("pragma", pragma), f"(* @{pragma} := '{_in_pragma(value)}' *)"))
-    for other in kept(step.carried).get("pragmas", "").split("\n"):
+    for other in kept(step.extension_data).get("pragmas", "").split("\n"):
         if (found := PRAGMA.match(other)) is not None:
             blocks.append(WrittenBlock(("pragma", found["name"].upper()), other))
     return WrittenBlock(("step", step.name), blocks=tuple(blocks))

@@ -248,7 +248,7 @@ def _objects(project: Project, report: ConversionReport) -> Iterator[WrittenBloc
     for pou in project.pous:
         report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
         yield WrittenBlock(("POU", pou.name), blocks=numbered_blocks(_pou(pou, report)), apart=True)
-    for name, text in kept(project.carried).items():
+    for name, text in kept(project.extension_data).items():
         if re.fullmatch(r"section\d+", name):
             yield WrittenBlock(("other", name), text, apart=True, verbatim=True)
     if plain(project.comment):
@@ -256,7 +256,7 @@ def _objects(project: Project, report: ConversionReport) -> Iterator[WrittenBloc
 
 
 def _data_type(declaration: DataTypeDeclaration) -> WrittenBlock:
-    texts = kept(declaration.carried)
+    texts = kept(declaration.extension_data)
     initial = write_value(declaration.initial, _DIALECT) if declaration.initial is not None else ""
     type_ = _bare_lists(_block_comments(write_type(declaration.type, _DIALECT)))
     is_struct = isinstance(declaration.type, StructType)
@@ -274,13 +274,13 @@ def _global_lists(project: Project, report: ConversionReport) -> Iterator[Writte
     """Yield the lists: sections of one name that follow each other are one list."""
     lists: list[list[VariableSection]] = []
     for section in _global_sections(project):
-        same = lists and lists[-1][0].name == section.name and "header" not in kept(section.carried)
-        if same and (section.name or "unlisted" in kept(lists[-1][0].carried)):
+        same = lists and lists[-1][0].name == section.name and "header" not in kept(section.extension_data)
+        if same and (section.name or "unlisted" in kept(lists[-1][0].extension_data)):
             lists[-1].append(section)
         else:
             lists.append([section])
     for number, sections in enumerate(lists, 1):
-        texts = kept(sections[0].carried)
+        texts = kept(sections[0].extension_data)
         name = sections[0].name or ("" if "unlisted" in texts else f"Globals_{number}")
         report.add(Outcome.KEPT, "global variables", name)
         blocks = _header(texts, f"(* @GLOBAL_VARIABLE_LIST := '{name}' *)" if name else "")
@@ -303,7 +303,7 @@ def _global_sections(project: Project) -> Iterator[VariableSection]:
 
 
 def _pou(pou: Pou, report: ConversionReport) -> Iterator[WrittenBlock]:
-    texts = kept(pou.carried)
+    texts = kept(pou.extension_data)
     yield from _header(texts)
     if plain(pou.comment):
         yield WrittenBlock(("comment", ""), _comments(pou.comment))
@@ -327,7 +327,7 @@ def _pou(pou: Pou, report: ConversionReport) -> Iterator[WrittenBlock]:
 
 def _action(action: Action, names: ChartNames, path: str) -> WrittenBlock:
     blocks = [WrittenBlock(("head", ""), f"ACTION {action.name}:")]
-    for pragma in filter(None, kept(action.carried).get("pragmas", "").split("\n")):
+    for pragma in filter(None, kept(action.extension_data).get("pragmas", "").split("\n")):
         name = re.search(r"@(\w+)", pragma)
         blocks.append(WrittenBlock(("pragma", name[1] if name is not None else ""), pragma))
     blocks += _body(action.body, names, path)

@@ -166,7 +166,7 @@ class _Reader:
             kind=KINDS[one.kind],
             interface=interface,
             comment=head.comment if head is not None else None,
-            carried=keep(self._header(one)),
+            extension_data=keep(self._header(one)),
         )
         places: list[Place] = self._header_places(one)
         if head is not None:
@@ -204,7 +204,9 @@ class _Reader:
         span = (one.head[0], one.body.end[1])
         inside = [(("head", ""), one.head, ()), *inside, (("end", ""), one.body.end, ())]
         places.append((("action", one.name), span, block_span(("action", one.name), span, inside).spans))
-        return Action(name=one.name, body=body or StBody(), carried=keep({"pragmas": pragmas} if pragmas else {}))
+        return Action(
+            name=one.name, body=body or StBody(), extension_data=keep({"pragmas": pragmas} if pragmas else {})
+        )
 
     def _body(self, one: ExpBody, path: str, names: PouNames) -> tuple[Body | None, list[Place]]:
         pragmas = self._pragmas(one.span)
@@ -242,7 +244,7 @@ class _Reader:
             self._other(one)
             return
         first, *others = declared.types  # CoDeSys has one type in an object
-        first.carried = keep(kept(first.carried) | self._header(one))
+        first.extension_data = keep(kept(first.extension_data) | self._header(one))
         self.project.data_types += [first, *others]
         places = [*self._header_places(one), (("type", ""), one.declared, ())]
         if one.divider is not None:
@@ -259,7 +261,7 @@ class _Reader:
         for number, section in enumerate(declared.sections):
             section.name = one.name or None
             if not number:
-                section.carried = keep(kept(section.carried) | self._header(one))
+                section.extension_data = keep(kept(section.extension_data) | self._header(one))
             self.project.global_variables.append(section)
         key = ("global variables", one.name)
         self.places.append((key, one.span, block_span(key, one.span, places).spans))
@@ -310,7 +312,7 @@ class _Reader:
 
     def _tail(self, outline: ExpOutline) -> None:
         if self.others:
-            self.project.carried = keep(self.others)
+            self.project.extension_data = keep(self.others)
         start, end = core(self.text, outline.tail)
         if start < end:
             self.project.comment = said(tokenize(self.text[start:end], Dialect.CODESYS).comments)

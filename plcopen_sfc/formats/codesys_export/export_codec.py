@@ -176,9 +176,9 @@ class _Reader:
         project.pous += found.pous
         project.data_types += found.data_types
         project.global_variables += found.global_variables
-        if found.carried is not None:
-            project.carried = project.carried or type(found.carried)()
-            project.carried.data += found.carried.data
+        if found.extension_data is not None:
+            project.extension_data = project.extension_data or type(found.extension_data)()
+            project.extension_data.data += found.extension_data.data
 
     def _line_in(self, entry: Entry, holder: etree._Element, line: int) -> int | None:
         """Return the line of the file in which a line of a declaration is."""

@@ -86,7 +86,10 @@ def _read_association(src: TextSource, tokens: list[Token], annotations: Annotat
         src.note(
             "IEC102", f"{text[:40]!r} is no association of an action: name(qualifier, time, indicator)", start, path
         )
-        fields = {"qualifier": Qualifier.NONE.value, "carried": {"data": [wrapped("association", newlines(text))]}}
+        fields = {
+            "qualifier": Qualifier.NONE.value,
+            "extension_data": {"data": [wrapped("association", newlines(text))]},
+        }
     return ElementText(fields, annotations, start, path)
 
 
@@ -235,7 +238,7 @@ class _Header:
             while self.at < len(self.tokens) and self._type() not in ("ASSIGN", "COLON"):
                 self.at += 1
             text = newlines(self.src.text[token.span[0] : self.tokens[self.at - 1].span[1]])
-            self.fields["carried"] = {"data": [wrapped("transition", text)]}
+            self.fields["extension_data"] = {"data": [wrapped("transition", text)]}
 
 
 def condition_fields(text: str, mark: str, tokens: list[Token], begin: int, end: int) -> Fields | None:
@@ -290,7 +293,7 @@ def chart_fields(src: TextSource, chart: ChartText, around: ChartReferences, pla
     known = {step.name.casefold() for step in chart.steps}
     for transition in chart.transitions:
         transition.annotations.put_into(transition.fields)
-        _carry_unknown(src, transition, known)
+        _keep_unknown(src, transition, known)
     steps = [_finished_step(src, step, around) for step in chart.steps]
     transitions = [_finished_transition(src, transition, around) for transition in chart.transitions]
     fields: Fields = {}
@@ -340,7 +343,7 @@ def ids_within(value: Any) -> Iterator[int]:
             yield from ids_within(item)
 
 
-def _carry_unknown(src: TextSource, element: ElementText, known: set[str]) -> None:
+def _keep_unknown(src: TextSource, element: ElementText, known: set[str]) -> None:
     """Keep the names in FROM and TO that no step of the chart has."""
     for side, names in element.sides.items():
         keyword = "FROM" if side == "sources" else "TO"
@@ -349,8 +352,8 @@ def _carry_unknown(src: TextSource, element: ElementText, known: set[str]) -> No
                 src.note(
                     "SFC103", f"{keyword} names {name!r}, which is no step of this chart", element.start, element.path
                 )
-                carried = element.fields.setdefault("carried", {})
-                carried.setdefault("data", []).append(wrapped(keyword.lower(), name))
+                extension_data = element.fields.setdefault("extension_data", {})
+                extension_data.setdefault("data", []).append(wrapped(keyword.lower(), name))
 
 
 def apply_change(src: TextSource, fields: Fields, found: tuple[RemainderEntry, int], path: str) -> None:

@@ -177,12 +177,12 @@ def _keep_header_rest(src: TextSource, part: TextPart, container: UnitText) -> N
     tokens = src.outline.tokens(part.head)
     if part.kind is not PartKind.ACTION:
         extends, implements = _behind(tokens, "EXTENDS"), _behind(tokens, "IMPLEMENTS")
-        carried = Inheritance(extends, implements).keep()
-        if carried is not None:
-            container.fields["interface"]["carried"] = carried.model_dump()
+        extension_data = Inheritance(extends, implements).keep()
+        if extension_data is not None:
+            container.fields["interface"]["extension_data"] = extension_data.model_dump()
     modifiers = [t.value for t in tokens[1:] if t.span[1] <= _name_start(tokens, part)]
     if modifiers:
-        _carry(container.fields, "modifiers", " ".join(modifiers))
+        _keep_data(container.fields, "modifiers", " ".join(modifiers))
 
 
 def _behind(tokens: list[Any], word: str) -> tuple[str, ...]:
@@ -198,8 +198,8 @@ def _name_start(tokens: list[Any], part: TextPart) -> int:
     return int(next((t.span[0] for t in tokens[1:] if t.value == first), 0))
 
 
-def _carry(fields: Fields, place: str, text: str) -> None:
-    fields.setdefault("carried", {}).setdefault("data", []).append(wrapped(place, text))
+def _keep_data(fields: Fields, place: str, text: str) -> None:
+    fields.setdefault("extension_data", {}).setdefault("data", []).append(wrapped(place, text))
 
 
 def _leads(src: TextSource, part: TextPart) -> bool:
@@ -249,7 +249,7 @@ def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container:
         sections = read_section(src, part, gap, place)
         if not sections:
             src.note("IEC108", f"{part.keyword} is not allowed in a POU", part.start, place)
-            _carry(container.fields, "section", newlines(src.text[part.start : part.end]))
+            _keep_data(container.fields, "section", newlines(src.text[part.start : part.end]))
         container.sections += sections
     elif part.kind is PartKind.STEP:
         container.chart.steps.append(read_step(src, part, src.annotations(*gap, place), place))
@@ -259,7 +259,7 @@ def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container:
         container.transitions.append(_read_transition_object(src, part, gap, place))
     elif part.kind is PartKind.PROPERTY:
         container.annotations.extend(src.annotations(*gap, place))
-        _carry(container.fields, "property", newlines(src.text[part.start : part.end]))
+        _keep_data(container.fields, "property", newlines(src.text[part.start : part.end]))
     else:
         inner = _container(src, part, gap, f"{place} / {part.kind.lower()} ")
         in_place = [c for c, _ in inner.annotations.changes if c.path == ("in_place",)]
@@ -316,8 +316,8 @@ def _finished(src: TextSource, container: UnitText) -> Fields:
     """Return the fields of a container; its main body under `body`, the chart of that under `chart`."""
     fields = container.fields
     container.annotations.put_into(fields)
-    if "carried" in fields:
-        fields["carried"].get("data", []).sort(key=_place_in_head)
+    if "extension_data" in fields:
+        fields["extension_data"].get("data", []).sort(key=_place_in_head)
     around = ChartReferences(container.in_place, src.named)
     if container.body is not None and container.body["language"] == "SFC":
         fields["chart"] = chart_fields(src, container.chart, around, container.path)
@@ -330,7 +330,7 @@ def _finished(src: TextSource, container: UnitText) -> Fields:
     if container.sections:
         fields.setdefault("interface", {})["sections"] = container.sections
     for text in container.rest:
-        _carry(fields, "statements", text)
+        _keep_data(fields, "statements", text)
     fields = _with_changes(src, container.annotations, fields, container.path, container.declared)
     for thing, name in [(fields, "body"), *((t, "condition") for t in fields.get("chart", {}).get("transitions", []))]:
         if not put_drawing(thing, name):

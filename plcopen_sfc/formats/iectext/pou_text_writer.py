@@ -121,7 +121,7 @@ class ChartTextWriter:
     def _has_big_parts(self) -> bool:
         parts = [*self.chart.steps, *self.chart.transitions, *(a for _, a in self.chart.associations())]
         return any(
-            part.carried is not None
+            part.extension_data is not None
             or (isinstance(part, Transition) and _is_drawn(part.condition))
             or (isinstance(part, Step) and any(_is_drawn(s.condition) for s in (part.interlock, part.supervision) if s))
             for part in parts
@@ -323,11 +323,11 @@ class ChartTextWriter:
         names = [by_id[i] for i in ids if i in by_id]
         if names:
             read_back[side] = [i for i in ids if i in by_id]
-        for data in transition.carried.data if transition.carried is not None else ():
+        for data in transition.extension_data.data if transition.extension_data is not None else ():
             kept = unwrapped(data.content)
             if kept is not None and kept[0] == keyword.lower() and self.printer.is_name(kept[1]):
                 names.append(kept[1])
-                read_back.setdefault("carried", {}).setdefault("data", []).append(wrapped(*kept))
+                read_back.setdefault("extension_data", {}).setdefault("data", []).append(wrapped(*kept))
         return f" {keyword} {names[0]}" if len(names) == 1 else f" {keyword} ({', '.join(names)})"
 
     def _condition(
@@ -536,7 +536,7 @@ class _Unit:
     def _properties(self, intended: Fields, read_back: Fields) -> list[str]:
         """Properties, which the model has no place for, as they were read."""
         texts: list[str] = []
-        for data in intended.get("carried", {}).get("data", []):
+        for data in intended.get("extension_data", {}).get("data", []):
             kept = unwrapped(data.get("content", ""))
             if kept is None or kept[0] != "property":
                 continue
@@ -544,7 +544,7 @@ class _Unit:
             parts = found.parts[0].parts if len(found.parts) == 1 and not found.problems else []
             if len(parts) == 1 and parts[0].kind is PartKind.PROPERTY and parts[0].end - parts[0].start == len(kept[1]):
                 texts.append(kept[1])
-                read_back.setdefault("carried", {}).setdefault("data", []).append(data)
+                read_back.setdefault("extension_data", {}).setdefault("data", []).append(data)
         return texts
 
     def _inner(self, keyword: str, thing: Action | Method | NamedTransition) -> WrittenBlock:

@@ -64,7 +64,7 @@ def read_global_section(src: TextSource, part: TextPart, gap: tuple[int, int], p
             start += len(src.text[start : part.start]) - len(src.text[start : part.start].lstrip())
             fields["declaration"] = newlines(src.text[start : part.end]) + str(typed[0].value)
             fields.pop("comment", None)
-            fields.pop("carried", None)
+            fields.pop("extension_data", None)
         for found, offset in annotations.changes:
             if found.path != ("declaration_ends",):
                 apply_change(src, fields, (found, offset), place)
@@ -112,7 +112,7 @@ def config_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fiel
     position = part.inside[0]
     head = src.outline.tokens(part.head)
     if len(head) > 3 and head[-1].value != "PLC":
-        fields["carried"] = {"data": [wrapped(ON_PLACE, head[-1].value)]}
+        fields["extension_data"] = {"data": [wrapped(ON_PLACE, head[-1].value)]}
     for inner in part.parts:
         here = (position, inner.start)
         position = inner.end
@@ -161,7 +161,7 @@ def _read_statements(src: TextSource, part: TextPart, gap: tuple[int, int], fiel
         elif fields.get("resources") is None or tokens[0].type != "SEMICOLON":
             text = newlines(src.text[tokens[0].span[0] : position])
             src.note("IEC105", f"{text[:40]!r} is no task and no program instance", tokens[0].span[0], place)
-            fields.setdefault("carried", {}).setdefault("data", []).append(wrapped("statement", text))
+            fields.setdefault("extension_data", {}).setdefault("data", []).append(wrapped("statement", text))
 
 
 def _statements(tokens: list[Token]) -> Iterator[list[Token]]:
@@ -189,7 +189,7 @@ def _task(src: TextSource, tokens: list[Token], annotations: Annotations, place:
                 elif keyword in ("SINGLE", "INTERVAL"):
                     fields[keyword.lower()] = text
                 else:
-                    fields.setdefault("carried", {}).setdefault("data", []).append(wrapped(keyword, text))
+                    fields.setdefault("extension_data", {}).setdefault("data", []).append(wrapped(keyword, text))
             keyword, value = "", []
         elif token.type == "ASSIGN" and not keyword:
             keyword, value = value[0].value.upper() if value else "", []
@@ -221,7 +221,7 @@ def _add_instance(src: TextSource, tokens: list[Token], annotations: Annotations
             instance["type_name"] = type_name
         if end < len(rest):
             text = newlines(src.text[rest[end].span[0] : rest[-1].span[1]])
-            instance["carried"] = {"data": [wrapped("arguments", text)]}
+            instance["extension_data"] = {"data": [wrapped("arguments", text)]}
     instance = _with_annotations(src, instance, annotations, place)
     for known in fields.get("tasks", []):
         if task and known["name"].casefold() == task.casefold():
@@ -229,7 +229,7 @@ def _add_instance(src: TextSource, tokens: list[Token], annotations: Annotations
             return
     if task:
         src.note("IEC106", f"there is no task {task!r} in this resource", tokens[0].span[0], place)
-        instance.setdefault("carried", {}).setdefault("data", []).append(wrapped("with", task))
+        instance.setdefault("extension_data", {}).setdefault("data", []).append(wrapped("with", task))
     fields.setdefault("instances", []).append(instance)
 
 
@@ -292,7 +292,7 @@ class _ConfigurationWriter:
         return "".join(write_global_section(self.printer, section, indent) for section in sections)
 
     def _kept(self, resource: Resource) -> list[tuple[str, str]]:
-        data = resource.carried.data if resource.carried is not None else []
+        data = resource.extension_data.data if resource.extension_data is not None else []
         return [kept for kept in (unwrapped(one.content) for one in data) if kept is not None]
 
     def _name(self, name: str) -> str:
@@ -314,9 +314,9 @@ class _ConfigurationWriter:
         text = comment_lines(intended, read_back, indent) if str(intended.get("comment", "")).strip() else ""
         text += foreign_pragmas(intended, read_back, indent)
         if isinstance(thing, Resource):
-            for found, data in zip(self._kept(thing), intended.get("carried", {}).get("data", []), strict=False):
+            for found, data in zip(self._kept(thing), intended.get("extension_data", {}).get("data", []), strict=False):
                 if found[0] == ON_PLACE:
-                    read_back.setdefault("carried", {}).setdefault("data", []).append(data)
+                    read_back.setdefault("extension_data", {}).setdefault("data", []).append(data)
         near, late = split([*(extra or []), *changes(read_back, intended)])
         for change in (*near, *late):
             self.printer.note(Outcome.EXTENSION_DATA, label(change), thing.name, "IEC text has no place for it")
@@ -350,11 +350,11 @@ class _ConfigurationWriter:
         name = self._name(instance.name)
         type_name = instance.type_name if self.printer.is_name(instance.type_name) else name
         read_back: Fields = {} if type_name == name else {"type_name": type_name}
-        data = instance.carried.data if instance.carried is not None else []
+        data = instance.extension_data.data if instance.extension_data is not None else []
         kept = [found for found in (unwrapped(each.content) for each in data) if found is not None]
         arguments = next((words for place, words in kept if place == "arguments"), "")
         if arguments:
-            read_back["carried"] = {"data": [wrapped("arguments", arguments)]}
+            read_back["extension_data"] = {"data": [wrapped("arguments", arguments)]}
         text = self._top(instance, name, indent, read_back=read_back)
         within = f" WITH {task}" if task is not None else ""
         return f"{text}{indent}PROGRAM {name}{within} : {type_name}{arguments and f' {arguments}'};\n"
@@ -420,7 +420,7 @@ def _read_unit(src: TextSource, part: TextPart, gap: tuple[int, int], fields: Fi
         if part.kind is PartKind.LOOSE:
             src.note("IEC107", "this belongs to no unit: PROGRAM, FUNCTION_BLOCK, FUNCTION, TYPE ..", part.start)
         data = wrapped("unit", newlines(src.text[gap[0] : part.end]).strip())
-        fields.setdefault("carried", {}).setdefault("data", []).append(data)
+        fields.setdefault("extension_data", {}).setdefault("data", []).append(data)
 
 
 def _read_types(src: TextSource, part: TextPart, gap: tuple[int, int]) -> list[Fields]:
@@ -503,15 +503,15 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
 def _foreign_units(intended: Fields, read_back: Fields) -> list[str]:
     """Units that the model has no place for, as they were read."""
     texts: list[str] = []
-    for data in intended.get("carried", {}).get("data", []):
+    for data in intended.get("extension_data", {}).get("data", []):
         kept = unwrapped(data.get("content", ""))
         if kept is None or kept[0] != "unit":
             continue
-        known = read_back.get("carried", {}).get("data", [])
-        back = read_project("\n\n".join([*texts, kept[1], ""]), None)[0].carried
+        known = read_back.get("extension_data", {}).get("data", [])
+        back = read_project("\n\n".join([*texts, kept[1], ""]), None)[0].extension_data
         if back is not None and [one.content for one in back.data] == [one["content"] for one in (*known, data)]:
             texts.append(kept[1])
-            read_back["carried"] = {"data": [*known, data]}
+            read_back["extension_data"] = {"data": [*known, data]}
     return texts
 
 

@@ -98,17 +98,17 @@ def _header(
     intended: Fields,
     read_back: Fields,
 ) -> str:
-    kept = [(unwrapped(data.get("content", "")), data) for data in intended.get("carried", {}).get("data", [])]
+    kept = [(unwrapped(data.get("content", "")), data) for data in intended.get("extension_data", {}).get("data", [])]
     words = [keyword, name]
     for found, data in kept:
         if found is not None and found[0] == "modifiers":
             words.insert(1, found[1])
-            read_back.setdefault("carried", {}).setdefault("data", []).append(data)
+            read_back.setdefault("extension_data", {}).setdefault("data", []).append(data)
     bases = inheritance(interface)
-    carried = bases.keep()
-    if carried is not None:
+    extension_data = bases.keep()
+    if extension_data is not None:
         words.append(bases.text())
-        read_back["interface"]["carried"] = plain_fields(carried)
+        read_back["interface"]["extension_data"] = plain_fields(extension_data)
     header = f"{indent}{' '.join(words)}"
     type_ = interface.return_type if interface is not None else None
     if type_ is None or keyword not in ("FUNCTION", "METHOD"):
@@ -179,7 +179,7 @@ def write_section_text(printer: TextPrinter, section: VariableSection, indent: s
     if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
         return text, read_back
     variables = [_expressible(printer, variable) for variable in section.variables]
-    simple = section.model_copy(update={"variables": variables, "comment": None, "carried": None})
+    simple = section.model_copy(update={"variables": variables, "comment": None, "extension_data": None})
     text = write_section(simple, printer.dialect, indent)
     read_back = _section_read_back(printer, text)
     if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
@@ -198,7 +198,7 @@ def listing_text(printer: TextPrinter, section: VariableSection, intended: Field
     if read_back is None or text != text.lstrip():
         return None
     read_back.pop("comment", None)
-    read_back.pop("carried", None)
+    read_back.pop("extension_data", None)
     _keep_as_typed(intended, declaration, text)
     return text, read_back
 

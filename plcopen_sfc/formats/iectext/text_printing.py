@@ -66,7 +66,7 @@ _OF_HEADS = frozenset({":", "EXTENDS", "IMPLEMENTS"})
 _RESERVED = MODIFIERS | {"FROM", "PRIORITY", "WITH", "ON", "EXTENDS", "IMPLEMENTS"}
 _FOREIGN_PRAGMA = re.compile(r"\{(?!\s*plcopen_sfc\b)[^{}\x00\r]*\}|\{\{(?:(?!\}\})[^\x00\r])*\}\}")
 _WIDE = 160
-_APART = frozenset({"carried", "drawing", "logic", "settings", "networks", "drawn"})
+_APART = frozenset({"extension_data", "drawing", "logic", "settings", "networks", "drawn"})
 
 
 @dataclass(slots=True)
@@ -203,7 +203,7 @@ def _group(change: RemainderEntry) -> tuple[object, ...]:
 
 def label(change: RemainderEntry) -> str:
     """Return the name of a change in reports."""
-    return "foreign data" if "carried" in change.path else str(change.path[0]).replace("_", " ")
+    return "foreign data" if "extension_data" in change.path else str(change.path[0]).replace("_", " ")
 
 
 def note_changes(printer: TextPrinter, found: Iterable[RemainderEntry], path: str, *, leave: Collection[str]) -> None:
@@ -228,12 +228,12 @@ def comment_lines(fields: Fields, read_back: Fields, indent: str) -> str:
 def foreign_pragmas(fields: Fields, read_back: Fields, indent: str) -> str:
     """Pragmas of other tools that were read from a text."""
     lines = ""
-    for data in fields.get("carried", {}).get("data", []):
+    for data in fields.get("extension_data", {}).get("data", []):
         kept = unwrapped(data.get("content", ""))
         if kept is None or kept[0] != "pragma" or not _FOREIGN_PRAGMA.fullmatch(kept[1]):
             break
         lines += f"{indent}{kept[1]}\n"
-        read_back.setdefault("carried", {}).setdefault("data", []).append(data)
+        read_back.setdefault("extension_data", {}).setdefault("data", []).append(data)
     return lines
 
 

@@ -154,8 +154,8 @@ class Annotations:
         if self.comments:
             fields["comment"] = "\n".join(self.comments)
         for pragma in self.pragmas:
-            carried = fields.setdefault("carried", {})
-            carried.setdefault("data", []).append(wrapped("pragma", pragma))
+            extension_data = fields.setdefault("extension_data", {})
+            extension_data.setdefault("data", []).append(wrapped("pragma", pragma))
 
 
 @dataclass(slots=True)

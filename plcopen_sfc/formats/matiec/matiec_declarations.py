@@ -223,7 +223,7 @@ class TypeFitter:
         """Fit a data type."""
         path = f"type {one.name}"
         for word in ("extends", "union"):
-            if word in kept(one.carried) or word in kept(getattr(one.type, "carried", None)):
+            if word in kept(one.extension_data) or word in kept(getattr(one.type, "extension_data", None)):
                 self._lost("type", path, f"matiec has no {word.upper()}")
         if isinstance(one.type, EnumType):
             numbers = [value.value for value in one.type.values]
@@ -406,7 +406,7 @@ def declare_globals(project: Project, report: ConversionReport) -> None:
             report.add(Outcome.TRANSLATED, "section", "global variables", "PERSISTENT is RETAIN in matiec")
         section.declaration = None
         section.name = None
-        section.carried = None
+        section.extension_data = None
 
 
 class _Globals:

@@ -100,7 +100,7 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool) -> N
         pou.interface.declaration = None
         _check_addresses(unit)
         for section in pou.interface.sections:
-            if kept(section.carried).get("keyword") == "VAR_STAT":
+            if kept(section.extension_data).get("keyword") == "VAR_STAT":
                 unit.note(Outcome.NOT_EXECUTED, "section", unit.path, "matiec has no VAR_STAT, one for all instances")
             if section.persistent:
                 section.persistent, section.retain = False, True

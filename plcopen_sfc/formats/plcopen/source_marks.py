@@ -378,4 +378,4 @@ def _of_section(section: VariableSection) -> str:
 
 
 def _plain_fields(thing: Model) -> Any:
-    return thing.model_dump(mode="json", exclude_defaults=True, exclude={"comment", "carried", "object_id"})
+    return thing.model_dump(mode="json", exclude_defaults=True, exclude={"comment", "extension_data", "object_id"})

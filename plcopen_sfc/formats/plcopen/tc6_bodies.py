@@ -127,10 +127,10 @@ def read_body(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
         keep_attributes(fields, left)
     if "language" not in fields:
         ctx.error("XML206", "a body is in none of the languages ST, SFC, FBD, LD and IL", element)
-        kept = fields.get("carried", {})
+        kept = fields.get("extension_data", {})
         fields.update(language="opaque", source="plcopen", content="".join(kept.pop("elements", [])))
         if not any(kept.values()):
-            fields.pop("carried", None)
+            fields.pop("extension_data", None)
     return fields
 
 
@@ -210,7 +210,7 @@ def read_pou(ctx: Tc6ReadContext, element: etree._Element, place: str) -> Fields
 
 
 _LABELS = {"ST": "ST body", "IL": "IL body", "FBD": "FBD body", "LD": "LD body", "SFC": "chart"}
-_CHART_FIELDS = frozenset({"steps", "transitions", "logic", "drawing", "carried"})
+_CHART_FIELDS = frozenset({"steps", "transitions", "logic", "drawing", "extension_data"})
 
 
 def write_body(ctx: Tc6WriteContext, parent: etree._Element, name: str, body: Body, attributes: dict[str, str]) -> None:
@@ -233,10 +233,10 @@ def write_body(ctx: Tc6WriteContext, parent: etree._Element, name: str, body: Bo
         chart_native = _CHART_FIELDS | ctx.dialect.native_fields.get("chart", frozenset())
         if not ctx.takes_markup:
             # elements that TC6 2.0 does not know would not be valid in 1.01 either, and those of others nowhere
-            chart_native = chart_native - {"carried"}
+            chart_native = chart_native - {"extension_data"}
         if not all(is_known(ctx, node) for node in body.chart.logic):
             chart_native = chart_native - {"logic"}
-        chart_left = fields_left(body.chart, chart_native) | data_left(ctx, body.chart.carried)
+        chart_left = fields_left(body.chart, chart_native) | data_left(ctx, body.chart.extension_data)
         for part in chart_left:
             why = f"TC6 {ctx.version.name} has no place for it"
             outcome = Outcome.NOT_EXECUTED if part == "partial_charts" else Outcome.EXTENSION_DATA
@@ -249,9 +249,9 @@ def write_body(ctx: Tc6WriteContext, parent: etree._Element, name: str, body: Bo
         several = len(body.networks) > 1
         for network in [on_one_sheet(body.networks, ctx.dialect.tool)] if several else body.networks:
             write_network(ctx, sheet, network)
-        network_native = _NETWORK_FIELDS - (set() if ctx.takes_markup else {"carried"})
+        network_native = _NETWORK_FIELDS - (set() if ctx.takes_markup else {"extension_data"})
         known = all(is_known(ctx, node) for network in body.networks for node in network.nodes)
-        known = known and not any(data_left(ctx, network.carried) for network in body.networks)
+        known = known and not any(data_left(ctx, network.extension_data) for network in body.networks)
         if len(body.networks) == 1 and known and not fields_left(body.networks[0], network_native):
             native = native | {"networks"}
     elif isinstance(body, OpaqueBody):
@@ -268,7 +268,7 @@ def write_body(ctx: Tc6WriteContext, parent: etree._Element, name: str, body: Bo
     finish_element(ctx, element, body, "body", native, also=also)
 
 
-_NETWORK_FIELDS = frozenset({"nodes", "carried"})
+_NETWORK_FIELDS = frozenset({"nodes", "extension_data"})
 
 
 def write_part(ctx: Tc6WriteContext, parent: etree._Element, part: Action | NamedTransition, name: str) -> None:

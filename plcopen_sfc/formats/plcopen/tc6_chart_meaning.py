@@ -323,5 +323,5 @@ def _is_plain_expression(node: Fields) -> bool:
         and not node.get("negated")
         and node.get("edge") == "none"
         and node.get("storage") == "none"
-        and not node.keys() & {"comment", "carried", "global_id", "local_id"}
+        and not node.keys() & {"comment", "extension_data", "global_id", "local_id"}
     )

@@ -450,7 +450,7 @@ class Tc6ChartWriter:
             else:
                 write_node(self.ctx, parent, self.nodes[number], "logic in a chart")
         if self.ctx.takes_markup:
-            add_unknown(self.ctx, parent, self.chart.carried)
+            add_unknown(self.ctx, parent, self.chart.extension_data)
 
     def write_symbol(self, parent: etree._Element, symbol: Symbol) -> None:
         """Write one symbol with the element that it draws."""

@@ -181,8 +181,8 @@ def _read_content_header(ctx: Tc6ReadContext, element: etree._Element, fields: F
             read_common(ctx, content, child, local, "contentHeader")
     if left:
         extension_data(content)["attributes"].update(left)
-    if "carried" in content:
-        fields["content_carried"] = content["carried"]
+    if "extension_data" in content:
+        fields["content_extension_data"] = content["extension_data"]
 
 
 def _read_scales(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -257,7 +257,7 @@ _PROJECT_READERS = {
 
 _HEADERS = frozenset(
     {"name", "header", "version", "modified", "organization", "author", "language", "content_comment"}
-    | {"content_carried", "scales", "foreign_data_infos"}
+    | {"content_extension_data", "scales", "foreign_data_infos"}
 )
 _TIME = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)?")
 
@@ -306,13 +306,13 @@ def write_project(
         "dialect",
     }  # the format has its dialect
     if project.header.created != _time(ctx, project.header.created) or (
-        project.header.carried is not None and not ctx.takes_markup
+        project.header.extension_data is not None and not ctx.takes_markup
     ):
         native = native - {"header"}
     if project.modified is not None and project.modified != (_time(ctx, project.modified) or None):
         native = native - {"modified"}
     if ctx.version.first_generation:
-        native = native - {"content_carried", "foreign_data_infos"}
+        native = native - {"content_extension_data", "foreign_data_infos"}
     finish_element(ctx, root, project, "project", native, documents=not ctx.version.first_generation)
     return root
 
@@ -352,8 +352,8 @@ def _write_file_header(ctx: Tc6WriteContext, root: etree._Element, project: Proj
             )
         ),
     )
-    if header.carried is not None and ctx.takes_markup:
-        for name, value in header.carried.attributes.items():
+    if header.extension_data is not None and ctx.takes_markup:
+        for name, value in header.extension_data.attributes.items():
             element.set(name, value)
 
 
@@ -386,7 +386,7 @@ def _write_content_header(ctx: Tc6WriteContext, root: etree._Element, project: P
         for info in project.foreign_data_infos:
             attributes = given_attributes((("name", info.name), ("version", info.version), ("vendor", info.vendor)))
             write_text(ctx, add_child(ctx, infos, "info", attributes), "description", info.description)
-    content = Project(carried=project.content_carried)
+    content = Project(extension_data=project.content_extension_data)
     finish_element(ctx, element, content, "contentHeader", frozenset(), documents=False)
 
 

@@ -209,7 +209,7 @@ def _write_instance(ctx: Tc6WriteContext, parent: etree._Element, instance: PouI
     name, type_name = instance.name, instance.type_name
     if ctx.dialect.tool is Tool.CODESYS:
         name, type_name = type_name or name, ""
-    elif not type_name and not (instance.carried is not None and "type" in instance.carried.attributes):
+    elif not type_name and not (instance.extension_data is not None and "type" in instance.extension_data.attributes):
         # but a file of TC6 2.x may have the attribute of 1.01 (iec-checker), which stays
         name, type_name = f"{name}_instance", name
     source = {"name": instance.name, "type_name": instance.type_name}

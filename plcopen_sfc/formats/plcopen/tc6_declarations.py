@@ -82,7 +82,7 @@ def _read_derived(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
             read_foreign_data(ctx, fields, child, "derived")
         else:
             keep_element(ctx, fields, child)
-    if name in Elementary.__members__ and (name not in ctx.version.elements) and "carried" not in fields:
+    if name in Elementary.__members__ and (name not in ctx.version.elements) and "extension_data" not in fields:
         # an elementary type that this version of TC6 does not list
         return {"kind": "elementary", "name": name}
     return fields

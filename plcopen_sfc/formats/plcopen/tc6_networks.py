@@ -369,4 +369,4 @@ def write_network(ctx: Tc6WriteContext, element: etree._Element, network: LogicN
         if is_known(ctx, node):
             write_node(ctx, element, node)
     if ctx.takes_markup:
-        add_unknown(ctx, element, network.carried)
+        add_unknown(ctx, element, network.extension_data)

@@ -36,7 +36,7 @@ Fields = dict[str, Any]
 DataReader = Callable[["Tc6ReadContext", etree._Element, Fields, str], bool]
 """Reads one ``addData/data`` element into the fields of its owner (an element of the given local name).
 
-Returns False where it does not understand the content; the data is then carried.
+Returns False where it does not understand the content; the data is then kept as extension data.
 """
 
 _XHTML_TAG = f"{{{XHTML}}}"
@@ -156,9 +156,9 @@ def attributes(element: etree._Element) -> dict[str, str]:
 
 def extension_data(fields: Fields) -> Fields:
     """Return the extension data of an object being read, created when it is needed."""
-    found: Fields | None = fields.get("carried")
+    found: Fields | None = fields.get("extension_data")
     if found is None:
-        found = fields["carried"] = {"data": [], "attributes": {}, "elements": []}
+        found = fields["extension_data"] = {"data": [], "attributes": {}, "elements": []}
     return found
 
 
@@ -274,7 +274,7 @@ def read_point(element: etree._Element) -> tuple[float, float] | None:
 
 
 def take_number(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> float | None:
-    """Take a decimal attribute. A damaged one is left, and so carried, with a warning."""
+    """Take a decimal attribute. A damaged one is left, and so kept, with a warning."""
     text = left.get(name)
     if text is None:
         return None
@@ -296,7 +296,7 @@ _WHOLE_NUMBER = re.compile(r"[ \t\r\n]*[0-9]{1,18}[ \t\r\n]*")
 
 
 def take_integer(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> int | None:
-    """Take a whole, non-negative number. A damaged one is left, and so carried, with a warning."""
+    """Take a whole, non-negative number. A damaged one is left, and so kept, with a warning."""
     text = left.get(name)
     if text is None:
         return None
@@ -323,7 +323,7 @@ def take_flag(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str]
 def take_choice(
     ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str, choices: Iterable[str]
 ) -> str | None:
-    """Take an attribute that has one of `choices`. Another value is left, and so carried, with a warning.
+    """Take an attribute that has one of `choices`. Another value is left, and so kept, with a warning.
 
     One that differs by its case only is taken, with a warning: some tools write ``pouType="PROGRAM"``.
     """

@@ -30,7 +30,7 @@ from plcopen_sfc.formats.xml.extension_data import (
 )
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
+from plcopen_sfc.model.base import ExtensionData, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, is_direct
 from plcopen_sfc.model.variables import VariableSection
@@ -178,12 +178,12 @@ def boolean(value: bool) -> str:
     return "true" if value else "false"
 
 
-def add_unknown(ctx: Tc6WriteContext, element: etree._Element, carried: Carried | None) -> None:
+def add_unknown(ctx: Tc6WriteContext, element: etree._Element, extension_data: ExtensionData | None) -> None:
     """Write back the attributes and child elements that the reader did not know. Before ``addData``."""
-    if carried is None:
+    if extension_data is None:
         return
-    set_attributes(element, carried.attributes)
-    for markup in carried.elements:
+    set_attributes(element, extension_data.attributes)
+    for markup in extension_data.elements:
         add_markup(element, markup.replace(f'"{NEUTRAL}"', f'"{ctx.version.namespace}"'))
 
 
@@ -203,10 +203,10 @@ def finish_element(
     `also` are more extension data: parts of fields.
     """
     also = {**ctx.marks.get(id(thing), {}), **(also or {})}
-    carried: Carried | None = getattr(thing, "carried", None)
+    extension_data: ExtensionData | None = getattr(thing, "extension_data", None)
     if ctx.takes_markup:
-        add_unknown(ctx, element, carried)
-        native = native | {"carried"}
+        add_unknown(ctx, element, extension_data)
+        native = native | {"extension_data"}
     if not ctx.version.first_generation:
         global_id: str | None = getattr(thing, "global_id", None)
         if global_id is not None:
@@ -223,12 +223,12 @@ def finish_element(
     native = native | own
     left = fields_left(thing, native) | also
     if owner in _WITHOUT_DATA:
-        left |= data_left(ctx, carried)
+        left |= data_left(ctx, extension_data)
     comment: Text | None = getattr(thing, "comment", None)
     if isinstance(comment, MultilingualText):  # documentation is in one language, a comment of CODESYS too
         left["comment"] = comment.model_dump(mode="json")
     if not ctx.version.first_generation and owner not in _WITHOUT_DATA:
-        _add_data(ctx, element, written, carried if ctx.takes_markup else None, left)
+        _add_data(ctx, element, written, extension_data if ctx.takes_markup else None, left)
     elif left:
         # An XML comment must not contain "--"; JSON can write the second hyphen as an escape.
         element.append(etree.Comment(COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")))
@@ -260,27 +260,27 @@ _CHANGES = {
 """Fields that are kept as extension data, but without which a machine does something else."""
 
 
-def data_left(ctx: Tc6WriteContext, carried: Carried | None) -> dict[str, Any]:
+def data_left(ctx: Tc6WriteContext, extension_data: ExtensionData | None) -> dict[str, Any]:
     """Return the data of other tools at an object that has no ``addData``, as a field of extension data."""
-    data = carried.data if carried is not None and ctx.takes_markup else []
-    return {"carried": Carried(data=data).model_dump(mode="json", exclude_defaults=True)} if data else {}
+    data = extension_data.data if extension_data is not None and ctx.takes_markup else []
+    return {"extension_data": ExtensionData(data=data).model_dump(mode="json", exclude_defaults=True)} if data else {}
 
 
 def _label(name: str) -> str:
-    return "foreign data" if name == "carried" else name.replace("_", " ")
+    return "foreign data" if name == "extension_data" else name.replace("_", " ")
 
 
 def _add_data(
     ctx: Tc6WriteContext,
     element: etree._Element,
     written: list[Written],
-    carried: Carried | None,
+    extension_data: ExtensionData | None,
     left: dict[str, Any],
 ) -> None:
     entries: list[tuple[str, UnknownDataRule, etree._Element | str]] = [*written]
     names = {name for name, _, _ in written}
-    if carried is not None:
-        entries.extend((d.name, d.rule, d.content) for d in carried.data if not _merged(ctx, d, names))
+    if extension_data is not None:
+        entries.extend((d.name, d.rule, d.content) for d in extension_data.data if not _merged(ctx, d, names))
     if left:
         entries.append((FIELDS_DATA, UnknownDataRule.PRESERVE, fields_element(left)))
     if not entries:
@@ -299,7 +299,7 @@ def _add_data(
 
 def _merged(ctx: Tc6WriteContext, data: ForeignData, written: set[str]) -> bool:
     """True if the dialect has put extension data into its own data already."""
-    texts = kept(Carried(data=[data]))
+    texts = kept(ExtensionData(data=[data]))
     if texts:
         return texts.keys() <= ctx.dialect.native_texts
     return data.name in written and ctx.dialect.data_writer is not None

@@ -54,7 +54,7 @@ from plcopen_sfc.languages.s7_globals import (
 from plcopen_sfc.languages.s7_programs import is_void, report_program, report_tasks, s7_programs
 from plcopen_sfc.languages.s7_types import NO_START, S7Types, s7_types
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import SfcBody, StBody
 from plcopen_sfc.model.compare import path_of
 from plcopen_sfc.model.dialect import Dialect
@@ -83,7 +83,7 @@ _INDENT = indent_of(_SCL)
 def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
     """Return the text of a project, in the pieces that an edit replaces."""
     pieces = [*numbered_blocks(_units(project, report))]
-    unreadable = kept(project.carried).get("unreadable")
+    unreadable = kept(project.extension_data).get("unreadable")
     if unreadable:
         pieces.append(WrittenBlock(("stray", ""), unreadable, apart=True))
     if plain(project.comment):
@@ -109,7 +109,7 @@ _EXECUTED = {
     "tag_tables": "a source declares no tags and user constants: they must be in the project already",
 }
 """Fields that a controller executes, and its behaviour without them."""
-_REMARKS = frozenset({"comment", "carried", "global_id", "object_id", "title", "attributes", "declaration"})
+_REMARKS = frozenset({"comment", "extension_data", "global_id", "object_id", "title", "attributes", "declaration"})
 """Fields that change nothing of that, wherever they are."""
 _REPORTED = frozenset(
     """global_variables configurations applications bodies actions methods transitions kind address""".split()
@@ -336,9 +336,9 @@ def _has_start_values(section: VariableSection, pou: Pou) -> bool:
 
 def _in_scl(section: VariableSection, pou: Pou, types: S7Types) -> VariableSection:
     """Return a section as SCL has it: functions have no static variables and no start values."""
-    texts = dict(kept(section.carried))
+    texts = dict(kept(section.extension_data))
     if texts.get("keyword", "VAR") not in SECTION_KEYWORDS.values() and texts.get("keyword") != "STRUCT":
-        section = section.model_copy(update={"carried": None})
+        section = section.model_copy(update={"extension_data": None})
     if section.persistent:
         section = section.model_copy(update={"persistent": False, "retain": True})
     temporary = pou.kind is PouKind.FUNCTION and section.kind is SectionKind.LOCAL and not section.constant
@@ -374,7 +374,7 @@ def _pou(pou: Pou, types: S7Types, tags: Container[str], literals: Mapping[str, 
     keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
     result = pou.interface.return_type if pou.interface is not None else None
     written = f" : {write_type(types.type(result), _SCL) if result is not None else 'Void'}"
-    yield from _head(keyword, pou.name, written if keyword == "FUNCTION" else "", pou.title, pou.carried)
+    yield from _head(keyword, pou.name, written if keyword == "FUNCTION" else "", pou.title, pou.extension_data)
     yield from _comment(pou.comment)
     for section in pou.interface.sections if pou.interface is not None else []:
         # S7 has no declarations of global variables in blocks
@@ -397,8 +397,10 @@ def _stays_inside(body: str, keyword: str) -> bool:
     return len(units) == 2 and units[0].span == (0, len(text))
 
 
-def _head(keyword: str, name: str, result: str, title: Text | None, carried: Carried | None) -> Iterator[WrittenBlock]:
-    texts = kept(carried)
+def _head(
+    keyword: str, name: str, result: str, title: Text | None, extension_data: ExtensionData | None
+) -> Iterator[WrittenBlock]:
+    texts = kept(extension_data)
     quoted = texts.get("name", "quoted" if is_unit_quoted_in_scl(name) else "unquoted") == "quoted"
     written = '"' + LINE_END.sub("_", name).replace('"', "_") + '"' if quoted else name
     lines = [f"{keyword} {written}{result}"]
@@ -425,7 +427,7 @@ def _section(section: VariableSection, types: S7Types) -> WrittenBlock:
 
 
 def _data_block(block: DataBlock, types: S7Types) -> Iterator[WrittenBlock]:
-    texts = kept(block.carried)
+    texts = kept(block.extension_data)
     sections = block.interface.sections if block.interface is not None else []
     sections = [
         section.model_copy(update={"variables": [_in_block(variable, types) for variable in section.variables]})
@@ -435,7 +437,7 @@ def _data_block(block: DataBlock, types: S7Types) -> Iterator[WrittenBlock]:
     type_name = ""
     if block.type_name is not None:
         quoting: dict[str, str] = {name: "" for name in ("quoted", "unquoted") if name in texts}
-        type_name = "\n" + write_type(DerivedType(name=block.type_name, carried=keep(quoting)), _SCL)
+        type_name = "\n" + write_type(DerivedType(name=block.type_name, extension_data=keep(quoting)), _SCL)
     for piece in _head("DATA_BLOCK", block.name, "", block.title, _retained(block)):
         yield WrittenBlock(piece.key, piece.text + type_name)
     yield from _comment(block.comment)
@@ -475,7 +477,7 @@ def _declared(variable: Variable, texts: dict[str, str]) -> Variable:
     """Return a variable of a data block with the value of its declaration, which assignments may replace."""
     if "inline" not in texts:
         return _without_value(variable)
-    kept_texts = kept(variable.carried)
+    kept_texts = kept(variable.extension_data)
     if DECLARED not in kept_texts:
         return variable
     text = kept_texts[DECLARED]
@@ -488,13 +490,13 @@ def _without_value(variable: Variable) -> Variable:
     return variable.model_copy(update={"initial": None})
 
 
-def _retained(block: DataBlock) -> Carried | None:
+def _retained(block: DataBlock) -> ExtensionData | None:
     """Extension data of a data block. Its head has RETAIN where all variables of its structure are retained."""
-    texts = kept(block.carried)
+    texts = kept(block.extension_data)
     sections = block.interface.sections if block.interface is not None else []
     words = texts.get("properties", "").splitlines()
     if not sections or not (block.type_name is not None or "RETAIN" in words or any(map(_is_struct, sections))):
-        return block.carried
+        return block.extension_data
     retain = all(is_retained(section, variable) for section in sections for variable in section.variables)
     if retain is not ("RETAIN" in words):
         words = [word for word in words if word not in ("RETAIN", "NON_RETAIN")] + ["RETAIN"] * retain
@@ -502,7 +504,7 @@ def _retained(block: DataBlock) -> Carried | None:
 
 
 def _is_struct(section: VariableSection) -> bool:
-    return kept(section.carried).get("keyword") == "STRUCT"
+    return kept(section.extension_data).get("keyword") == "STRUCT"
 
 
 def _of_block(section: VariableSection) -> list[VariableSection]:

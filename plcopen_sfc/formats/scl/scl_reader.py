@@ -33,7 +33,7 @@ from plcopen_sfc.languages.st import declaration_nodes as d
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_statements
 from plcopen_sfc.languages.start_values import Path, Types, ValuePathError, apart, assembled
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
@@ -207,7 +207,7 @@ class _Reader:
         project.comment = said(rest)
         if rest:
             self._found.append((("comment", ""), (rest[0].span[0], rest[-1].span[1]), ()))
-        project.carried = keep(_texts(unreadable=plain_lines("\n".join(self._kept))))
+        project.extension_data = keep(_texts(unreadable=plain_lines("\n".join(self._kept))))
         if self._kept:
             self._found.append((("stray", ""), (len(self._text), len(self._text)), ()))
         # after all units: a data block may be above the types and blocks that it is made of
@@ -273,7 +273,7 @@ class _Reader:
             bodies=[StBody(text=plain_lines(self._text[body[0] : body[1]]))],
             comment=head.comment,
             title=_title(head),
-            carried=self._carried(declared, head),
+            extension_data=self._extension_data(declared, head),
         )
 
     def _data_block(self, declared: Declared, head: Head, unit: DeclaredUnit) -> DataBlock:
@@ -292,7 +292,7 @@ class _Reader:
             interface=Interface(sections=declared.sections) if declared.sections else None,
             comment=head.comment,
             title=_title(head),
-            carried=self._carried(declared, head, texts),
+            extension_data=self._extension_data(declared, head, texts),
         )
         self._begins.append((block, plain_lines(text), retain))
         return block
@@ -322,15 +322,17 @@ class _Reader:
             value = (found or {}).get(variable.name.casefold())
             if value is not None and inline:
                 declared = write_value(variable.initial, Dialect.SCL) if variable.initial is not None else ""
-                variable.carried = keep(kept(variable.carried) | {DECLARED: declared})
+                variable.extension_data = keep(kept(variable.extension_data) | {DECLARED: declared})
             if value is not None:
                 variable.initial = value
         if "begin" not in texts and found and not _holds_all(text, variables, types):
             texts["begin"] = text
         if texts:
-            block.carried = keep(kept(block.carried) | texts)
+            block.extension_data = keep(kept(block.extension_data) | texts)
 
-    def _carried(self, declared: Declared, head: Head, texts: dict[str, str] | None = None) -> Carried | None:
+    def _extension_data(
+        self, declared: Declared, head: Head, texts: dict[str, str] | None = None
+    ) -> ExtensionData | None:
         properties = [self._property(each) for each in head.properties if each.name != "TITLE"]
         unreadable = [item.node.text for item in declared.items if isinstance(item.node, n.Unreadable)]
         # the name of a block is in quotes
@@ -419,7 +421,7 @@ def _of_instance(project: Project, block: DataBlock, text: str, retain: bool) ->
     if sections:
         block.interface = Interface(sections=sections)
     if texts:
-        block.carried = keep(kept(block.carried) | texts)
+        block.extension_data = keep(kept(block.extension_data) | texts)
 
 
 def _is_static(section: VariableSection) -> bool:
@@ -439,4 +441,4 @@ def _texts(**texts: str) -> dict[str, str]:
 
 
 def _quoting(type_: DerivedType) -> list[str]:
-    return [name for name in ("quoted", "unquoted") if name in kept(type_.carried)]
+    return [name for name in ("quoted", "unquoted") if name in kept(type_.extension_data)]

@@ -385,7 +385,7 @@ class RowsWriter:
 
     def _action(self, parent: etree._Element, action: ActionAssociation, step: Step) -> bool:
         """Write the rows of an association. Returns True if they express it in another way."""
-        kept = verbatim(self.ctx, action.carried)
+        kept = verbatim(self.ctx, action.extension_data)
         target = action.target or (action.body.text if isinstance(action.body, StBody) else "")
         if kept is not None and _still_means(kept, action):
             parent.append(kept)
@@ -430,8 +430,8 @@ def _bare(name: str) -> str:
 
 def _still_means(kept: etree._Element, action: ActionAssociation) -> bool:
     """True if a row of the file still means the same as the association."""
-    same = ActionAssociation.model_validate({"id": action.id, **row_fields(kept), "carried": None})
-    return same == action.model_copy(update={"carried": None})
+    same = ActionAssociation.model_validate({"id": action.id, **row_fields(kept), "extension_data": None})
+    return same == action.model_copy(update={"extension_data": None})
 
 
 def action_functions(project: Project) -> ActionFunctions:

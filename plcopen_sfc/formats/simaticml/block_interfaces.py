@@ -34,10 +34,10 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     N,
     XmlNode,
     attributes,
-    carried,
-    carry_attribute,
-    carry_element,
     children,
+    extension_data,
+    keep_attribute,
+    keep_element,
     local,
     merge_fields,
     read_comments,
@@ -48,7 +48,7 @@ from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fi
 from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.s7_types import NO_START
 from plcopen_sfc.languages.start_values import Path, ValuePathError, apart, assembled
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.types import (
     ArrayType,
     ArrayValue,
@@ -321,7 +321,7 @@ MEMBER_ATTRIBUTES = ("Version", "Remanence", "Accessibility", "Informative")
 """Attributes of ``Member`` itself; all others in `Variable.attributes` are in its ``AttributeList``."""
 _INFORMATIVE = frozenset({"UserVisible", "UserReadOnly", "UserDeletable", "Offset", "PaddedSize"})
 _SPELLED = frozenset({"elementary", "string", "array", "struct", "derived"})
-"""Kinds of types that TIA Portal spells; others are carried."""
+"""Kinds of types that TIA Portal spells; others are kept."""
 _INTEGERS = frozenset({"Offset", "PaddedSize"})
 _ADDABLE = frozenset({"Static", "Base", "Input", "Output", "Return"})
 _ELEMENTARY_TYPES: dict[str, ElementaryType] = {}
@@ -332,10 +332,10 @@ def read_interface(ctx: DocumentReading, element: etree._Element) -> Fields:
     """Read ``Interface``, with its ``Sections``."""
     fields: Fields = {"sections": []}
     for name, value in attributes(element).items():
-        carry_attribute(fields, name, value)
+        keep_attribute(fields, name, value)
     for number, sections in enumerate(children(element)):
         if number or local(sections) != "Sections" or sections.attrib:
-            carry_element(fields, sections)
+            keep_element(fields, sections)
             continue
         ctx.note_schema(sections)
         for section in children(sections):
@@ -346,7 +346,7 @@ def read_interface(ctx: DocumentReading, element: etree._Element) -> Fields:
                 continue
             kind = SECTIONS.get(section.get("Name", ""))
             if local(section) != "Section" or kind is None or len(section.attrib) > 1:
-                carry_element(fields, section)
+                keep_element(fields, section)
                 continue
             fields["sections"].append(_read_section(ctx, section, kind))
         kept: Fields = {}
@@ -377,10 +377,10 @@ def write_interface(
     which functions have not. `added` are static variables that only TIA Portal wants.
     """
     element = sub(parent, "Interface")
-    for key, value in (interface.carried.attributes if interface.carried is not None else {}).items():
+    for key, value in (interface.extension_data.attributes if interface.extension_data is not None else {}).items():
         element.set(key, value)
     sections = ctx.root("Interface", "Sections", element)
-    for content in interface.carried.elements if interface.carried is not None else ():
+    for content in interface.extension_data.elements if interface.extension_data is not None else ():
         add_element(ctx, sections, content)
     left: dict[str, Any] = {}
     given = interface.sections
@@ -430,7 +430,7 @@ def _read_section(ctx: DocumentReading, element: etree._Element, kind: SectionKi
             if not is_added(child) or (ctx.edited_controls and element.get("Name") == "Static"):
                 fields["variables"].append(read_member(ctx, child))
         else:
-            carry_element(fields, child)
+            keep_element(fields, child)
     read_comments(ctx, element, fields)
     return fields
 
@@ -440,7 +440,7 @@ def _write_section(
 ) -> None:
     name = section_name(section) or ""
     element = sub(parent, "Section", {"Name": name})
-    for content in section.carried.elements if section.carried is not None else ():
+    for content in section.extension_data.elements if section.extension_data is not None else ():
         add_element(ctx, element, content)
     for variable in section.variables:
         write_member(
@@ -503,11 +503,11 @@ def read_member(ctx: DocumentReading, element: etree._Element) -> Fields:
         elif kind == "Subelement":
             elements.append(child)
         else:
-            carry_element(fields, child)
+            keep_element(fields, child)
     if listed:
         fields["attributes"] = listed
     if left:
-        carried(fields)["attributes"].update(left)
+        extension_data(fields)["attributes"].update(left)
     fields["type"] = read_type(spelled, members)
     nested = read_nested(element) if "initial" not in fields and has_nested(element) else None
     if nested is not None:
@@ -516,13 +516,13 @@ def read_member(ctx: DocumentReading, element: etree._Element) -> Fields:
     if initial is not None:
         fields["initial"] = initial
     for child in elements if initial is None else ():
-        carry_element(fields, child)
+        keep_element(fields, child)
     if members and spelled.rpartition(" ")[2] != "Struct":  # a copy of the members of a named type
         for child in children(element):
             if local(child) == "Member":
-                carry_element(fields, child)
+                keep_element(fields, child)
     if fields["type"]["kind"] in _SPELLED and spelled_as(fields["type"]) != spelled:
-        carried(fields)["attributes"]["Datatype"] = spelled
+        extension_data(fields)["attributes"]["Datatype"] = spelled
     kept: Fields = {}
     read_comments(ctx, element, kept)
     if kept:
@@ -534,7 +534,7 @@ def write_member(
     ctx: DocumentWriting, parent: etree._Element, variable: Variable, name: str | None = None, *, starts: bool = True
 ) -> None:
     """Write ``Member``. `starts`: it can have a start value: it is not temporary, and of no function."""
-    kept = variable.carried.attributes if variable.carried is not None else {}
+    kept = variable.extension_data.attributes if variable.extension_data is not None else {}
     own = {key: variable.attributes[key] for key in MEMBER_ATTRIBUTES if key in variable.attributes}
     type_ = ctx.s7_types.type(variable.type)
     spelled = spelling(type_, kept if type_ is variable.type else {})
@@ -548,7 +548,7 @@ def write_member(
         for key, value in listed.items():
             kind, marks = _form(key, value, kept)
             sub(holder, kind, {"Name": key, **marks}).text = value or None
-    unknown = list(variable.carried.elements) if variable.carried is not None else []
+    unknown = list(variable.extension_data.elements) if variable.extension_data is not None else []
     for content in [content for content in unknown if content.startswith("<AttributeList")]:
         add_element(ctx, element, content)
         unknown.remove(content)
@@ -607,7 +607,7 @@ def _is_nested(type_: DataType) -> bool:
 def _keep_marks(fields: Fields, element: etree._Element, name: str) -> None:
     """Keep the attributes of a part of a member, such as ``Informative``."""
     for key, value in attributes(element).items():
-        carried(fields)["attributes"][f"{name}/{key}"] = value
+        extension_data(fields)["attributes"][f"{name}/{key}"] = value
 
 
 def _marks(kept: dict[str, str], part: str) -> dict[str, str]:
@@ -620,7 +620,7 @@ def _attribute_list(element: etree._Element, fields: Fields, listed: dict[str, s
         marks = attributes(child)
         name = marks.pop("Name", "")
         if not name or name in listed or name in MEMBER_ATTRIBUTES or len(child):
-            carry_element(fields, element)
+            keep_element(fields, element)
             listed.clear()
             return
         value = child.text or ""
@@ -628,7 +628,7 @@ def _attribute_list(element: etree._Element, fields: Fields, listed: dict[str, s
         kind, usual = usual_form(name, value)
         if (local(child), marks) != (kind, usual):
             form = " ".join([local(child), *(f"{key}={mark}" for key, mark in sorted(marks.items()))])
-            carried(fields)["attributes"][f"{name}/form"] = form
+            extension_data(fields)["attributes"][f"{name}/form"] = form
 
 
 def usual_form(name: str, value: str) -> tuple[str, dict[str, str]]:
@@ -691,6 +691,6 @@ def section_kinds(interface: Interface | None) -> set[SectionKind]:
     return {section.kind for section in interface.sections} if interface is not None else set()
 
 
-def usable(carried: Carried | None) -> dict[str, str]:
-    """Return the carried attributes of an object."""
-    return carried.attributes if carried is not None else {}
+def usable(extension_data: ExtensionData | None) -> dict[str, str]:
+    """Return the extension attributes of an object."""
+    return extension_data.attributes if extension_data is not None else {}

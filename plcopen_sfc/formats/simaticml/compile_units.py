@@ -17,11 +17,11 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     Fields,
     NotUnderstoodError,
     attributes,
-    carry_attribute,
-    carry_element,
-    carry_rest,
     child_named,
     children,
+    keep_attribute,
+    keep_element,
+    keep_rest,
     local,
     opaque_body,
     read_comments,
@@ -43,7 +43,7 @@ from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network, report_
 from plcopen_sfc.formats.simaticml.replaced_elements import warn_of_edit
 from plcopen_sfc.formats.simaticml.scl_tokens import InterfaceNames, read_code, write_code
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
-from plcopen_sfc.model.base import Carried, Element
+from plcopen_sfc.model.base import Element, ExtensionData
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.network import LogicNetwork, OutputVariable
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -112,7 +112,7 @@ def language_of(body: Body | None) -> str:
     """Return the language of a body as TIA Portal calls it."""
     if body is None:
         return ""
-    kept = body.carried.attributes.get("ProgrammingLanguage") if body.carried is not None else None
+    kept = body.extension_data.attributes.get("ProgrammingLanguage") if body.extension_data is not None else None
     return kept or NAMES.get(body.language, "")
 
 
@@ -133,15 +133,19 @@ def _read_unit(ctx: DocumentReading, unit: etree._Element, late: Fields) -> tupl
         if local(child) == "NetworkSource" and source is None:
             source = child
             for key, value in attributes(child).items():
-                carry_attribute(own, f"@NetworkSource@{key}", value)
+                keep_attribute(own, f"@NetworkSource@{key}", value)
         elif local(child) == "ProgrammingLanguage" and not child.attrib and not name:
             name = child.text or ""
         elif local(child) == "ProgrammingLanguage":
-            carry_element(own, child)
-        elif not child.attrib and not len(child) and local(child) not in own.get("carried", {}).get("attributes", {}):
-            carry_attribute(own, local(child), child.text or "")
+            keep_element(own, child)
+        elif (
+            not child.attrib
+            and not len(child)
+            and local(child) not in own.get("extension_data", {}).get("attributes", {})
+        ):
+            keep_attribute(own, local(child), child.text or "")
         else:
-            carry_element(own, child)
+            keep_element(own, child)
     holder = child_named(unit, "ObjectList")
     for child in children(holder) if holder is not None else ():
         field = {"Title": "title", "Comment": "comment"}.get(child.get("CompositionName", ""), "")
@@ -149,11 +153,11 @@ def _read_unit(ctx: DocumentReading, unit: etree._Element, late: Fields) -> tupl
         if text is not None:
             own[field] = text
         else:
-            carry_element(own, child)
-    carry_rest(own, unit)
+            keep_element(own, child)
+    keep_rest(own, unit)
     for key, value in attributes(unit).items():
         if key not in ("ID", "CompositionName"):
-            carry_attribute(own, f"@{key}", value)
+            keep_attribute(own, f"@{key}", value)
     read_comments(ctx, unit, own)
     parts = children(source) if source is not None else []
     instead = own.pop("body", None)
@@ -164,7 +168,7 @@ def _read_unit(ctx: DocumentReading, unit: etree._Element, late: Fields) -> tupl
     if parts:
         ctx.note_schema(parts[0])
     if source is None:
-        carry_attribute(own, "NetworkSource", "")
+        keep_attribute(own, "NetworkSource", "")
     return name, _body(ctx, name, parts, own, late)
 
 
@@ -174,7 +178,7 @@ def _add_unit(
     """Return a new compile unit with the texts of `thing`: its ``NetworkSource`` and itself."""
     unit = sub(parent, UNIT, {ID: "", "CompositionName": "CompileUnits"})
     values = sub(unit, "AttributeList")
-    kept = dict(thing.carried.attributes) if thing.carried is not None else {}
+    kept = dict(thing.extension_data.attributes) if thing.extension_data is not None else {}
     source = sub(values, "NetworkSource")
     if kept.pop("NetworkSource", None) is not None:
         values.remove(source)
@@ -185,7 +189,7 @@ def _add_unit(
             {"AttributeList": values, "ObjectList": objects, "NetworkSource": source}.get(owner, unit).set(mark, value)
         elif " " not in name and name != "ProgrammingLanguage":
             sub(values, name).text = value or None
-    _unknown(ctx, values, objects, thing.carried)
+    _unknown(ctx, values, objects, thing.extension_data)
     if language:
         sub(values, "ProgrammingLanguage").text = language
     write_object_text(ctx, objects, "Comment", thing.comment)
@@ -197,7 +201,7 @@ def _add_unit(
 
 def _network(ctx: DocumentWriting, parent: etree._Element, body: FbdBody | LdBody, network: LogicNetwork) -> None:
     source, unit = _add_unit(ctx, parent, network, language_of(body))
-    if network.nodes or (network.carried is not None and network.carried.data):
+    if network.nodes or (network.extension_data is not None and network.extension_data.data):
         root = ctx.root("FlgNet", "FlgNet", source)
         if any(isinstance(node, OutputVariable) for node in network.nodes):  # drawn here since the file was read
             network = network.model_copy(deep=True)
@@ -217,8 +221,10 @@ def _is_empty(parts: list[etree._Element]) -> bool:
     return all(local(each) in _SHELLS for part in parts for each in part.iter(etree.Element))
 
 
-def _unknown(ctx: DocumentWriting, values: etree._Element, objects: etree._Element, carried: Carried | None) -> None:
-    for content in carried.elements if carried is not None else ():
+def _unknown(
+    ctx: DocumentWriting, values: etree._Element, objects: etree._Element, extension_data: ExtensionData | None
+) -> None:
+    for content in extension_data.elements if extension_data is not None else ():
         holder = etree.Element("holder")
         add_element(ctx, holder, content)
         for element in list(holder):
@@ -228,7 +234,7 @@ def _unknown(ctx: DocumentWriting, values: etree._Element, objects: etree._Eleme
 def _body(ctx: DocumentReading, name: str, parts: list[etree._Element], own: Fields, late: Fields) -> Fields | SfcBody:
     kind = [local(part) for part in parts]
     plain = name.removeprefix("F_")
-    marks: Fields = {} if plain == name else {"carried": {"attributes": {"ProgrammingLanguage": name}}}
+    marks: Fields = {} if plain == name else {"extension_data": {"attributes": {"ProgrammingLanguage": name}}}
     if name == "GRAPH" and kind == ["Graph"]:
         return _chart(ctx, parts[0], own, late)
     if plain in ("LAD", "FBD") and kind in ([], ["FlgNet"]):
@@ -244,16 +250,16 @@ def _body(ctx: DocumentReading, name: str, parts: list[etree._Element], own: Fie
             return {"language": "ST", **_merged(read_code(parts[0], names) if parts else {}, own)}
         except NotUnderstoodError:
             pass
-    carry_attribute(own, "ProgrammingLanguage", name)
+    keep_attribute(own, "ProgrammingLanguage", name)
     return {**opaque_body(*parts), **own}
 
 
 def _merged(fields: Fields, own: Fields) -> Fields:
     """Return the fields of a program, with the texts of its compile unit."""
     merged = {**fields, **own}
-    if "carried" in fields and "carried" in own:
-        one, other = fields["carried"], own["carried"]
-        merged["carried"] = {
+    if "extension_data" in fields and "extension_data" in own:
+        one, other = fields["extension_data"], own["extension_data"]
+        merged["extension_data"] = {
             "data": [*one.get("data", []), *other.get("data", [])],
             "attributes": {**one.get("attributes", {}), **other.get("attributes", {})},
             "elements": [*one.get("elements", []), *other.get("elements", [])],

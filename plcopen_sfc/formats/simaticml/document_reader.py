@@ -19,10 +19,10 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
     Fields,
     attributes,
-    carry_attribute,
-    carry_element,
     child_named,
     children,
+    keep_attribute,
+    keep_element,
     local,
     plain_text,
     read_comments,
@@ -167,7 +167,7 @@ class LateDocument:
         def fields_of(ctx: DocumentReading, found: etree._Element) -> Fields:
             fields = reader(ctx, found)
             if keep_id:
-                carry_attribute(fields, "ID", found.get("ID", ""))
+                keep_attribute(fields, "ID", found.get("ID", ""))
             return fields
 
         def read() -> T:
@@ -209,9 +209,9 @@ class LateDocument:
 PRODUCT = TIA_PORTAL
 OBJECTS = "SW."
 IDS = "IDs"
-"""Carried attribute of a project: the ids of its objects, where they are no running numbers."""
+"""Extension attribute of a project: the ids of its objects, where they are no running numbers."""
 SCHEMA = "schema "
-"""Prefix of carried attributes of a project: the schema number of the file where its version has another."""
+"""Prefix of extension attributes of a project: the schema number of the file where its version has another."""
 
 
 def find_version(root: etree._Element, *, file: str | None = None) -> TiaVersion:
@@ -266,7 +266,7 @@ def read_project(
             continue
         if kind in ("Engineering", "DocumentInfo"):
             if kind in frame:
-                carry_element(fields, child)
+                keep_element(fields, child)
                 continue
             frame.add(kind)
         if kind == "DocumentInfo":
@@ -282,24 +282,24 @@ def read_project(
             look_at_object(ctx, child)
             fields[where].append(late.object(child, place, keep_id=not usual))
         elif kind != "Engineering":
-            carry_element(fields, child)
+            keep_element(fields, child)
             ctx.warn("XML201", no_object(kind), child)
         else:
             for name, value in attributes(child).items():
                 if name != "version":
-                    carry_attribute(header, name, value)
+                    keep_attribute(header, name, value)
             if (child.text or "").strip():
-                carry_attribute(header, "#text", child.text or "")
+                keep_attribute(header, "#text", child.text or "")
     for name, value in attributes(root).items():
-        carry_attribute(fields, name, value)
+        keep_attribute(fields, name, value)
     ids = [str(text) for text in _IDS_IN(root)]
     if ids != [format(number, "X") for number in range(len(ids))]:
-        carry_attribute(fields, IDS, " ".join(ids))
+        keep_attribute(fields, IDS, " ".join(ids))
     read_comments(ctx, root, fields)
     ctx.of_tia = header.get("product") == PRODUCT
     for kind, number in ctx.schemas.items():
         if number != version.schema(kind):
-            carry_attribute(fields, SCHEMA + kind, str(number))
+            keep_attribute(fields, SCHEMA + kind, str(number))
     ctx.lines = None  # it keeps the tree
     return fields, ctx.diagnostics
 
@@ -344,8 +344,8 @@ def _document_info(header: Fields, element: etree._Element) -> None:
         elif local(child) == "ExportSetting" and not child.attrib and "description" not in header:
             header["description"] = child.text or ""
         else:
-            carry_element(header, child)
+            keep_element(header, child)
     if not len(element):
-        carry_attribute(header, "DocumentInfo", "")
+        keep_attribute(header, "DocumentInfo", "")
     for name, value in attributes(element).items():
-        carry_attribute(header, f"@{name}", value)
+        keep_attribute(header, f"@{name}", value)

@@ -20,7 +20,7 @@ from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, neutral, schema_of
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, markup, misfit
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
-from plcopen_sfc.model.base import Carried, Model
+from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.object_path import ObjectPath
 
 M = TypeVar("M", bound=Model)
@@ -137,23 +137,23 @@ def attributes(element: XmlNode) -> dict[str, str]:
     return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
 
 
-def carried(fields: Fields) -> Fields:
-    """Return the carried part of an object being read, created when it is needed."""
-    found: Fields | None = fields.get("carried")
+def extension_data(fields: Fields) -> Fields:
+    """Return the extension data of an object being read, created when it is needed."""
+    found: Fields | None = fields.get("extension_data")
     if found is None:
-        found = fields["carried"] = {"data": [], "attributes": {}, "elements": []}
+        found = fields["extension_data"] = {"data": [], "attributes": {}, "elements": []}
     return found
 
 
-def carry_element(fields: Fields, element: etree._Element) -> None:
+def keep_element(fields: Fields, element: etree._Element) -> None:
     """Keep a child that has no place in the model."""
     if isinstance(element.tag, str):
-        carried(fields)["elements"].append(neutral(markup(element)))
+        extension_data(fields)["elements"].append(neutral(markup(element)))
 
 
-def carry_attribute(fields: Fields, name: str, value: str) -> None:
+def keep_attribute(fields: Fields, name: str, value: str) -> None:
     """Keep a value that has no place in the model."""
-    carried(fields)["attributes"][name] = value
+    extension_data(fields)["attributes"][name] = value
 
 
 def opaque_body(*elements: etree._Element) -> Fields:
@@ -162,21 +162,21 @@ def opaque_body(*elements: etree._Element) -> Fields:
     return {"language": "opaque", "source": "simaticml", "content": content}
 
 
-def carry_rest(fields: Fields, element: etree._Element) -> None:
+def keep_rest(fields: Fields, element: etree._Element) -> None:
     """Keep the content of an object besides its one list of attributes and its one list of objects."""
     seen: set[str] = set()
     for child in children(element):
         if local(child) in ("AttributeList", "ObjectList") and local(child) not in seen:
             seen.add(local(child))
             for name, value in attributes(child).items():
-                carry_attribute(fields, f"@{local(child)}@{name}", value)
+                keep_attribute(fields, f"@{local(child)}@{name}", value)
         else:
-            carry_element(fields, child)
+            keep_element(fields, child)
 
 
 def keep_verbatim(fields: Fields, element: etree._Element) -> None:
     """Keep `element` as it is in the file, besides the fields that were read from it."""
-    carried(fields)["data"].append({"name": VERBATIM, "content": neutral(markup(element))})
+    extension_data(fields)["data"].append({"name": VERBATIM, "content": neutral(markup(element))})
 
 
 def same_content(one: XmlNode, other: XmlNode) -> bool:
@@ -239,11 +239,13 @@ def read_comments(ctx: DocumentReading, element: etree._Element, fields: Fields)
         if text.startswith(COMMENT_MARK):
             try:
                 found = json.loads(text.removeprefix(COMMENT_MARK))
-                if isinstance(found, dict) and "carried" in found:
-                    carried(fields)
-                    found["carried"] = Carried.model_validate(found["carried"]).model_dump(mode="json")
+                if isinstance(found, dict) and "extension_data" in found:
+                    extension_data(fields)
+                    found["extension_data"] = ExtensionData.model_validate(found["extension_data"]).model_dump(
+                        mode="json"
+                    )
             except (ValueError, RecursionError) as error:
-                ctx.warn("XML208", f"carried fields are damaged: {first_line(error)}", comment)
+                ctx.warn("XML208", f"fields in extension data are damaged: {first_line(error)}", comment)
                 continue
             if isinstance(found, dict):
                 found.pop(ADDED, None)
@@ -266,7 +268,7 @@ def read_model(
 ) -> M:
     """Read an object of the model.
 
-    Fields that were carried in comments, which may have been edited, are left out where they do not fit: the file
+    Fields that were kept in comments, which may have been edited, are left out where they do not fit: the file
     keeps them. Raises `StructureError` where that does not help.
     """
     place = list(ctx.place)
@@ -277,7 +279,7 @@ def read_model(
         if not any(text.startswith(COMMENT_MARK) for text in comments):
             raise _misfit(ctx, element, error) from error
         ctx.place = place
-        ctx.warn("XML208", f"carried fields do not fit the model: {first_line(error)}", element)
+        ctx.warn("XML208", f"fields in extension data do not fit the model: {first_line(error)}", element)
     ctx.trusting = False
     try:
         return model.model_validate(read(ctx, element))

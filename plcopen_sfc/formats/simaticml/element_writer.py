@@ -17,7 +17,7 @@ from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, concrete, nam
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, add_markup, fields_left, legal_text, parsed_markup
 from plcopen_sfc.languages.s7_globals import called_actions
 from plcopen_sfc.languages.s7_types import s7_types
-from plcopen_sfc.model.base import Carried, Model
+from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.project import Project, Tag
 from plcopen_sfc.model.text import MultilingualText, Text, plain
 from plcopen_sfc.object_path import ObjectPath
@@ -149,16 +149,16 @@ def write_object_text(ctx: DocumentWriting, parent: etree._Element, role: str, t
         sub(values, "Text").text = legal_text(content) or None
 
 
-def verbatim(ctx: DocumentWriting, carried: Carried | None) -> etree._Element | None:
+def verbatim(ctx: DocumentWriting, extension_data: ExtensionData | None) -> etree._Element | None:
     """Return the element as it was in the file that an object was read from, if it was kept."""
-    for data in carried.data if carried is not None else ():
+    for data in extension_data.data if extension_data is not None else ():
         if data.name == VERBATIM:
             return parsed_markup(concrete(data.content, ctx.schemas))
     return None
 
 
 def add_element(ctx: DocumentWriting, parent: etree._Element, content: str) -> None:
-    """Append an element that was carried as markup."""
+    """Append an element that was kept as markup."""
     add_markup(parent, concrete(content, ctx.schemas))
 
 
@@ -181,11 +181,11 @@ def finish(
 
     `reported` are those whose outcome the report lists already.
     """
-    left = fields_left(thing, native | {"carried"}) | (also or {})
-    carried: Carried | None = getattr(thing, "carried", None)
-    foreign = [data for data in carried.data if data.name != VERBATIM] if carried is not None else []
+    left = fields_left(thing, native | {"extension_data"}) | (also or {})
+    extension_data: ExtensionData | None = getattr(thing, "extension_data", None)
+    foreign = [data for data in extension_data.data if data.name != VERBATIM] if extension_data is not None else []
     if foreign:
-        left["carried"] = Carried(data=foreign).model_dump(mode="json", exclude_defaults=True)
+        left["extension_data"] = ExtensionData(data=foreign).model_dump(mode="json", exclude_defaults=True)
     if not left:
         return
     keep_fields(element, left)

@@ -147,7 +147,7 @@ def _inverter(number: int, coil: Fields) -> Fields:
         "id": number,
         "type_name": "NOT",
         "parameters": {"inputs": [variable], "outputs": [{"name": "OUT", "output": {}}]},
-        "carried": {"attributes": {INVERTED: "in"}},
+        "extension_data": {"attributes": {INVERTED: "in"}},
     }
 
 
@@ -325,7 +325,7 @@ def _block(number: str, part: _Part, name: str) -> Fields:
     if block is None and (taken := standard_block(name)) is not None and taken.name == name:
         left[PART_NAME] = name
     if left:
-        fields["carried"] = {"attributes": left}
+        fields["extension_data"] = {"attributes": left}
     return fields
 
 
@@ -381,7 +381,7 @@ def _call(number: str, part: _Part) -> Fields:
         elif local(child) == "Parameter" and set(child.attrib) == {"Name", "Section", "Type"}:
             _parameter(part, child, parameters, negated)
         elif child.get("Name") in CALL_MARKS and child.get("Informative") == "true" and not len(child):
-            marks = fields.setdefault("carried", {"attributes": {}})["attributes"]
+            marks = fields.setdefault("extension_data", {"attributes": {}})["attributes"]
             marks[child.get("Name", "")] = child.text or ""
         elif child.get("Informative") != "true":
             raise NotUnderstoodError("a call with an unknown part")
@@ -396,12 +396,12 @@ def _parameter(part: _Part, element: XmlNode, parameters: Fields, negated: set[s
     group = _PARAMETER_SECTIONS.get(section)
     if group is None or any(child.get("Informative") != "true" for child in children(element)):
         raise NotUnderstoodError("a parameter of another form")
-    variable: Fields = {"name": name, "carried": {"attributes": {"Type": element.get("Type", "")}}}
+    variable: Fields = {"name": name, "extension_data": {"attributes": {"Type": element.get("Type", "")}}}
     if section == "Return":
-        variable["carried"]["attributes"]["Section"] = section
+        variable["extension_data"]["attributes"]["Section"] = section
     for child in children(element):
         if child.get("Name") == "InterfaceFlags":
-            variable["carried"]["attributes"]["InterfaceFlags"] = child.text or ""
+            variable["extension_data"]["attributes"]["InterfaceFlags"] = child.text or ""
     if pin := part.take(name):
         variable.update(_variable(name, pin, is_output=pin.is_output))
         if pin.is_output != (group == "outputs"):

@@ -34,7 +34,7 @@ from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import Tool, standard_block
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -143,7 +143,7 @@ class _Typing:
             return None
         block.type_name = name
         self._set_type(block, kind, inputs)
-        block.carried = Carried(attributes={"SrcType": kind, "Card": str(len(inputs))})
+        block.extension_data = ExtensionData(attributes={"SrcType": kind, "Card": str(len(inputs))})
         for pin in (*inputs, *block.parameters.outputs):
             pin.name = pin.name.lower()
         for wire in (wire for node in self.network.nodes for wire in wires_of(node)):
@@ -156,7 +156,7 @@ class _Typing:
         attributes = {"SrcType": kind}
         if block.type_name in _COUNTED:
             attributes["Card"] = str(len(inputs))
-        block.carried = Carried(attributes=attributes)
+        block.extension_data = ExtensionData(attributes=attributes)
         if kind not in BIT_STRINGS:
             return
         for holder in self._holders(inputs):
@@ -330,7 +330,7 @@ class ConditionWriter:
                 for network in drawn.networks:
                     mark_constants(network, network_text(network), self.constants)
                 self.ctx.note(Outcome.TRANSLATED, what, why=f"a network of {drawn.language}")
-        plain = isinstance(condition, Expression) and condition.text == "TRUE" and condition.carried is None
+        plain = isinstance(condition, Expression) and condition.text == "TRUE" and condition.extension_data is None
         is_without = condition is None and kind == "Transition" and not self.ctx.options.same
         if also or is_without or (condition is not None and not plain):
             source = condition.model_dump(mode="json", exclude_none=True) if condition is not None else None

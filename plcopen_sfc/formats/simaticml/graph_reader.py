@@ -14,10 +14,10 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     Fields,
     NotUnderstoodError,
     attributes,
-    carry_attribute,
-    carry_element,
     child_named,
     children,
+    keep_attribute,
+    keep_element,
     local,
     merge_fields,
     read_comments,
@@ -61,7 +61,7 @@ ALL_CATEGORIES = 4
 CONTROLLED = "controls"
 """Field in our comments that names the action which an added permanent instruction controls."""
 CONNECTIONS = "Connections"
-"""Carried attribute of a sequence: the order of its connections, where it is not the one that our writer gives."""
+"""Extension attribute of a sequence: the order of its connections, where it is not the one that our writer gives."""
 
 
 def read_graph(ctx: DocumentReading, element: etree._Element, late: Fields) -> Fields:
@@ -114,7 +114,7 @@ class _ChartReader:
             elif kind == "AlarmsSettings":
                 categories = _categories(chart, child)
             else:
-                carry_element(chart, child)
+                keep_element(chart, child)
         _keep_attributes(chart, element)
         self._structure()
         # after all connections: a condition that counts ends the minimum times of the steps that its transition leaves
@@ -173,17 +173,17 @@ class _ChartReader:
                 refs = list(self.topology.found.symbols)
                 links = self.topology.connections(element)
                 if links != usual_order(links, refs):
-                    carry_attribute(sequence, CONNECTIONS, " ".join(map(str, links)))
+                    keep_attribute(sequence, CONNECTIONS, " ".join(map(str, links)))
             self.topology.finish(self.chart)
         except NotUnderstoodError as error:
             self.ctx.error("SFC102", f"the connections of the chart are kept but not understood: {error}", element)
             self.chart.pop("drawing", None)
             for sequence, connections in self._connections:
-                carry_element(sequence, connections)
+                keep_element(sequence, connections)
                 parent = connections.getparent()
                 for child in parent if parent is not None else ():
                     if local(child) == "Branches":
-                        carry_element(sequence, child)
+                        keep_element(sequence, child)
 
     def _operations(self, element: etree._Element) -> list[Fields]:
         found: list[Fields] = []
@@ -199,7 +199,7 @@ class _ChartReader:
             _keep_attributes(fields, child, "ProgrammingLanguage")
             for part in children(child):
                 if not _text(fields, part, "Title", "title") and not _is_network(child, part):
-                    carry_element(fields, part)
+                    keep_element(fields, part)
             read_comments(self.ctx, child, fields)
             controlled = fields.pop(CONTROLLED, None)
             if isinstance(controlled, str):
@@ -228,7 +228,7 @@ class _ChartReader:
             elif kind == CONNECTIONS:
                 self._connections.append((sequence, child))
             elif not _text(sequence, child, "Title", "title") and not _text(sequence, child, "Comment", "comment"):
-                carry_element(sequence, child)
+                keep_element(sequence, child)
         read_comments(self.ctx, element, sequence)
 
     def _known(self, sequence: Fields, element: etree._Element, name: str) -> list[etree._Element]:
@@ -253,7 +253,7 @@ class _ChartReader:
                 self.topology.branch(child)
             except NotUnderstoodError:
                 self.ctx.error("SFC102", "a branch is damaged", child)
-                carry_element(sequence, child)
+                keep_element(sequence, child)
 
     def _step(self, element: etree._Element, sequence: Fields) -> None:
         left = attributes(element)
@@ -277,9 +277,9 @@ class _ChartReader:
             elif kind in ("Supervisions", "Interlocks"):
                 self._supervised(fields, child, kind[:-1])
             elif not _text(fields, child, "StepName", "title") and not _text(fields, child, "Comment", "comment"):
-                carry_element(fields, child)
+                keep_element(fields, child)
         for name, value in left.items():
-            carry_attribute(fields, name, value)
+            keep_attribute(fields, name, value)
         kept: Fields = {}
         read_comments(self.ctx, element, kept)
         if fields["max_time"] is not None:  # a comment has only times that are no literal: this was set since
@@ -366,9 +366,9 @@ class _ChartReader:
     def _condition(self, element: etree._Element) -> Fields | None:
         """Return the condition of a transition, interlock or supervision; None for the empty network of LAD."""
         body = read_flgnet_body(self.ctx, element)
-        if body["language"] == "LD" and body["networks"] and "carried" not in body:
+        if body["language"] == "LD" and body["networks"] and "extension_data" not in body:
             nodes = body["networks"][0]["nodes"]
-            if len(nodes) == _EMPTY and "carried" not in body["networks"][0] and nodes[1]["kind"] == "coil":
+            if len(nodes) == _EMPTY and "extension_data" not in body["networks"][0] and nodes[1]["kind"] == "coil":
                 return None
         name = RESULT_OF.get(local(element), "")
         if "networks" in body and not any(
@@ -391,9 +391,9 @@ class _ChartReader:
         for child in children(element):
             texts = (("TransitionName", "title"), ("Comment", "comment"))
             if not _is_network(element, child) and not any(_text(fields, child, name, field) for name, field in texts):
-                carry_element(fields, child)
+                keep_element(fields, child)
         for name, value in left.items():
-            carry_attribute(fields, name, value)
+            keep_attribute(fields, name, value)
         if _replace_condition(self.ctx, element, fields):
             self._sourced.add(fields["id"])
         if fields["condition"] is not condition:
@@ -421,7 +421,7 @@ def _keep_attributes(owner: Fields, element: etree._Element, *known: str) -> Non
     """Keep the attributes of an element that belongs to an object: ``@Actions@Unknown``."""
     for name, value in attributes(element).items():
         if name not in known:
-            carry_attribute(owner, f"@{local(element)}@{name}", value)
+            keep_attribute(owner, f"@{local(element)}@{name}", value)
 
 
 def _is_network(owner: etree._Element, element: etree._Element) -> bool:
@@ -468,7 +468,7 @@ def _shell(element: etree._Element) -> etree._Element:
 def _keep_shell(owner: Fields, shell: etree._Element) -> None:
     """Keep the content of a shell with the object that the element belongs to."""
     if len(shell):
-        carry_element(owner, shell)
+        keep_element(owner, shell)
 
 
 def _categories(chart: Fields, element: etree._Element) -> list[Fields]:
@@ -518,6 +518,6 @@ def are_controls_edited(block: etree._Element) -> bool:
     )
 
 
-def carried_order(links: str) -> dict[str, int]:
+def kept_order(links: str) -> dict[str, int]:
     """Return the place of each connection in the order of the file."""
     return {link: place for place, link in enumerate(links.split())}

@@ -30,7 +30,7 @@ from plcopen_sfc.formats.simaticml.graph_reader import (
     CONTROLLED,
     RESULT_OF,
     USUAL_CATEGORIES,
-    carried_order,
+    kept_order,
 )
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import write_flgnet_body
 from plcopen_sfc.formats.simaticml.replaced_elements import INSTEAD, WRITTEN, rows_digest
@@ -47,7 +47,7 @@ from plcopen_sfc.formats.simaticml.sequence_rules import (
 from plcopen_sfc.formats.simaticml.sequence_topology import TopologyWriter, usual_order
 from plcopen_sfc.formats.xml.extension_data import Markup, markup_of
 from plcopen_sfc.languages.networks import chart_statements, condition_reader
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import LdBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -124,11 +124,11 @@ class _ChartWriter:
         self._controls(root[-1])
         self._alarms(root)
         own = ("PreOperations", "PostOperations", "AlarmsSettings")
-        for content in _unknown(chart.carried):
+        for content in _unknown(chart.extension_data):
             if not _is_shell(content, *own):
                 add_element(self.ctx, root, content)
         for name in ("Graph", "PreOperations", "PostOperations", "AlarmsSettings", "AlarmSupervisionCategories"):
-            _set_attributes(root, name, chart.carried)
+            _set_attributes(root, name, chart.extension_data)
         native = {"steps", "transitions", "sequences", "permanent_pre", "permanent_post", "drawing", "graph_settings"}
         self._note_surroundings()
         finish(self.ctx, root, chart, frozenset(native))
@@ -147,14 +147,14 @@ class _ChartWriter:
 
     def _operations(self, parent: etree._Element, name: str, operations: list[PermanentOperation]) -> None:
         element = sub(parent, name)
-        self._fill_shell(element, self.chart.carried, name)
+        self._fill_shell(element, self.chart.extension_data, name)
         for operation in operations:
             child = sub(element, "PermanentOperation")
             write_languages(self.ctx, child, "Title", operation.title)
-            for content in _unknown(operation.carried):
+            for content in _unknown(operation.extension_data):
                 add_element(self.ctx, child, content)
             write_flgnet_body(self.ctx, child, operation.body or LdBody())
-            _set_attributes(child, "PermanentOperation", operation.carried)
+            _set_attributes(child, "PermanentOperation", operation.extension_data)
             self.ctx.keep("permanent operation")
             finish(self.ctx, child, operation, frozenset({"title", "body"}))
 
@@ -171,9 +171,9 @@ class _ChartWriter:
             why = "the networks that control actions"
             self.ctx.note(Outcome.TRANSLATED, "permanent instruction after the sequence", why=why)
 
-    def _fill_shell(self, element: etree._Element, carried: Carried | None, name: str) -> None:
+    def _fill_shell(self, element: etree._Element, extension_data: ExtensionData | None, name: str) -> None:
         """Add the parts of an element that were not understood."""
-        for content in _unknown(carried):
+        for content in _unknown(extension_data):
             if _is_shell(content, name):
                 holder = etree.Element("holder")
                 add_element(self.ctx, holder, content)
@@ -199,7 +199,7 @@ class _ChartWriter:
         write_languages(ctx, element, "Title", sequence.title)
         write_languages(ctx, element, "Comment", sequence.comment)
         steps = {step.id: step for step in self.chart.steps}
-        kept = _unknown(sequence.carried)
+        kept = _unknown(sequence.extension_data)
         is_kept = any(_is_shell(content, CONNECTIONS) for content in kept)
         connections = None if is_kept else self._connections(sequence, {t.id for t in transitions})
         added = connections.added if connections is not None else InsertedElements()
@@ -209,13 +209,13 @@ class _ChartWriter:
                 self._step(holder, steps[number])
         for number in added.steps:
             self._added_step(holder, number)
-        self._fill_shell(holder, sequence.carried, "Steps")
+        self._fill_shell(holder, sequence.extension_data, "Steps")
         holder = sub(element, "Transitions")
         for transition in transitions:
             self._transition(holder, transition)
         for number in added.transitions:
             self._added_transition(holder, number, never=number in added.never)
-        self._fill_shell(holder, sequence.carried, "Transitions")
+        self._fill_shell(holder, sequence.extension_data, "Transitions")
         kept = [content for content in kept if not _is_shell(content, "Steps", "Transitions")]
         if connections is not None:
             connections.write(ctx, element)
@@ -229,7 +229,7 @@ class _ChartWriter:
             for content in reversed(kept):
                 add_element(ctx, element, content)
         for name in ("Sequence", "Steps", "Transitions", "Branches", CONNECTIONS):
-            _set_attributes(element, name, sequence.carried)
+            _set_attributes(element, name, sequence.extension_data)
         finish(ctx, element, sequence, frozenset({"title", "comment", "steps"}))
 
     def _connections(self, sequence: Sequence, transitions: set[int]) -> _Connections | None:
@@ -245,7 +245,7 @@ class _ChartWriter:
         drawn = _branches_of(links)
         types = writer.types()
         links = usual_order(with_competing_transitions_joined(without_joined_jumps(links, types), types), own)
-        order = carried_order(_attributes(sequence.carried).get(CONNECTIONS, ""))
+        order = kept_order(_attributes(sequence.extension_data).get(CONNECTIONS, ""))
         links.sort(key=lambda link: order.get(str(link), len(order)))  # stable: new connections stay in usual order
         used = _branches_of(links)
         alone = len(self.chart.sequences) < _TWO
@@ -313,7 +313,7 @@ class _ChartWriter:
         if step.warning_time is not None:
             attributes["WarningTime"] = step.warning_time
         element = sub(parent, "Step", attributes)
-        for name, value in _attributes(step.carried).items():
+        for name, value in _attributes(step.extension_data).items():
             if not name.startswith("@"):
                 element.set(name, value)
         ctx.place.append(f"step {step.name}")
@@ -322,7 +322,7 @@ class _ChartWriter:
         write_languages(ctx, element, "StepName", step.title)
         write_languages(ctx, element, "Comment", step.comment)
         actions = sub(element, "Actions")
-        self._fill_shell(actions, step.carried, "Actions")
+        self._fill_shell(actions, step.extension_data, "Actions")
         instead = self.rows.write(actions, step) or (["exclude"] if step.exclude else [])
         if instead:
             keep_fields(actions, {WRITTEN: rows_digest(actions), INSTEAD: instead})
@@ -330,11 +330,11 @@ class _ChartWriter:
         self._supervised(element, step, "Supervision", step.supervision)
         self._supervised(element, step, "Interlock", step.interlock)
         own = ("Actions", "Supervisions", "Interlocks")
-        for content in _unknown(step.carried):
+        for content in _unknown(step.extension_data):
             if not _is_shell(content, *own):
                 add_element(ctx, element, content)
         for name in (*own, "Supervision", "Interlock"):
-            _set_attributes(element, name, step.carried)
+            _set_attributes(element, name, step.extension_data)
         ctx.keep("step")
         self._note_step(step)
         reported = {"entry_action", "main_action", "exit_action", "min_time", "negated", "macro", "encloses", "exclude"}
@@ -373,20 +373,20 @@ class _ChartWriter:
         write_languages(self.ctx, element, "Title", supervised.title)
         write_languages(self.ctx, element, "AlarmText", supervised.alarm)
         self.conditions.write(element, supervised.condition, kind)
-        self._fill_shell(holder, step.carried, f"{kind}s")
+        self._fill_shell(holder, step.extension_data, f"{kind}s")
 
     def _transition(self, parent: etree._Element, transition: Transition) -> None:
         ctx = self.ctx
         number = self.transition_numbers[transition.id]
         name = transition.name or f"Trans{number}"
         element = sub(parent, "Transition", {"IsMissing": "false", "Name": name, "Number": str(number)})
-        for key, value in _attributes(transition.carried).items():
+        for key, value in _attributes(transition.extension_data).items():
             element.set(key, value)
         ctx.place.append(f"transition {self._labels[transition.id]}")
         native = {"id", "name", "number", "sources", "targets", "condition", "priority", "title", "comment"}
         write_languages(ctx, element, "TransitionName", transition.title)
         write_languages(ctx, element, "Comment", transition.comment)
-        for content in _unknown(transition.carried):
+        for content in _unknown(transition.extension_data):
             add_element(ctx, element, content)
         self._transition_condition(element, transition)
         ctx.keep("transition")
@@ -426,7 +426,7 @@ class _ChartWriter:
             child = sub(owner, category.name, attributes)
             if category.text is not None:
                 sub(child, "Token", {"Text": category.text})
-        self._fill_shell(element, self.chart.carried, "AlarmsSettings")
+        self._fill_shell(element, self.chart.extension_data, "AlarmsSettings")
 
 
 _TWO = 2
@@ -455,17 +455,17 @@ def _branches_of(links: list[SequenceLink]) -> set[int]:
     return {ref.number for link in links for ref in (link.source, link.target) if ref is not None and ref.kind == "B"}
 
 
-def _unknown(carried: Carried | None) -> list[str]:
-    return carried.elements if carried is not None else []
+def _unknown(extension_data: ExtensionData | None) -> list[str]:
+    return extension_data.elements if extension_data is not None else []
 
 
-def _attributes(carried: Carried | None) -> dict[str, str]:
-    return carried.attributes if carried is not None else {}
+def _attributes(extension_data: ExtensionData | None) -> dict[str, str]:
+    return extension_data.attributes if extension_data is not None else {}
 
 
-def _set_attributes(element: etree._Element, name: str, carried: Carried | None) -> None:
+def _set_attributes(element: etree._Element, name: str, extension_data: ExtensionData | None) -> None:
     """Write the attributes that were kept of `element` or of an element `name` close below it."""
-    for key, value in _attributes(carried).items():
+    for key, value in _attributes(extension_data).items():
         owner, _, mark = key[1:].rpartition("@")
         if key.startswith("@") and owner == name:
             found = element if local(element) == name else _below(element, name)
@@ -480,6 +480,6 @@ def _below(element: etree._Element, name: str) -> etree._Element | None:
 
 
 def _is_shell(content: str, *names: str) -> bool:
-    """True if carried markup is a shell of one of the elements `names`, with its parts that were not understood."""
+    """True if kept markup is a shell of one of the elements `names`, with its parts that were not understood."""
     head = content[1:].partition(">")[0].partition(" ")[0].rstrip("/")
     return head in names

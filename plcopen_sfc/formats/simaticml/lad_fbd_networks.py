@@ -21,9 +21,9 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     Fields,
     NotUnderstoodError,
     XmlNode,
-    carried,
-    carry_attribute,
     child_named,
+    extension_data,
+    keep_attribute,
     keep_verbatim,
     merge_fields,
     opaque_body,
@@ -65,7 +65,7 @@ from plcopen_sfc.formats.simaticml.program_comparison import (
     shortened,
 )
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.network import (
     Block,
@@ -142,8 +142,8 @@ class _Writer:
     def __init__(self, root: XmlNode, network: LogicNetwork, types: Mapping[str, str]) -> None:
         self.root = root
         self.types = types
-        self.numbers = _kept(network.carried).get(NUMBERS, "")
-        self.hints = Hints(_kept(network.carried))
+        self.numbers = _kept(network.extension_data).get(NUMBERS, "")
+        self.hints = Hints(_kept(network.extension_data))
         self.hints_matter = False
         self.labels = [node for node in network.nodes if isinstance(node, Label)]
         self.rails = {node.id for node in network.nodes if isinstance(node, LeftPowerRail)}
@@ -177,7 +177,7 @@ class _Writer:
 
     def _fold_inverters(self) -> None:
         """Turn a NOT that was read from the negated input of a coil into that again."""
-        for draft in [draft for draft in self.drafts if INVERTED in _kept(draft.node.carried)]:
+        for draft in [draft for draft in self.drafts if INVERTED in _kept(draft.node.extension_data)]:
             ends = [(d, end) for d in self.drafts for end in d.ends if any(s == draft.number for s, _ in end.sources)]
             inlet = next((end for end in draft.ends if not end.is_output), None)
             if len(ends) == 1 and inlet is not None:
@@ -192,7 +192,7 @@ class _Writer:
         """Give new ``Move`` boxes the pins that all have: EN, on the rail in LAD, and ENO only where it is wired."""
         wired = {source for draft in self.drafts for end in draft.ends for source in end.sources}
         for draft in self.drafts:
-            if draft.name != _MOVE or _kept(draft.node.carried):
+            if draft.name != _MOVE or _kept(draft.node.extension_data):
                 continue
             if not any(end.name == "en" for end in draft.ends):
                 rails: list[tuple[int, str | None]] = [(number, None) for number in sorted(self.rails)[:1]]
@@ -257,7 +257,7 @@ class _Writer:
         parts = sub(self.root, "Parts")
         for draft in self.drafts:
             if isinstance(draft.node, Block):
-                self._template_values(draft, draft.node, _kept(draft.node.carried))
+                self._template_values(draft, draft.node, _kept(draft.node.extension_data))
             for end in _in_operand_order(draft):
                 if end.operand is not None:
                     self._access(parts, draft, end, end.operand)
@@ -297,7 +297,7 @@ class _Writer:
         if isinstance(node, Block) and node.call is not None and node.call.value in _CALL_NAMES:
             self._call(parent, draft, node)
             return
-        kept = _kept(node.carried)
+        kept = _kept(node.extension_data)
         marks = {key: kept[key] for key in _PART_ATTRIBUTES if key in kept}
         if not kept and draft.name in _TIMERS:
             marks["Version"] = S7_VERSION
@@ -361,8 +361,8 @@ class _Writer:
         call = _CALL_NAMES[node.call.value] if node.call is not None else "FC"
         info = sub(element, "CallInfo", {"Name": node.type_name, "BlockType": call})
         for name, kind in CALL_MARKS.items():
-            if name in _kept(node.carried):
-                text = _kept(node.carried)[name]
+            if name in _kept(node.extension_data):
+                text = _kept(node.extension_data)[name]
                 sub(info, kind, {"Name": name, "Informative": "true"}).text = text or None
         if node.instance is not None:
             self._instance(info, node.instance)
@@ -371,7 +371,7 @@ class _Writer:
             for variable in variables:
                 if variable.name in ("EN", "ENO"):
                     continue
-                kept = _kept(variable.carried)
+                kept = _kept(variable.extension_data)
                 marks = {"Name": variable.name, "Section": kept.get("Section", section)}
                 parameter = sub(info, "Parameter", marks | {"Type": kept.get("Type", "Variant")})
                 if "InterfaceFlags" in kept:
@@ -436,14 +436,14 @@ def _draft(node: Node) -> _Draft:
             raise NotUnderstoodError("an edge at a pin")
         block = _standard(node)
         name = s7_name(block) if block is not None else node.type_name
-        name = _kept(node.carried).get(PART_NAME, name)
-        return _Draft(node, name, ends, _kept(node.carried).get("SrcType", ""))
+        name = _kept(node.extension_data).get(PART_NAME, name)
+        return _Draft(node, name, ends, _kept(node.extension_data).get("SrcType", ""))
     raise NotUnderstoodError(node.kind)
 
 
 def _standard(node: Block) -> StandardBlock | None:
     """Return the standard block that a block is, if it has the name that IEC 61131-3 gives it."""
-    if PART_NAME in _kept(node.carried) or (node.call is not None and node.call.value in _CALL_NAMES):
+    if PART_NAME in _kept(node.extension_data) or (node.call is not None and node.call.value in _CALL_NAMES):
         return None
     block = standard_block(node.type_name)
     return block if block is not None and block.name == node.type_name else None
@@ -477,8 +477,8 @@ def _in_operand_order(draft: _Draft) -> list[_End]:
     return sorted(draft.ends, key=lambda end: end.name == "bit")
 
 
-def _kept(carried: Carried | None) -> dict[str, str]:
-    return carried.attributes if carried is not None else {}
+def _kept(extension_data: ExtensionData | None) -> dict[str, str]:
+    return extension_data.attributes if extension_data is not None else {}
 
 
 TEXTS = "texts"
@@ -509,10 +509,10 @@ def read_network(ctx: DocumentReading, element: etree._Element) -> Fields:
         kept = {} if is_from_comment else _beside(net, fields, hints)
         _insert(texts, fields["nodes"])
     if kept is None:
-        fields.pop("carried", None)
+        fields.pop("extension_data", None)
         keep_verbatim(fields, element)
     elif kept:
-        carried(fields)["attributes"].update(kept)
+        extension_data(fields)["attributes"].update(kept)
     return fields
 
 
@@ -545,7 +545,7 @@ def _beside(net: XmlNode, fields: Fields, hints: dict[str, str]) -> dict[str, st
         return None
     copy = ET.Element(str(net.tag))
     try:
-        matter = write_flgnet(copy, LogicNetwork.model_validate({**fields, "carried": {"attributes": hints}}))
+        matter = write_flgnet(copy, LogicNetwork.model_validate({**fields, "extension_data": {"attributes": hints}}))
     except NotUnderstoodError:
         return None
     kept = hints if matter else {}  # hints that agree with the usual form need not be kept
@@ -561,9 +561,9 @@ def _beside(net: XmlNode, fields: Fields, hints: dict[str, str]) -> dict[str, st
 def write_network(ctx: DocumentWriting, root: etree._Element, network: LogicNetwork) -> etree._Element | None:
     """Fill the ``FlgNet`` element `root`, or give the one of the file, which takes its place.
 
-    A network that TIA Portal cannot have is carried in a comment.
+    A network that TIA Portal cannot have is kept in a comment.
     """
-    kept = verbatim(ctx, network.carried)
+    kept = verbatim(ctx, network.extension_data)
     if kept is not None and _nodes(kept) == network.nodes:
         return kept
     texts = [(at, node) for at, node in enumerate(network.nodes) if isinstance(node, CommentBox)]
@@ -614,14 +614,14 @@ def read_flgnet_body(ctx: DocumentReading, owner: etree._Element) -> Fields:
     flgnet = child_named(owner, "FlgNet")
     fields: Fields = {"language": _LANGUAGES.get(language, "LD"), "networks": []}
     if language not in _LANGUAGES:
-        carry_attribute(fields, "ProgrammingLanguage", language)
+        keep_attribute(fields, "ProgrammingLanguage", language)
     if flgnet is not None:
         try:
             fields["networks"].append(read_network(ctx, flgnet))
         except NotUnderstoodError as error:
             report_network(ctx, error, flgnet)
             fields = opaque_body(flgnet)
-            carry_attribute(fields, "ProgrammingLanguage", language)
+            keep_attribute(fields, "ProgrammingLanguage", language)
     return fields
 
 
@@ -635,7 +635,7 @@ def report_network(ctx: DocumentReading, error: NotUnderstoodError, element: etr
 
 def write_flgnet_body(ctx: DocumentWriting, owner: etree._Element, body: Body) -> None:
     """Write the body of an element of GRAPH: its language and its network."""
-    kept = body.carried.attributes if body.carried is not None else {}
+    kept = body.extension_data.attributes if body.extension_data is not None else {}
     owner.set("ProgrammingLanguage", kept.get("ProgrammingLanguage") or _NAMES.get(body.language, "LAD"))
     if isinstance(body, OpaqueBody):
         add_element(ctx, owner, body.content)

@@ -21,7 +21,7 @@ from plcopen_sfc.languages.st import Parsed, parse_condition, parse_statements, 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES, SHORT_TYPES, LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, BlockCall, BlockVariable, InputPin, LogicNetwork
@@ -44,9 +44,9 @@ COUNTED = ("A", "O", "X")
 LISTS = ("AutomaticTyped", "Invisible")
 """Lists of names in a ``Part``: types that follow from the operands, pins that are not shown. Carried with commas."""
 PART_NAME = "Part"
-"""Carried attribute of a block: the name of its part, where that is another than TIA Portal has for the block."""
+"""Extension attribute of a block: the name of its part, where that is another than TIA Portal has for the block."""
 INVERTED = "Negated"
-"""Carried attribute of a NOT that was the negated input of the coil behind it, as FBD draws it."""
+"""Extension attribute of a NOT that was the negated input of the coil behind it, as FBD draws it."""
 CALL_MARKS = {"BlockNumber": "IntegerAttribute", "ParameterModifiedTS": "DateAttribute"}
 """Attributes of ``CallInfo`` that inform about the called block."""
 CALLS = {"FB": "functionblock", "FC": "function"}
@@ -202,9 +202,9 @@ def put_operands(project: Project, report: ConversionReport) -> None:
     for _, _, body in project.bodies():
         for block in _blocks(body):
             if block.type_name.upper() in edges and block.instance:
-                block.carried = block.carried or Carried()
+                block.extension_data = block.extension_data or ExtensionData()
                 marks = {PART_NAME: block.type_name.upper(), "Version": S7_VERSION}
-                block.carried.attributes = marks | block.carried.attributes
+                block.extension_data.attributes = marks | block.extension_data.attributes
 
 
 def _put_flip_flops(
@@ -316,7 +316,7 @@ def _standard_of_others(block: Block, own: Collection[str]) -> StandardBlock | N
     """Return the standard block that a box is, with its pins renamed; None for calls of blocks of the project."""
     standard = standard_block(block.type_name)
     parameters = (*block.parameters.inputs, *block.parameters.outputs)
-    is_native = any(p.carried is not None and "Type" in p.carried.attributes for p in parameters)
+    is_native = any(p.extension_data is not None and "Type" in p.extension_data.attributes for p in parameters)
     if standard is None or block.call is None or is_native or block.type_name.casefold() in own:
         return None
     block.call, block.type_name = None, standard.name
@@ -363,5 +363,5 @@ def mark_call(block: Block, pou: Pou) -> None:
 
 
 def _mark(parameter: BlockVariable, **marks: str) -> None:
-    parameter.carried = parameter.carried or Carried()
-    parameter.carried.attributes = marks | parameter.carried.attributes
+    parameter.extension_data = parameter.extension_data or ExtensionData()
+    parameter.extension_data.attributes = marks | parameter.extension_data.attributes

@@ -1,7 +1,7 @@
 """Operands of networks: ``Access`` elements, the same as text in SCL (``#a.b[1]``, ``"DB".x``, ``T#5s``), and hints.
 
 Hints hold what the text of an operand does not tell: the type of a literal, whether a name is one of a constant, and
-information such as how a literal is shown or where a symbol lies. They are carried attributes of the network; a hint
+information such as how a literal is shown or where a symbol lies. They are extension attributes of the network; a hint
 holds for all operands of a text, and where those differ, for the one at a pin.
 """
 
@@ -314,14 +314,14 @@ def _write_address(parent: XmlNode, text: str) -> None:
 
 
 HINT = "operand "
-"""Prefix of carried attributes that are hints; the text of an operand follows."""
+"""Prefix of extension attributes that are hints; the text of an operand follows."""
 _AT = "operand@"
 _INDEX = "index "
 _PLACE_OF_SYMBOL = {"Area", "Type", "BlockNumber", "BitOffset"}
 
 
 def operand_hints(element: XmlNode, texts: Mapping[str, str]) -> dict[str, str]:
-    """Return the hints of the operands of a network, as carried attributes. `texts` are theirs by number."""
+    """Return the hints of the operands of a network, as extension attributes. `texts` are theirs by number."""
     found: dict[str, str] = {}
     instances: list[XmlNode] = []
     pins: dict[str, str] | None = None
@@ -345,8 +345,8 @@ def operand_hints(element: XmlNode, texts: Mapping[str, str]) -> dict[str, str]:
 class Hints:
     """Hints of a network that is being written."""
 
-    def __init__(self, carried: Mapping[str, str]) -> None:
-        self._found = {name: hint for name, hint in carried.items() if name.startswith((HINT, _AT))}
+    def __init__(self, extension_data: Mapping[str, str]) -> None:
+        self._found = {name: hint for name, hint in extension_data.items() if name.startswith((HINT, _AT))}
 
     def at(self, text: str, part: int, pin: str) -> str | None:
         """Return the hint for the operand `text` at a pin of a part."""
@@ -365,7 +365,7 @@ class Hints:
 
 
 def is_hint(name: str) -> bool:
-    """True if a carried attribute is a hint."""
+    """True if a extension attribute is a hint."""
     return name.startswith((HINT, _AT))
 
 

@@ -25,11 +25,11 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
     Fields,
     attributes,
-    carry_attribute,
-    carry_element,
-    carry_rest,
     child_named,
     children,
+    keep_attribute,
+    keep_element,
+    keep_rest,
     local,
     merge_fields,
     plain_text,
@@ -120,7 +120,7 @@ def read_pou(ctx: DocumentReading, element: etree._Element) -> Fields:
     if any(isinstance(body, SfcBody) for body in fields["bodies"]):
         late["graph_settings"] = _read_settings(values)
     if language is not None and language != unit_language:
-        carry_attribute(fields, "ProgrammingLanguage", language)
+        keep_attribute(fields, "ProgrammingLanguage", language)
     return _end(ctx, element, fields, values)
 
 
@@ -155,7 +155,7 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
         write_interface(ctx, writer.values, pou.interface, renamed, graph=is_chart, static=static, added=added)
     elif chart is not None:
         mark_added(write_interface(ctx, writer.values, Interface(), graph=True, added=added))
-    kept = pou.carried.attributes.get("ProgrammingLanguage") if pou.carried is not None else None
+    kept = pou.extension_data.attributes.get("ProgrammingLanguage") if pou.extension_data is not None else None
     writer.set("ProgrammingLanguage", kept or block_language([language_of(body) for body in pou.bodies]) or "LAD")
     if chart is not None and ctx.body_name not in ctx.options.untouched:
         _write_settings(writer, chart.chart.graph_settings)
@@ -246,7 +246,7 @@ def read_data_block(ctx: DocumentReading, element: etree._Element) -> Fields:
     if plain_text(values.get("ProgrammingLanguage")) == "DB":
         del values["ProgrammingLanguage"]
     for child in _object_list(element, fields, ""):
-        carry_element(fields, child)
+        keep_element(fields, child)
     return _end(ctx, element, fields, values)
 
 
@@ -258,7 +258,7 @@ def write_data_block(ctx: DocumentWriting, parent: etree._Element, block: DataBl
         write_interface(ctx, writer.values, block.interface)
     if block.type_name is not None:
         writer.set("InstanceOfName", block.type_name)
-    kept = block.carried.attributes.get("ProgrammingLanguage") if block.carried is not None else None
+    kept = block.extension_data.attributes.get("ProgrammingLanguage") if block.extension_data is not None else None
     writer.set("ProgrammingLanguage", kept or "DB")
     ctx.keep("data block")
     write_object_text(ctx, writer.objects, "Comment", block.comment)
@@ -276,7 +276,7 @@ def read_data_type(ctx: DocumentReading, element: etree._Element) -> Fields:
         fields["type"] = members
         del values["Interface"]
     for child in _object_list(element, fields, ""):
-        carry_element(fields, child)
+        keep_element(fields, child)
     digest = interface_digest(interface) if interface is not None else ""
     return _end(ctx, element, fields, values, {"type": digest, "initial": digest})
 
@@ -288,7 +288,7 @@ def write_data_type(ctx: DocumentWriting, parent: etree._Element, declaration: D
     native = {"type"}
     also: dict[str, Any] = {}
     if isinstance(declaration.type, StructType):
-        kept = declaration.carried.elements if declaration.carried is not None else []
+        kept = declaration.extension_data.elements if declaration.extension_data is not None else []
         if declaration.type.members or not any(content.startswith("<Interface ") for content in kept):
             write_members(ctx, writer.values, declaration.type)
         ctx.keep("data type")
@@ -338,7 +338,7 @@ def _read_tag(ctx: DocumentReading, element: etree._Element) -> Fields:
     fields["type"] = _take(values, "DataTypeName") or ""
     fields["address"] = _take(values, "LogicalAddress")
     for child in _object_list(element, fields, ""):
-        carry_element(fields, child)
+        keep_element(fields, child)
     return _end(ctx, element, fields, values)
 
 
@@ -357,18 +357,18 @@ def _read_constant(ctx: DocumentReading, element: etree._Element) -> Fields:
     spelled = _take(values, "DataTypeName") or ""
     fields["type"] = read_type(spelled)
     if spelled_as(fields["type"]) != spelled:
-        carry_attribute(fields, "Datatype", spelled)
+        keep_attribute(fields, "Datatype", spelled)
     value = _take(values, "Value")
     if value is not None:
         fields["initial"] = {"kind": "simple", "text": value}
     for child in _object_list(element, fields, ""):
-        carry_element(fields, child)
+        keep_element(fields, child)
     return _end(ctx, element, fields, values)
 
 
 def _write_constant(ctx: DocumentWriting, parent: etree._Element, constant: Variable) -> None:
     writer = _Object(ctx, parent, CONSTANT, constant, "UserConstants")
-    kept = constant.carried.attributes if constant.carried is not None else {}
+    kept = constant.extension_data.attributes if constant.extension_data is not None else {}
     writer.set("DataTypeName", spelling(constant.type, kept))
     native = {"type"}
     if isinstance(constant.initial, SimpleValue):
@@ -384,7 +384,7 @@ def _start(ctx: DocumentReading, element: etree._Element, fields: Fields) -> dic
     values: dict[str, etree._Element] = {}
     for child in children(holder) if holder is not None else ():
         if local(child) in values:
-            carry_element(fields, child)
+            keep_element(fields, child)
         else:
             values[local(child)] = child
     name = values.get("Name")
@@ -409,13 +409,13 @@ def _end(
     for name, value in values.items():
         text = plain_text(value)
         if text is not None:
-            carry_attribute(fields, name, text)
+            keep_attribute(fields, name, text)
         else:
-            carry_element(fields, value)
-    carry_rest(fields, element)
+            keep_element(fields, value)
+    keep_rest(fields, element)
     for key, mark in attributes(element).items():
         if key not in ("ID", "CompositionName") or (key == "CompositionName" and ROLES.get(local(element)) != mark):
-            carry_attribute(fields, f"@{key}", mark)
+            keep_attribute(fields, f"@{key}", mark)
     kept: Fields = {}
     read_comments(ctx, element, kept)
     merge_fields(fields, counting_fields(ctx, kept, digests or {}, element))
@@ -443,7 +443,7 @@ def _object_list(element: etree._Element, fields: Fields, *expected: str) -> lis
         elif local(child) in expected:
             found.append(child)
         else:
-            carry_element(fields, child)
+            keep_element(fields, child)
     return found
 
 
@@ -470,14 +470,14 @@ class _Object:
         self, native: frozenset[str], *, reported: frozenset[str] = frozenset(), also: dict[str, Any] | None = None
     ) -> None:
         """Write what was kept, sort the attributes as TIA Portal does, and carry the fields that are left."""
-        carried = self.thing.carried
-        for name, value in carried.attributes.items() if carried is not None else ():
+        extension_data = self.thing.extension_data
+        for name, value in extension_data.attributes.items() if extension_data is not None else ():
             if name.startswith("@"):
                 owner, _, mark = name[1:].rpartition("@")
                 {"AttributeList": self.values, "ObjectList": self.objects}.get(owner, self.element).set(mark, value)
             elif name not in ("Datatype", ID):
                 self.set(name, value)
-        for content in carried.elements if carried is not None else ():
+        for content in extension_data.elements if extension_data is not None else ():
             holder = etree.Element("holder")
             add_element(self.ctx, holder, content)
             for element in list(holder):

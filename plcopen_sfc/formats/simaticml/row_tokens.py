@@ -11,8 +11,8 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     TRUTHS,
     Fields,
     attributes,
-    carry_attribute,
     children,
+    keep_attribute,
     keep_verbatim,
     local,
     opaque_body,
@@ -31,9 +31,9 @@ _CALL_STATEMENT = re.compile(r'("[^"]+"|#?\w+(?:\.\w+)*)\((.*)\);?', re.DOTALL)
 _ARGUMENT = re.compile(r"([^\W\d]\w*) (:=|=>) (.*)", re.DOTALL)
 _INDENT = 4
 LAYOUT = "blanks"
-"""Carried attribute of an association: the blanks behind each token of its row, where they are not the usual ones."""
+"""Extension attribute of an association: the blanks behind each token of its row, where they are not the usual ones."""
 CALLEE = "callee"
-"""Carried attribute of an association: the function block whose instance it calls."""
+"""Extension attribute of an association: the function block whose instance it calls."""
 GRAPH_QUALIFIERS = frozenset(
     {Qualifier.NONE, Qualifier.N, Qualifier.S, Qualifier.R, Qualifier.D, Qualifier.L, Qualifier.CALL}
     | {Qualifier.ON, Qualifier.OFF, Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR}
@@ -76,17 +76,17 @@ def read_action(element: etree._Element) -> Fields:
         return fields
     layout = layout_of(element)
     if layout is not None and layout != layout_of(copy):
-        carry_attribute(fields, LAYOUT, layout)
+        keep_attribute(fields, LAYOUT, layout)
         write_row(copy := etree.Element("Action"), ActionAssociation.model_validate({"id": 0, **fields}))
     if not same_content(element, copy):
         keep_verbatim(fields, element)
-        fields["carried"]["attributes"].pop(LAYOUT, None)
+        fields["extension_data"]["attributes"].pop(LAYOUT, None)
     return fields
 
 
 def write_row(element: etree._Element, action: ActionAssociation, blocks: Mapping[str, str] | None = None) -> None:
     """Fill ``Action`` with the tokens of an association. `blocks` are the function blocks of instance data blocks."""
-    kept = action.carried.attributes if action.carried is not None else {}
+    kept = action.extension_data.attributes if action.extension_data is not None else {}
     event, qualifier = action.event, action.qualifier
     if qualifier in AS_EVENTS and event is None:
         event, qualifier = AS_EVENTS[qualifier], Qualifier.N
@@ -202,7 +202,7 @@ def _call_statement(found: re.Match[str]) -> Fields | None:
     text = f"{instance or callee}({', '.join(parameters)});"
     fields: Fields = {"qualifier": Qualifier.CALL, "body": {"language": "ST", "text": text}}
     if instance is not None:
-        carry_attribute(fields, CALLEE, callee)
+        keep_attribute(fields, CALLEE, callee)
     return fields
 
 

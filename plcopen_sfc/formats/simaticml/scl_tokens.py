@@ -17,9 +17,9 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     NotUnderstoodError,
     XmlNode,
     attributes,
-    carry_attribute,
     child_named,
     children,
+    keep_attribute,
     local,
 )
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, add_element, sub
@@ -193,7 +193,7 @@ def write_code(ctx: DocumentWriting, source: etree._Element, body: StBody) -> No
         ctx.note(Outcome.DROPPED, "comment", why="an edited text keeps only one language of a comment")
     if body.text:
         root = ctx.root("StructuredText", "StructuredText", source)
-        kept = body.carried.attributes if body.carried is not None else {}
+        kept = body.extension_data.attributes if body.extension_data is not None else {}
         write_text(root, legal_text(body.text), InterfaceNames(ctx.types, ctx.constants), ctx.culture, kept)
         if NUMBERS in kept:
             renumber(root, kept[NUMBERS])
@@ -217,9 +217,9 @@ def read_code(element: etree._Element, names: InterfaceNames) -> Fields:
             return fields
         short = shortened(numbers, _numbers(copy) or [])
     for name, hint in hints.items():
-        carry_attribute(fields, name, hint)
+        keep_attribute(fields, name, hint)
     if short:
-        carry_attribute(fields, NUMBERS, short)
+        keep_attribute(fields, NUMBERS, short)
     return fields
 
 
@@ -250,9 +250,9 @@ def _hints(element: XmlNode) -> dict[str, str]:
 
 
 CALL = "call "
-"""Prefix of carried attributes: a call that looks like one of a function calls an instance data block."""
+"""Prefix of extension attributes: a call that looks like one of a function calls an instance data block."""
 _TYPES = "types of "
-"""Prefix of carried attributes: the types for which an instruction is called, as JSON."""
+"""Prefix of extension attributes: the types for which an instruction is called, as JSON."""
 
 
 def _culture(element: XmlNode) -> str:
@@ -319,7 +319,7 @@ def write_text(
 ) -> None:
     """Fill ``StructuredText`` with the tokens of `text`.
 
-    `hints` are the carried attributes of the body, with the facts that neither the text nor `names` have.
+    `hints` are the extension attributes of the body, with the facts that neither the text nor `names` have.
     """
     _Writer(root, text.replace("\r\n", "\n"), names, culture, hints or {}).run()
 

@@ -16,8 +16,8 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
     Fields,
     NotUnderstoodError,
-    carry_attribute,
     children,
+    keep_attribute,
     whole_number,
 )
 from plcopen_sfc.formats.simaticml.sequence_rules import (
@@ -52,7 +52,7 @@ class Topology:
 
 
 CARDINALITY = "Cardinality"
-"""Carried attribute of a branch, followed by the number of its paths: the number that the file gives."""
+"""Extension attribute of a branch, followed by the number of its paths: the number that the file gives."""
 
 
 def added_in(element: etree._Element) -> set[ElementRef]:
@@ -183,7 +183,7 @@ class TopologyReader:
             if found != count:
                 message = f"the branch {branch['name']} has {found} paths, but its Cardinality is {count}"
                 self.ctx.error("SFC113", message, element)
-                carry_attribute(branch, f"{CARDINALITY} of {found}", str(count))
+                keep_attribute(branch, f"{CARDINALITY} of {found}", str(count))
         symbols = [*self.found.symbols.values(), *self.found.blocks, *self.found.jumps]
         chart["drawing"] = {"symbols": symbols}
         inputs = {s["id"]: [w["source"] for pin in s["inputs"] for w in pin["connections"]] for s in symbols}
@@ -261,7 +261,7 @@ class TopologyWriter:
         for symbol in self.symbols.values():
             if symbol.kind in _TYPES:
                 count = str(len(self.paths[symbol.id]) if symbol.id in self.paths else len(symbol.inputs))
-                kept = symbol.carried.attributes if symbol.carried is not None else {}
+                kept = symbol.extension_data.attributes if symbol.extension_data is not None else {}
                 count = kept.get(f"{CARDINALITY} of {count}", count)
                 attributes = {"Number": str(self.numbers[symbol.id]), "Type": _TYPES[symbol.kind], "Cardinality": count}
                 yield symbol, attributes

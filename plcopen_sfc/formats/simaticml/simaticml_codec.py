@@ -41,7 +41,7 @@ from plcopen_sfc.languages.s7_boxes import put_boxes
 from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of, unconnected
 from plcopen_sfc.languages.s7_programs import report_tasks, s7_programs
 from plcopen_sfc.languages.s7_types import s7_types
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, BlockCall, LogicNetwork
@@ -134,12 +134,12 @@ def write_project(
 
 def _ids(project: Project) -> list[str]:
     """Return the ids that the file has, where they are no running numbers."""
-    return project.carried.attributes.get(IDS, "").split() if project.carried is not None else []
+    return project.extension_data.attributes.get(IDS, "").split() if project.extension_data is not None else []
 
 
 def _tree(project: Project, version: TiaVersion, report: ConversionReport, options: WriteOptions) -> etree._Element:
     """Return the tree with all ids still empty."""
-    kept = project.carried.attributes if project.carried is not None else {}
+    kept = project.extension_data.attributes if project.extension_data is not None else {}
     schemas = {kind: version.schema(kind) for kind in ("Interface", "Graph", "FlgNet", "StructuredText")}
     schemas["StatementList"] = version.statement_list
     if options.same:
@@ -176,7 +176,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
         ctx.note(Outcome.NOT_EXECUTED, what, name, why)
     if any(project.resources()):
         report_tasks(ctx.project, report)
-    for content in project.carried.elements if project.carried is not None else ():
+    for content in project.extension_data.elements if project.extension_data is not None else ():
         add_element(ctx, root, content)
     finish(ctx, root, project, _NATIVE, reported=frozenset({"applications", "configurations"}))
     seal_marks(root)
@@ -187,7 +187,7 @@ def added_objects(project: Project) -> list[Pou | DataBlock | TagTable]:
     """Return the objects that only S7 has: those of enumerations, global variables, programs, tasks and actions."""
     programs = s7_programs(project)
     for caller in programs.callers:
-        caller.block.carried = Carried(attributes={"SecondaryType": caller.event_class})
+        caller.block.extension_data = ExtensionData(attributes={"SecondaryType": caller.event_class})
         caller.block.bodies = [FbdBody(networks=[_call(*each) for each in caller.called])]
     tables = [*s7_types(project).tables(), *tag_tables_of(project)]
     blocks = [*data_blocks_of(project), *programs.blocks]
@@ -212,7 +212,7 @@ def _in_order(
     things = [*project.tag_tables, *tables, *project.data_types, *project.data_blocks, *blocks, *pous]
 
     def rank(thing: Pou | DataBlock | DataTypeDeclaration | TagTable) -> int:
-        text = thing.carried.attributes.get(ID, "") if thing.carried is not None else ""
+        text = thing.extension_data.attributes.get(ID, "") if thing.extension_data is not None else ""
         try:
             return int(text, 16)
         except ValueError:
@@ -230,13 +230,13 @@ def _document_info(ctx: DocumentWriting, root: etree._Element, header: FileHeade
         if any(value for name, value in header.model_dump(exclude_defaults=True).items()):
             finish(ctx, root, Project(header=header), frozenset())
         return
-    kept = header.carried.attributes if header.carried is not None else {}
+    kept = header.extension_data.attributes if header.extension_data is not None else {}
     for name, value in kept.items():
         if name == "#text":
             root[0].text = value
         elif name != "DocumentInfo" and not name.startswith("@"):
             root[0].set(name, value)
-    elements = header.carried.elements if header.carried is not None else []
+    elements = header.extension_data.elements if header.extension_data is not None else []
     if not (header.created or header.description is not None or elements or "DocumentInfo" in kept):
         return
     info = sub(root, "DocumentInfo", {name[1:]: value for name, value in kept.items() if name.startswith("@")})
@@ -362,7 +362,7 @@ class SimaticmlCodec(FolderCodec):
         if not options.same:
             if project.header.product == PRODUCT and options.version:
                 project.header.version = options.version
-            kept = project.carried.attributes if project.carried is not None else {}
+            kept = project.extension_data.attributes if project.extension_data is not None else {}
             for name in [name for name in kept if name.startswith(SCHEMA)]:
                 del kept[name]
             for chart in project.charts():

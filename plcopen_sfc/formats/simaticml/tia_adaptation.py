@@ -14,7 +14,7 @@ from plcopen_sfc.formats.simaticml.scl_tokens import CALL
 from plcopen_sfc.formats.simaticml.sequence_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
 from plcopen_sfc.languages.s7_globals import tag_tables_of
 from plcopen_sfc.languages.s7_types import s7_types
-from plcopen_sfc.model.base import Carried, Model
+from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import BodyBase, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.network import Connection, LogicNetwork
@@ -111,8 +111,8 @@ def _mark_instances(project: Project) -> None:
         for body in pou.bodies:
             called = [name for name in names if isinstance(body, StBody) and _calls(body.text, name)]
             if called:
-                body.carried = body.carried or Carried()
-                body.carried.attributes |= {f'{CALL}"{name}"': "FB" for name in called}
+                body.extension_data = body.extension_data or ExtensionData()
+                body.extension_data.attributes |= {f'{CALL}"{name}"': "FB" for name in called}
 
 
 def _mark_constants(project: Project) -> None:
@@ -138,8 +138,8 @@ def mark_constants(thing: StBody | LogicNetwork, text: str, names: Iterable[str]
     """Mark the operands in `text` of a program that are user constants."""
     found = {f'{HINT}"{name}"': "GlobalConstant" for name in names if f'"{name}"' in text}
     if found:
-        thing.carried = thing.carried or Carried()
-        thing.carried.attributes |= found
+        thing.extension_data = thing.extension_data or ExtensionData()
+        thing.extension_data.attributes |= found
 
 
 def network_text(network: LogicNetwork) -> str:

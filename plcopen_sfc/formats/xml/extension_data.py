@@ -22,7 +22,7 @@ from pydantic import ValidationError
 from plcopen_sfc.errors import Location, ModelError, StructureError
 from plcopen_sfc.formats.format_interface import TIA_PORTAL
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
-from plcopen_sfc.model.base import Carried, ForeignData, Model
+from plcopen_sfc.model.base import ExtensionData, ForeignData, Model
 from plcopen_sfc.model.project import Project
 
 
@@ -128,7 +128,7 @@ def _escaped(text: str | None) -> str:
 
 
 def add_markup(parent: etree._Element, markup: str) -> None:
-    """Append markup that was carried as text. Raises `ModelError` where it is no markup."""
+    """Append markup that was kept as text. Raises `ModelError` where it is no markup."""
     holder = parsed_markup(f"<x>{markup}</x>")
     if holder.text and holder.text.strip():
         parent.text = (parent.text or "") + holder.text
@@ -143,7 +143,9 @@ def parsed_markup(markup: str) -> etree._Element:
     except (etree.XMLSyntaxError, ValueError) as error:  # ValueError: control characters, or a declared encoding
         why = str(error)
     shown = markup if len(markup) <= _SHOWN else f"{markup[:_SHOWN]}.."
-    hint = "Nothing was written. Mend the extension data (`carried`) of the object that has them, or remove them."
+    hint = (
+        "Nothing was written. Mend the extension data (`extension_data`) of the object that has them, or remove them."
+    )
     # without the error of lxml as its context: it could not be pickled
     raise ModelError(f"extension data are no well-formed XML: {why}: {shown}", hint=hint)
 
@@ -158,7 +160,7 @@ def set_attributes(element: etree._Element, kept: Mapping[str, str]) -> None:
             try:
                 element.set(name, value)
             except ValueError as error:
-                hint = "Nothing was written. Mend the extension data (`carried`) of the object, or remove them."
+                hint = "Nothing was written. Mend the extension data (`extension_data`) of the object, or remove them."
                 raise ModelError(
                     f"extension data have an attribute that XML cannot have: {error}", hint=hint
                 ) from error
@@ -185,7 +187,7 @@ def _defaults(kind: type[Model], native: frozenset[str]) -> list[tuple[str, Any]
     return [(name, info.get_default(call_default_factory=True)) for name, info in fields if name not in native]
 
 
-KEPT_MARKUP = "urn:plcopen-sfc:carried"
+KEPT_MARKUP = "urn:plcopen-sfc:kept"
 """The name of such data begins so; the `Markup` that it is follows after a colon."""
 
 
@@ -207,26 +209,26 @@ def exchange_markup(thing: Model, own: Markup, wanted: Markup) -> None:
     Objects and charts that are unread stay so, and as they are.
     """
     if own is not wanted:
-        for holder, name, carried in list(_carried_in(thing)):
-            setattr(holder, name, _exchanged(carried, own, wanted))
+        for holder, name, extension_data in list(_extension_data_in(thing)):
+            setattr(holder, name, _exchanged(extension_data, own, wanted))
 
 
-def _carried_in(thing: Any) -> Iterator[tuple[Model, str, Carried]]:
+def _extension_data_in(thing: Any) -> Iterator[tuple[Model, str, ExtensionData]]:
     if isinstance(thing, Model):
         for name, value in thing.__dict__.items():
-            if isinstance(value, Carried):
+            if isinstance(value, ExtensionData):
                 yield thing, name, value
             else:
-                yield from _carried_in(value)
+                yield from _extension_data_in(value)
     elif isinstance(thing, list):
         for item in thing:
-            yield from _carried_in(item)
+            yield from _extension_data_in(item)
 
 
-def _exchanged(carried: Carried, own: Markup, wanted: Markup) -> Carried:
-    left = Carried(attributes=carried.attributes, elements=carried.elements)
-    found = Carried()
-    for data in carried.data:
+def _exchanged(extension_data: ExtensionData, own: Markup, wanted: Markup) -> ExtensionData:
+    left = ExtensionData(attributes=extension_data.attributes, elements=extension_data.elements)
+    found = ExtensionData()
+    for data in extension_data.data:
         if data.name == f"{KEPT_MARKUP}:{wanted}" and (taken := _restored(data)) is not None:
             found.data += taken.data
             found.attributes |= taken.attributes
@@ -235,20 +237,20 @@ def _exchanged(carried: Carried, own: Markup, wanted: Markup) -> Carried:
             found.data.append(data)
         else:
             left.data.append(data)
-    if left != Carried() or not carried.data:
+    if left != ExtensionData() or not extension_data.data:
         found.data.append(_kept_as_data(left, own))
     return found
 
 
-def _kept_as_data(carried: Carried, own: Markup) -> ForeignData:
-    element = etree.Element(f"{{{KEPT_MARKUP}}}carried", nsmap={None: KEPT_MARKUP})  # type: ignore[dict-item]  # lxml-stubs
-    element.text = carried.model_dump_json(exclude_defaults=True)
+def _kept_as_data(extension_data: ExtensionData, own: Markup) -> ForeignData:
+    element = etree.Element(f"{{{KEPT_MARKUP}}}kept", nsmap={None: KEPT_MARKUP})  # type: ignore[dict-item]  # lxml-stubs
+    element.text = extension_data.model_dump_json(exclude_defaults=True)
     return ForeignData(name=f"{KEPT_MARKUP}:{own}", content=markup(element))
 
 
-def _restored(data: ForeignData) -> Carried | None:
+def _restored(data: ForeignData) -> ExtensionData | None:
     """Return the markup that was kept as data; None where it is damaged."""
     try:
-        return Carried.model_validate_json(parsed_markup(data.content).text or "")
+        return ExtensionData.model_validate_json(parsed_markup(data.content).text or "")
     except (ModelError, ValidationError):
         return None

@@ -307,8 +307,8 @@ def variables_in(section: VariableSection) -> Iterator[Declaration]:
 def qualified_only(thing: VariableSection | object) -> bool:
     """True if a list or an enumeration must be named with what it holds (CODESYS ``attribute 'qualified_only'``)."""
     texts = [getattr(thing, "declaration", None) or ""]
-    if isinstance(thing, Element) and thing.carried is not None:
-        texts += [data.content for data in thing.carried.data if data.name.endswith("/attributes")]
+    if isinstance(thing, Element) and thing.extension_data is not None:
+        texts += [data.content for data in thing.extension_data.data if data.name.endswith("/attributes")]
     return any("qualified_only" in text for text in texts)
 
 

@@ -17,7 +17,7 @@ from plcopen_sfc.model import network as n
 from plcopen_sfc.model import sfc as s
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.actions import ActionAssociation, ForcingOrder
-from plcopen_sfc.model.base import Carried, ForeignData, Model
+from plcopen_sfc.model.base import ExtensionData, ForeignData, Model
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
@@ -137,7 +137,7 @@ NAMING: dict[type[Model], dict[str, tuple[SiteKind, Role]]] = {
     b.StBody: {"text": _STATEMENTS},
     b.IlBody: {"text": (SiteKind.INSTRUCTIONS, Role.VALUE)},
     b.OpaqueBody: {"content": _FOREIGN},
-    Carried: {"elements": _FOREIGN},
+    ExtensionData: {"elements": _FOREIGN},
     ForeignData: {"content": _FOREIGN},
     Expression: {"text": _EXPRESSION},
     NamedCondition: {"name": (SiteKind.EXPRESSION, Role.TRANSITION)},
@@ -214,7 +214,7 @@ NAMELESS: dict[str, frozenset[str]] = {
         BodyBase.worksheet StBody.worksheet IlBody.worksheet FbdBody.worksheet LdBody.worksheet SfcBody.worksheet
         OpaqueBody.worksheet OpaqueBody.source FileHeader.company FileHeader.company_url FileHeader.product
         FileHeader.version FileHeader.release FileHeader.created FileHeader.description ForeignData.name
-        ForeignDataInfo.name ForeignDataInfo.vendor ForeignDataInfo.version Carried.attributes
+        ForeignDataInfo.name ForeignDataInfo.vendor ForeignDataInfo.version ExtensionData.attributes
         GraphSettings.version GraphSettings.initial_values_acquisition GraphSettings.network_language Project.version
         Project.modified Project.organization Project.author RuntimeLibrary.title Variable.attributes
         RuntimeLibrary.company RuntimeLibrary.version RuntimeLibrary.namespace TaskSettings.interval_unit
@@ -356,7 +356,7 @@ def _below(thing: Model, key: str, where: _Where) -> _Where:
     """Return the surroundings of the objects in a field."""
     if key == "initial" and isinstance(thing, t.Variable | t.DataTypeDeclaration):
         return replace(where, owner=ValueOf(thing.type))
-    if key == "carried":
+    if key == "extension_data":
         owner = thing if isinstance(thing, VariableSection) else None
         return replace(where, language="foreign data", owner=owner)
     if key == "value" and isinstance(thing, t.MemberValue) and isinstance(where.owner, ValueOf):

@@ -366,7 +366,7 @@ class _Reader:
             kind=kind,
             variables=[part.thing for part in parts if part.thing is not None],
             comment=said([*before, *rest]),
-            carried=keep(texts),
+            extension_data=keep(texts),
             **{_FLAGS[word]: True for word in node.qualifiers if word in _FLAGS},
         )
         return Found(section, node, _with_comments((start, end), before), parts)
@@ -378,7 +378,7 @@ class _Reader:
         rest = self._comments.take(0, end)
         texts = {"keyword": "STRUCT"} | self._braces([*before, *rest]) | _unreadable(parts)
         variables = [part.thing for part in parts if part.thing is not None]
-        section = VariableSection(variables=variables, comment=said([*before, *rest]), carried=keep(texts))
+        section = VariableSection(variables=variables, comment=said([*before, *rest]), extension_data=keep(texts))
         return Found(section, node, _with_comments((start, end), before), parts)
 
     def _variable(self, node: d.VariableDeclaration) -> Iterator[Found]:
@@ -400,7 +400,7 @@ class _Reader:
                 initial=initial if single or initial is None else initial.model_copy(deep=True),
                 comment=said(around),
                 attributes=dict(attributes or {}),
-                carried=keep(texts),
+                extension_data=keep(texts),
             )
             yield Found(variable, node, span)
 
@@ -410,7 +410,7 @@ class _Reader:
         parts = tuple(self._members(node.paths, self._access_path))
         comment = said([*before, *self._comments.take(0, end)])
         variables = [part.thing for part in parts if part.thing is not None]
-        section = AccessSection(variables=variables, comment=comment, carried=keep(_unreadable(parts)))
+        section = AccessSection(variables=variables, comment=comment, extension_data=keep(_unreadable(parts)))
         return Found(section, node, (start, end), parts)
 
     def _access_path(self, node: d.AccessPath) -> Iterator[Found]:
@@ -429,7 +429,7 @@ class _Reader:
         parts = tuple(self._members(node.entries, self._config_entry))
         comment = said([*before, *self._comments.take(0, end)])
         variables = [part.thing for part in parts if part.thing is not None]
-        section = ConfigSection(variables=variables, comment=comment, carried=keep(_unreadable(parts)))
+        section = ConfigSection(variables=variables, comment=comment, extension_data=keep(_unreadable(parts)))
         return Found(section, node, (start, end), parts)
 
     def _config_entry(self, node: d.ConfigEntry) -> Iterator[Found]:
@@ -457,7 +457,7 @@ class _Reader:
             type=type_,
             initial=self._value(node.initial) if node.initial is not None else None,
             comment=said(around),
-            carried=keep(texts),
+            extension_data=keep(texts),
         )
         yield Found(declaration, node, _with_comments(_span(node), around))
 
@@ -495,7 +495,7 @@ class _Reader:
         members = [part.thing for part in parts if part.thing is not None]
         rest = self._comments.take(0, _span(node)[1])
         texts = ({"union": ""} if node.union else {}) | _unreadable(parts) | self._braces(rest)
-        return t.StructType(members=members, comment=said(rest), carried=keep(texts))
+        return t.StructType(members=members, comment=said(rest), extension_data=keep(texts))
 
     def _named_type(self, node: d.NamedType) -> t.DataType:
         text = self._slice(node.name)
@@ -508,7 +508,7 @@ class _Reader:
             texts["constructor"] = self._text[_span(node.name)[1] : _span(node)[1]]
         if self._scl and (text != name) != is_quoted_in_scl(name):
             texts["quoted" if text != name else "unquoted"] = ""
-        return t.DerivedType(name=name, carried=keep(texts))
+        return t.DerivedType(name=name, extension_data=keep(texts))
 
     # -- values
 

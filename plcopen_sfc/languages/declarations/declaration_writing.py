@@ -68,7 +68,7 @@ def _length(length: str | None, dialect: Dialect) -> str:
 
 
 def _derived(type_: t.DerivedType, dialect: Dialect) -> str:
-    texts = kept(type_.carried)
+    texts = kept(type_.extension_data)
     quoted = "quoted" in texts or (is_quoted_in_scl(type_.name) and "unquoted" not in texts)
     if dialect is Dialect.SCL and quoted:
         name = '"' + type_.name.replace('"', "_") + '"'
@@ -99,7 +99,7 @@ def _enum_value(value: t.EnumValue, dialect: Dialect) -> str:
 
 
 def _struct(type_: t.StructType, dialect: Dialect, indent: str) -> str:
-    texts = kept(type_.carried)
+    texts = kept(type_.extension_data)
     word = "Struct" if dialect is Dialect.SCL else "UNION" if "union" in texts else "STRUCT"
     deeper = indent + indent_of(dialect)
     lines = [write_variable(member, dialect, deeper) for member in type_.members]
@@ -146,7 +146,7 @@ def _parses(text: str, dialect: Dialect) -> bool:
 
 def write_variable(variable: t.Variable, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
     """The lines of a variable: a short comment is behind it, a longer one before it."""
-    texts = kept(variable.carried)
+    texts = kept(variable.extension_data)
     scl = dialect is Dialect.SCL
     attributes = _attributes(variable, texts) if scl else ""
     name = written_name(variable.name, dialect) if variable.name or variable.address is None else ""
@@ -196,7 +196,7 @@ def write_section(section: VariableSection, dialect: Dialect = Dialect.IEC, inde
 
 def section_head(section: VariableSection, dialect: Dialect) -> list[str]:
     """The lines before the variables of a section."""
-    texts = kept(section.carried)
+    texts = kept(section.extension_data)
     word = texts.get("keyword", "")
     words = [word if word.startswith("VAR") else SECTION_KEYWORDS[section.kind]]
     constant = section.constant or section.kind.value == "constant"
@@ -207,7 +207,7 @@ def section_head(section: VariableSection, dialect: Dialect) -> list[str]:
 
 def section_rest(section: VariableSection, indent: str) -> list[str]:
     """The lines between the last variable of a section and its end: what did not parse when it was read."""
-    return _kept_lines(kept(section.carried), indent)
+    return _kept_lines(kept(section.extension_data), indent)
 
 
 def _kept_lines(texts: dict[str, str], indent: str) -> list[str]:
@@ -228,7 +228,7 @@ def write_access_section(section: AccessSection, dialect: Dialect = Dialect.IEC,
         direction = f" {_DIRECTIONS[variable.direction]}" if variable.direction is not None else ""
         text = f"{written_name(variable.alias, dialect)} : {variable.path} : {write_type(variable.type)}{direction};"
         lines.append(_with_comment(variable.comment, text, dialect, deeper, []))
-    return "\n".join([*lines, *_kept_lines(kept(section.carried), deeper), f"{indent}END_VAR"])
+    return "\n".join([*lines, *_kept_lines(kept(section.extension_data), deeper), f"{indent}END_VAR"])
 
 
 _DIRECTIONS = {AccessDirection.READ_ONLY: "READ_ONLY", AccessDirection.READ_WRITE: "READ_WRITE"}
@@ -244,7 +244,7 @@ def write_config_section(section: ConfigSection, dialect: Dialect = Dialect.IEC,
         value = f" := {initial}" if initial else ""
         text = f"{variable.path}{address} : {write_type(variable.type, dialect, deeper)}{value};"
         lines.append(_with_comment(variable.comment, text, dialect, deeper, []))
-    return "\n".join([*lines, *_kept_lines(kept(section.carried), deeper), f"{indent}END_VAR"])
+    return "\n".join([*lines, *_kept_lines(kept(section.extension_data), deeper), f"{indent}END_VAR"])
 
 
 # -- declarations of types
@@ -252,7 +252,7 @@ def write_config_section(section: ConfigSection, dialect: Dialect = Dialect.IEC,
 
 def write_data_type(declaration: t.DataTypeDeclaration, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
     """``TYPE name : type := initial; END_TYPE``, in SCL ``TYPE "name" STRUCT .. END_STRUCT; END_TYPE``."""
-    texts = kept(declaration.carried)
+    texts = kept(declaration.extension_data)
     lines = [indent + line for line in _comment(declaration.comment, dialect)]
     if dialect is Dialect.SCL:
         return "\n".join([*lines, *_scl_type(declaration, texts, indent)])

@@ -10,7 +10,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.declaration_nodes import PouHead
 from plcopen_sfc.languages.st.parsing import parse_declarations
 from plcopen_sfc.languages.st.printing import print_node
-from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.base import ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.variables import Interface
 
@@ -18,20 +18,22 @@ KEPT_DATA = "urn:plcopen-sfc:declaration"
 _ENTRY = re.compile(r"<(?P<name>\w+)>(?P<text>[^<]*)</(?P=name)>")
 
 
-def keep(texts: dict[str, str]) -> Carried | None:
+def keep(texts: dict[str, str]) -> ExtensionData | None:
     """Foreign data that holds `texts`; None if there are none."""
     if not texts:
         return None
     entries = "".join(f"<{name}>{escape(text)}</{name}>" for name, text in texts.items())
     content = f'<declaration xmlns="{KEPT_DATA}">{entries}</declaration>'
-    return Carried(data=[ForeignData(name=KEPT_DATA, content=content)])
+    return ExtensionData(data=[ForeignData(name=KEPT_DATA, content=content)])
 
 
-def kept(carried: Carried | None) -> dict[str, str]:
+def kept(extension_data: ExtensionData | None) -> dict[str, str]:
     """The texts that `keep` put there."""
-    if carried is None:
+    if extension_data is None:
         return {}
-    entries = (entry for data in carried.data if data.name == KEPT_DATA for entry in _ENTRY.finditer(data.content))
+    entries = (
+        entry for data in extension_data.data if data.name == KEPT_DATA for entry in _ENTRY.finditer(data.content)
+    )
     return {entry["name"]: unescape(entry["text"]) for entry in entries}
 
 
@@ -46,7 +48,7 @@ class Inheritance(NamedTuple):
         parts = (("EXTENDS", self.extends), ("IMPLEMENTS", self.implements))
         return " ".join(f"{word} {', '.join(names)}" for word, names in parts if names)
 
-    def keep(self) -> Carried | None:
+    def keep(self) -> ExtensionData | None:
         """Return what an interface keeps of it."""
         parts = (("extends", self.extends), ("implements", self.implements))
         return keep({name: ", ".join(names) for name, names in parts if names})
@@ -61,12 +63,12 @@ def inheritance(interface: Interface | None) -> Inheritance:
         tree = parse_declarations(interface.declaration or "", Dialect.CODESYS).tree
         for head in (item for item in tree.items if isinstance(item, PouHead)):
             return Inheritance(_names(head.extends), _names(head.implements))
-    return kept_inheritance(interface.carried)
+    return kept_inheritance(interface.extension_data)
 
 
-def kept_inheritance(carried: Carried | None) -> Inheritance:
+def kept_inheritance(extension_data: ExtensionData | None) -> Inheritance:
     """Return what is kept of EXTENDS and IMPLEMENTS of an object."""
-    texts = kept(carried)
+    texts = kept(extension_data)
     return Inheritance(_listed(texts.get("extends", "")), _listed(texts.get("implements", "")))
 
 

@@ -17,7 +17,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.project import Project
 
-_ANNOTATIONS = ("carried", "global_id", "comment")
+_ANNOTATIONS = ("extension_data", "global_id", "comment")
 """Fields of elements that nothing executes."""
 
 

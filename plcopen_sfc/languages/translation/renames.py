@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from plcopen_sfc.languages.standard_blocks import standard_blocks
 from plcopen_sfc.languages.words import CODESYS_KEYWORDS, TRANSLATED_KEYWORDS
-from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.base import ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 
@@ -148,18 +148,18 @@ NAMES_DATA = "urn:plcopen-sfc:names"
 
 def keep_names(project: Project, renames: Renames) -> None:
     """Keep the renames with the project instead of those that it has kept before."""
-    carried = project.carried or Carried()
-    data = [one for one in carried.data if one.name != NAMES_DATA]
+    extension_data = project.extension_data or ExtensionData()
+    data = [one for one in extension_data.data if one.name != NAMES_DATA]
     if found := sorted((rename.scope.value, rename.old, rename.new) for rename in renames):
         text = json.dumps(found).replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
         data.append(ForeignData(name=NAMES_DATA, content=f'<names xmlns="{NAMES_DATA}">{text}</names>'))
-    carried = carried.model_copy(update={"data": data})
-    project.carried = carried if carried != Carried() else None
+    extension_data = extension_data.model_copy(update={"data": data})
+    project.extension_data = extension_data if extension_data != ExtensionData() else None
 
 
 def kept_names(project: Project) -> Renames:
     """The renames that a project has kept since its texts were translated from SCL; none where they are damaged."""
-    for data in project.carried.data if project.carried is not None else ():
+    for data in project.extension_data.data if project.extension_data is not None else ():
         if data.name == NAMES_DATA:
             text = data.content.partition(">")[2].rpartition("</")[0]
             try:

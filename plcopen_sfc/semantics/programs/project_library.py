@@ -139,14 +139,14 @@ class TypeReader:
 
     def _make(self, holder: m.DataTypeDeclaration, scope: Scope) -> t.Type:
         if isinstance(holder.type, m.StructType):
-            return self.structure(holder.name, holder.type, scope, base=kept(holder.carried).get("extends"))
+            return self.structure(holder.name, holder.type, scope, base=kept(holder.extension_data).get("extends"))
         if isinstance(holder.type, m.EnumType):
             return self._enumeration(holder.name, holder.type, scope)
         return self.read(holder.type, scope)
 
     def structure(self, name: str, type_: m.StructType, scope: Scope, base: str | None = None) -> t.StructureType:
         """A structure; the initial values of its members are constants."""
-        if "union" in kept(type_.carried):
+        if "union" in kept(type_.extension_data):
             raise SimulationError(f"{name} is a UNION, which the simulator does not know")
         inherited = self.named(base, scope) if base else None
         layout = Layout(name, inherited.layout if isinstance(inherited, t.StructureType) else None)

@@ -51,7 +51,7 @@ def declare(unit: TranslatedPou, compiler: ChartCompiler | None) -> None:
     for method in unit.pou.methods:
         unit.methods[method.name.casefold()] = TranslatedMethod(unit, method)
         for section in method.interface.sections if method.interface is not None else ():
-            if kept(section.carried).get("keyword") == "VAR_INST":
+            if kept(section.extension_data).get("keyword") == "VAR_INST":
                 unit.library.problems.append(SimulationError(f"VAR_INST of {method.name} does not keep its value"))
     for name, _, body in unit.pou.named_bodies():
         if compiler is None or not isinstance(body, SfcBody) or id(body) in unit.executions:
@@ -102,7 +102,7 @@ def _declare_variable(callee: Callee, section: VariableSection, variable: m.Vari
         return
     if section.kind is SectionKind.ACCESS:
         return
-    if "edge" in kept(variable.carried):
+    if "edge" in kept(variable.extension_data):
         raise SimulationError(f"{variable.name} is an input that watches for an edge: the simulator knows none")
     type_ = callee.library.read_type(variable.type, callee.scope)
     if variable.address and "*" not in variable.address:

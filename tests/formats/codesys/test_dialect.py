@@ -90,7 +90,7 @@ def test_attributes_of_an_association() -> None:
     loaded = loaded_from(step(0, "A", initial=True), block(8, 0, line), *CIRCLE)
     (one,) = network_of(loaded).steps[0].actions
     assert (one.comment, one.exclude, one.symbol) == ("c", True, m.SymbolAccess.READ_WRITE)
-    assert one.carried is None
+    assert one.extension_data is None
     one.duration = "T#3s"
     assert sfc.dumps(loaded).count(b"T#3s") == 2
 
@@ -108,9 +108,9 @@ def test_unknown_attributes_are_carried() -> None:
     guid = "11111111-2222-3333-4444-555555555555"
     more = table(NAME="A").replace("</attributes>", f'<attribute guid="{guid}">neu</attribute></attributes>')
     loaded = loaded_from(step(0, "A", initial=True, more=more), *CIRCLE)
-    carried = network_of(loaded).steps[0].carried
-    assert carried is not None
-    assert guid in carried.data[0].content
+    extension_data = network_of(loaded).steps[0].extension_data
+    assert extension_data is not None
+    assert guid in extension_data.data[0].content
     assert f'<attribute guid="{guid}">neu</attribute>'.encode() in sfc.dumps(loaded, fresh=True)
     network_of(loaded).steps[0].max_time = "T#1s"
     assert f'<attribute guid="{guid}">neu</attribute>'.encode() in sfc.dumps(loaded)

@@ -177,7 +177,7 @@ END_FUNCTION_BLOCK
     assert "FUNCTION_BLOCK ABSTRACT Valve EXTENDS Device IMPLEMENTS IValve, IOpen\n" in written
     assert "METHOD PUBLIC Toggle : BOOL\n" in written
     assert "\n    PROPERTY State : INT\nGET\n" in written
-    assert "{plcopen_sfc carried" not in written
+    assert "{plcopen_sfc extension_data" not in written
     assert sfc.loads(written.encode()) == project
 
 

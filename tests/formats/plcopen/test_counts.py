@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from tests.samples import params, tree_of
 
 GUIDS = {
@@ -42,26 +42,26 @@ def carried_roots(found: list[BaseModel], namespace: str) -> list[etree._Element
     texts = [
         text
         for one in found
-        if isinstance(one, Carried)
+        if isinstance(one, ExtensionData)
         for text in (*one.elements, *(data.content for data in one.data))
     ]
     return [etree.fromstring(f"<x>{text}</x>".replace('xmlns="tc6"', f'xmlns="{namespace}"')) for text in texts]
 
 
 class Count:
-    """Numbers of elements by XPath, over the file without what is carried."""
+    """Numbers of elements by XPath, over the file without what is kept."""
 
-    def __init__(self, root: etree._Element, carried: list[etree._Element]) -> None:
+    def __init__(self, root: etree._Element, extension_data: list[etree._Element]) -> None:
         self.namespace = etree.QName(root).namespace
         self.root = root
-        self.carried = carried
+        self.extension_data = extension_data
 
     def __call__(self, path: str) -> int:
         """How many elements `path` finds; names of TC6 have the prefix ``p:``."""
         names = {"p": self.namespace}
         query = f"count(.//{path})"
         here = int(self.root.xpath(query, namespaces=names))  # type: ignore[arg-type]
-        return here - sum(int(c.xpath(query, namespaces=names)) for c in self.carried)  # type: ignore[arg-type]
+        return here - sum(int(c.xpath(query, namespaces=names)) for c in self.extension_data)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("path", params(7))

@@ -73,8 +73,8 @@ def test_step_with_all_attributes() -> None:
     assert (symbol.height, symbol.width, symbol.execution_order) == (40, 60.5, 3)
     assert symbol.action_output is not None
     assert (symbol.action_output.name, symbol.action_output.position) == ("x", (1, 2.25))
-    assert one.carried is not None
-    assert one.carried.data[0].name == "http://example.org/x"
+    assert one.extension_data is not None
+    assert one.extension_data.data[0].name == "http://example.org/x"
 
 
 @pytest.mark.parametrize("version", ["1.01", "2.0", "2.01"])
@@ -240,8 +240,8 @@ def test_block_without_step_is_carried_and_reported() -> None:
     network = loaded.pou("Main").sfc
     assert network is not None
     assert network.steps[0].actions == []
-    assert network.carried is not None
-    assert "actionBlock" in network.carried.elements[0]
+    assert network.extension_data is not None
+    assert "actionBlock" in network.extension_data.elements[0]
 
 
 def test_actions_with_the_same_id_get_ids_of_their_own() -> None:
@@ -437,7 +437,7 @@ def test_unknown_element_is_kept_and_reported(holder: str) -> None:
 def test_foreign_data_with_an_unknown_rule() -> None:
     loaded = sfc.loads(project(HOLDERS["step"](data("perhaps"))))
     assert codes(loaded) == ["XML203"]
-    assert loaded.pou("Main").sfc.steps[0].carried.data[0].rule is m.UnknownDataRule.IMPLEMENTATION  # type: ignore[union-attr]
+    assert loaded.pou("Main").sfc.steps[0].extension_data.data[0].rule is m.UnknownDataRule.IMPLEMENTATION  # type: ignore[union-attr]
 
 
 def test_unknown_attributes_are_kept() -> None:
@@ -445,9 +445,9 @@ def test_unknown_attributes_are_kept() -> None:
         chart(step(0, "A", initial=True, attributes=' hue="7" xmlns:v="urn:v" v:mark="x y"'), *SIMPLE[1:])
     )
     loaded = round_trip(content)
-    carried = loaded.pou("Main").sfc.steps[0].carried  # type: ignore[union-attr]
-    assert carried is not None
-    assert carried.attributes == {"hue": "7", "{urn:v}mark": "x y"}
+    extension_data = loaded.pou("Main").sfc.steps[0].extension_data  # type: ignore[union-attr]
+    assert extension_data is not None
+    assert extension_data.attributes == {"hue": "7", "{urn:v}mark": "x y"}
 
 
 @pytest.mark.parametrize(
@@ -463,7 +463,7 @@ def test_damaged_values_are_kept_and_reported(attributes: str, kept: dict[str, s
     loaded = round_trip(project(chart(step(0, "A", attributes=attributes))))
     assert "XML202" in codes(loaded)
     (only,) = loaded.pou("Main").sfc.steps  # type: ignore[union-attr]
-    holders = [only.carried, loaded.pou("Main").sfc.drawing.symbols[0].carried]  # type: ignore[union-attr]
+    holders = [only.extension_data, loaded.pou("Main").sfc.drawing.symbols[0].extension_data]  # type: ignore[union-attr]
     assert kept in [holder.attributes for holder in holders if holder is not None]
 
 

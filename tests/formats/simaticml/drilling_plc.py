@@ -11,7 +11,7 @@ from pathlib import Path
 
 import plcopen_sfc as sfc
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
-from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.network import (
     Block,
@@ -231,7 +231,7 @@ def call(block: str, instance: str, **inputs: str) -> LogicNetwork:
     pins = [BlockVariable(name="EN", input=InputPin())]
     for name, operand in inputs.items():
         pin = BlockVariable(name=name, input=InputPin(expression=operand))
-        pin.carried = Carried(attributes={"Type": "Bool"})
+        pin.extension_data = ExtensionData(attributes={"Type": "Bool"})
         pins.append(pin)
     parameters = BlockParameters(inputs=pins)
     node = Block(id=1, type_name=block, instance=instance, call=BlockCall.FUNCTION_BLOCK, parameters=parameters)
@@ -270,7 +270,7 @@ def project() -> sfc.Project:
     plc = sfc.loads(SOURCE.encode(), format="scl")
     plc.header = FileHeader(product="TIA Portal", version=TIA)
     for thing in plc.objects():
-        thing.carried = None
+        thing.extension_data = None
     block = Pou(name="FB_Drilling", kind=PouKind.FUNCTION_BLOCK, number=20, interface=interface())
     block.title, block.comment = texts("Bohrmaschine", "Drilling machine"), texts("Schrittkette", "Step chain")
     block.bodies = [SfcBody(chart=drilling_chart())]

@@ -46,7 +46,7 @@ def test_rows_of_actions(element: etree._Element, expected: dict[str, object]) -
     fields = read_action(element)
     action = ActionAssociation.model_validate({"id": 1, **fields})
     assert {name: getattr(action, name) for name in expected} == expected
-    assert action.carried is None or not action.carried.data
+    assert action.extension_data is None or not action.extension_data.data
     again = etree.Element("Action")
     write_row(again, action)
     assert etree.tostring(again, method="c14n") == etree.tostring(element, method="c14n")
@@ -58,7 +58,7 @@ def test_a_call_is_a_statement() -> None:
     action = ActionAssociation.model_validate({"id": 1, **read_action(row(*tokens, Qualifier="N"))})
     assert action.qualifier is Qualifier.CALL
     assert action.body == StBody(text='"FC_1"(a := 1, b := #c);')
-    assert action.carried is None
+    assert action.extension_data is None
 
 
 def test_a_row_that_no_rule_fits_is_kept() -> None:
@@ -129,7 +129,7 @@ def test_rows_of_the_corpus_are_in_the_model() -> None:
         for element in parsed(path.read_bytes()).iter("{*}Action"):
             if len(element) or element.attrib:
                 fields = read_action(element)
-                kept = any(data["name"] == VERBATIM for data in fields.get("carried", {}).get("data", []))
+                kept = any(data["name"] == VERBATIM for data in fields.get("extension_data", {}).get("data", []))
                 body = fields.get("body", {"language": "ST"})
                 outcomes["kept beside" if kept else "not read" if body["language"] == "opaque" else "in the model"] += 1
     if not real_documents():

@@ -73,4 +73,4 @@ def test_networks_and_their_parts(path: Path) -> None:
 
 
 def is_inverter(node: object) -> bool:
-    return isinstance(node, Block) and node.carried is not None and INVERTED in node.carried.attributes
+    return isinstance(node, Block) and node.extension_data is not None and INVERTED in node.extension_data.attributes

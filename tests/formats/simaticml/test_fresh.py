@@ -12,7 +12,7 @@ import plcopen_sfc as sfc
 from tests.formats.simaticml.documents import ALL_PARAMS, SOME_PARAMS, parsed
 
 NOT_EQUAL = frozenset({"f0477a1e2d4d0d8f3b3b0102776edf6e32c9286f.xml", "LAD_TemplateValve_V0.x.xml"})
-"""Made by hand: texts with unknown parts, whose ids are inside of what is carried as it is."""
+"""Made by hand: texts with unknown parts, whose ids are inside of what is kept as it is."""
 
 Fact = tuple[str, str, str]
 

@@ -100,7 +100,7 @@ def test_the_operand_of_a_contact(path: Path) -> None:
     data = path.read_bytes()
     project = sfc.loads(data)
     bodies = [body for _, _, body in project.bodies() if isinstance(body, LdBody | FbdBody)]
-    networks = [n for body in bodies for n in body.networks if n.carried is None or not n.carried.data]
+    networks = [n for body in bodies for n in body.networks if n.extension_data is None or not n.extension_data.data]
     contacts = [node for network in networks for node in network.nodes if isinstance(node, Contact)]
     contact = next((contact for contact in contacts if contact.variable.startswith(("#", '"'))), None)
     if contact is None:

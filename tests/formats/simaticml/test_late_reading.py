@@ -91,9 +91,9 @@ DAMAGED = (
     '{"actions": [{"name": 5}]}',
     '{"interface": {"x": 1}}',
     '{"interface": 5}',
-    '{"carried": 5}',
-    '{"carried": null}',
-    '{"carried": {"data": 7}}',
+    '{"extension_data": 5}',
+    '{"extension_data": null}',
+    '{"extension_data": {"data": 7}}',
     '{"attributes": 3}',
     "[1, 2",
 )

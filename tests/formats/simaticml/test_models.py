@@ -166,13 +166,13 @@ def said(project: Project) -> dict[str, object]:
     chart = block.sfc
     assert chart is not None
     names = {step.id: step.name for step in chart.steps}
-    skip = {"id", "carried", "interlock", "supervision", "actions"}
+    skip = {"id", "extension_data", "interlock", "supervision", "actions"}
     return {
-        "block": block.model_dump(exclude={"bodies", "carried"}),
+        "block": block.model_dump(exclude={"bodies", "extension_data"}),
         "steps": [
             (
                 step.model_dump(exclude=skip),
-                [action.model_dump(exclude={"id", "carried"}) for action in step.actions],
+                [action.model_dump(exclude={"id", "extension_data"}) for action in step.actions],
                 [part and part.model_dump() for part in (step.interlock, step.supervision)],
             )
             for step in chart.steps
@@ -180,14 +180,14 @@ def said(project: Project) -> dict[str, object]:
         "transitions": sorted(
             repr(
                 (
-                    t.model_dump(exclude={"id", "sources", "targets", "priority", "carried"}),
+                    t.model_dump(exclude={"id", "sources", "targets", "priority", "extension_data"}),
                     sorted(names[i] for i in t.sources),
                     sorted(names[i] for i in t.targets),
                 )
             )
             for t in chart.transitions
         ),
-        "sequences": [sequence.model_dump(exclude={"steps", "carried"}) for sequence in chart.sequences],
+        "sequences": [sequence.model_dump(exclude={"steps", "extension_data"}) for sequence in chart.sequences],
         "settings": chart.graph_settings,
         "titles": [operation.title for operation in (*chart.permanent_pre, *chart.permanent_post)],
         "data": [block.model_dump() for block in project.data_blocks],

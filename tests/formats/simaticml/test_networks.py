@@ -55,7 +55,7 @@ def test_networks_of_the_corpus_are_in_the_model() -> None:
             outcomes["not read"] += 1
             reasons[str(error)] += 1
             continue
-        kept = any(data["name"] == VERBATIM for data in fields.get("carried", {}).get("data", []))
+        kept = any(data["name"] == VERBATIM for data in fields.get("extension_data", {}).get("data", []))
         outcomes["kept beside" if kept else "in the model"] += 1
         if not kept:
             copy = etree.Element(net.tag)
@@ -233,7 +233,7 @@ def test_a_jump_and_a_label() -> None:
         ("jump", "End"),
     ]
     assert same_content(net, copy)
-    assert network.carried is None
+    assert network.extension_data is None
 
 
 def test_a_return() -> None:
@@ -246,8 +246,8 @@ def test_a_return() -> None:
     assert [node.kind for node in network.nodes][-1] == "return"
     assert numbers_like(net, copy) is not None
     # 23, the operand that is gone, is a number that nothing has
-    assert network.carried is not None
-    assert network.carried.attributes == {"UId numbers": "21-22 24-28"}
+    assert network.extension_data is not None
+    assert network.extension_data.attributes == {"UId numbers": "21-22 24-28"}
 
 
 def test_a_coil_whose_input_is_negated_reads_the_inverse() -> None:
@@ -295,8 +295,8 @@ def test_a_part_says_its_types_and_what_it_hides() -> None:
         <Wire UId="25"><IdentCon UId="22" /><NameCon UId="23" Name="in1" /></Wire></Wires>"""
     )
     assert same_content(net, copy) or numbers_like(net, copy) is not None
-    assert network.nodes[-1].carried is not None
-    assert network.nodes[-1].carried.attributes["Invisible"] == "eno,x"
+    assert network.nodes[-1].extension_data is not None
+    assert network.nodes[-1].extension_data.attributes["Invisible"] == "eno,x"
 
 
 LITERALS = """<Parts>
@@ -315,8 +315,8 @@ LITERALS = """<Parts>
 def test_what_the_text_of_an_operand_does_not_say_is_kept() -> None:
     network, net, copy = through_model(LITERALS)
     assert same_content(net, copy)
-    assert network.carried is not None
-    assert network.carried.data == []
+    assert network.extension_data is not None
+    assert network.extension_data.data == []
     (part,) = network.nodes
     assert isinstance(part, Block)
     assert [pin.input.expression for pin in part.parameters.inputs if pin.input is not None] == ["0", "0", '"DB".x']

@@ -73,7 +73,7 @@ def test_the_light_tree_has_every_text_and_attribute(texts: list[str], between: 
 def test_what_stands_behind_a_comment_is_read() -> None:
     network = read(net(literal("1<!-- and -->2") + BOX))
     assert operand(network) == "12"
-    assert network.carried is None or network.carried.data == []
+    assert network.extension_data is None or network.extension_data.data == []
 
 
 def test_a_processing_instruction_is_kept() -> None:
@@ -89,21 +89,21 @@ def test_a_processing_instruction_is_kept() -> None:
 
 def test_numbers_of_parts_without_wires_are_kept() -> None:
     network = read(net('<Part Name="Strange" UId="25" />', ""))
-    assert network.carried is not None
-    assert network.carried.attributes == {"UId numbers": "25"}
+    assert network.extension_data is not None
+    assert network.extension_data.attributes == {"UId numbers": "25"}
 
 
 def test_blanks_in_a_value_are_content() -> None:
     network = read(net(f'{literal("1")}<Part Name="Calc" UId="22"><Equation>  </Equation></Part>'))
     (block,) = network.nodes
-    assert block.carried is not None
-    assert block.carried.attributes["Equation"] == "  "
+    assert block.extension_data is not None
+    assert block.extension_data.attributes["Equation"] == "  "
 
 
 def test_what_we_would_write_otherwise_is_kept_as_it_stands() -> None:
     network = read(net(literal("1").replace("<ConstantType>Int</ConstantType>", "") + BOX))
-    assert network.carried is not None
-    assert [data.name for data in network.carried.data] == [VERBATIM]
+    assert network.extension_data is not None
+    assert [data.name for data in network.extension_data.data] == [VERBATIM]
 
 
 def test_equal_networks_have_objects_of_their_own() -> None:

@@ -58,7 +58,7 @@ def arrays(draw: st.DrawFn) -> tuple[str, Values]:
 def test_start_values_of_elements_come_back(array: tuple[str, Values]) -> None:
     element = member(*array)
     variable = read(element)
-    assert variable.carried is None or not variable.carried.elements
+    assert variable.extension_data is None or not variable.extension_data.elements
     assert etree.tostring(written(variable)) == etree.tostring(element)
 
 
@@ -83,8 +83,8 @@ def test_runs_are_repeated_and_gaps_have_no_value() -> None:
 def test_other_start_values_are_kept_as_they_are(element: etree._Element) -> None:
     variable = read(element)
     assert variable.initial is None
-    assert variable.carried is not None
-    assert len(variable.carried.elements) == len(element)
+    assert variable.extension_data is not None
+    assert len(variable.extension_data.elements) == len(element)
 
 
 def test_values_of_other_tools() -> None:

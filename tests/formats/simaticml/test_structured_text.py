@@ -103,7 +103,7 @@ def read_and_written(content: str) -> tuple[dict[str, Any], etree._Element, etre
     element = etree.fromstring(f"<StructuredText>{content}</StructuredText>")
     fields = read_code(element, InterfaceNames({}))
     copy = etree.Element("StructuredText")
-    hints = fields.get("carried", {}).get("attributes", {})
+    hints = fields.get("extension_data", {}).get("attributes", {})
     write_text(copy, fields["text"], InterfaceNames({}), "de-DE", hints)
     return fields, element, copy
 
@@ -131,7 +131,7 @@ def test_what_the_text_does_not_say_is_kept() -> None:
 
 def test_numbers_of_another_tool_come_back() -> None:
     fields, element, copy = read_and_written('<Token Text="RETURN" UId="1" /><Token Text=";" UId="7" />')
-    assert fields["carried"]["attributes"] == {"UId numbers": "1 7"}
+    assert fields["extension_data"]["attributes"] == {"UId numbers": "1 7"}
     renumber(copy, "1 7")
     assert same_content(element, copy)
 
@@ -168,5 +168,5 @@ def test_constants_of_the_block_are_known_by_its_interface() -> None:
         ("LocalVariable", "other"),
         ("LocalVariable", "LIMITS"),
     ]
-    assert "carried" not in read_code(root, InterfaceNames({}, frozenset({"#limit"})))
-    assert read_code(root, InterfaceNames({}))["carried"]["attributes"]["operand #LIMIT"] == "LocalConstant"
+    assert "extension_data" not in read_code(root, InterfaceNames({}, frozenset({"#limit"})))
+    assert read_code(root, InterfaceNames({}))["extension_data"]["attributes"]["operand #LIMIT"] == "LocalConstant"

@@ -1,4 +1,4 @@
-"""A PLC of TIA Portal goes to another tool and comes back: what the other cannot say is carried, validly."""
+"""A PLC of TIA Portal goes to another tool and comes back: what the other cannot say is kept, validly."""
 
 from __future__ import annotations
 

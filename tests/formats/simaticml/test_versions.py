@@ -148,11 +148,13 @@ def test_real_documents_in_every_version(path: Path) -> None:
 def canonical(project: sfc.Project) -> sfc.Project:
     """Without the note of schema numbers that the version of the document does not have."""
     copied = project.model_copy(deep=True)
-    if copied.carried is not None:
-        kept = {name: value for name, value in copied.carried.attributes.items() if not name.startswith("schema ")}
-        copied.carried.attributes = kept
-        if not (kept or copied.carried.data or copied.carried.elements):
-            copied.carried = None
+    if copied.extension_data is not None:
+        kept = {
+            name: value for name, value in copied.extension_data.attributes.items() if not name.startswith("schema ")
+        }
+        copied.extension_data.attributes = kept
+        if not (kept or copied.extension_data.data or copied.extension_data.elements):
+            copied.extension_data = None
     return copied
 
 
@@ -263,7 +265,7 @@ def test_versions_of_documents_are_those_of_the_table(path: Path) -> None:
     origin = project.source
     assert origin is not None
     assert origin.version in {version.name for version in VERSIONS}
-    kept = project.carried.attributes if project.carried is not None else {}
+    kept = project.extension_data.attributes if project.extension_data is not None else {}
     other = [name for name in kept if name.startswith("schema ")]
     assert len(other) <= 2
 

@@ -130,8 +130,8 @@ def test_a_chart_goes_to_plcopen_xml_and_back() -> None:
         one, two = project.pous[0].chart, other.pous[0].chart
         assert one is not None
         assert two is not None
-        assert [step.model_dump(exclude={"id", "actions", "carried"}) for step in one.steps] == [
-            step.model_dump(exclude={"id", "actions", "carried"}) for step in two.steps
+        assert [step.model_dump(exclude={"id", "actions", "extension_data"}) for step in one.steps] == [
+            step.model_dump(exclude={"id", "actions", "extension_data"}) for step in two.steps
         ]
         assert list(one.labels().values()) == list(two.labels().values())
         assert [t.condition for t in one.transitions] == [t.condition for t in two.transitions]
@@ -402,8 +402,8 @@ INTERFACE = METHODS.replace(b"POU", b"Itf").replace(
 def test_interfaces_are_kept_as_text_with_their_methods(tmp_path: Path) -> None:
     project = sfc.loads(INTERFACE)
     assert sfc.dumps(project) == INTERFACE
-    assert project.carried is not None
-    assert "METHOD Start : BOOL" in project.carried.data[0].content
+    assert project.extension_data is not None
+    assert "METHOD Start : BOOL" in project.extension_data.data[0].content
     shutil.copytree(BELT, tmp_path / "belt")
     (tmp_path / "belt" / "Pump.TcIO").write_bytes(INTERFACE)
     folder = sfc.load(tmp_path / "belt")

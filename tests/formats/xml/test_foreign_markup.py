@@ -14,7 +14,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.formats.xml.extension_data import KEPT_MARKUP, Markup, exchange_markup, markup_of
-from plcopen_sfc.model.base import Carried, ForeignData
+from plcopen_sfc.model.base import ExtensionData, ForeignData
 from tests.samples import FIXTURES, accepting
 
 OTHERS = [
@@ -24,25 +24,27 @@ OTHERS = [
 ]
 
 
-def carried_in(thing: Any) -> Iterator[Carried]:
+def extension_data_in(thing: Any) -> Iterator[ExtensionData]:
     """What the objects of a project carry, but that of drawings, which SimaticML has none of."""
-    if isinstance(thing, Carried):
+    if isinstance(thing, ExtensionData):
         yield thing
     elif isinstance(thing, m.Model):
         for name in type(thing).model_fields:
             if name != "drawing":
-                yield from carried_in(getattr(thing, name))
+                yield from extension_data_in(getattr(thing, name))
     elif isinstance(thing, list):
         for item in thing:
-            yield from carried_in(item)
+            yield from extension_data_in(item)
 
 
 def contents(project: m.Project, *, put_away: bool = False) -> list[str]:
-    """What is carried as it is, and what is `put_away`."""
-    found = [carried.model_copy(deep=True) for carried in carried_in(project)]
-    for carried in found:
-        carried.data = [data for data in carried.data if put_away or not data.name.startswith(KEPT_MARKUP)]
-    return sorted(carried.model_dump_json() for carried in found if carried != Carried())
+    """What is kept as it is, and what is `put_away`."""
+    found = [extension_data.model_copy(deep=True) for extension_data in extension_data_in(project)]
+    for extension_data in found:
+        extension_data.data = [
+            data for data in extension_data.data if put_away or not data.name.startswith(KEPT_MARKUP)
+        ]
+    return sorted(extension_data.model_dump_json() for extension_data in found if extension_data != ExtensionData())
 
 
 @pytest.mark.slow
@@ -69,7 +71,9 @@ def test_what_tia_portal_adds_to_a_project_of_others_is_no_markup_of_theirs(form
     before, mark, block = data.partition(b"<SW.Blocks.F")  # before it stand copies of global variables
     edited = sfc.loads(before + mark + block.replace(b"</AttributeList>", AUTHOR + b"</AttributeList>", 1))
     (away,) = (
-        carried.model_dump_json() for carried in carried_in(edited) if "HeaderAuthor" in carried.model_dump_json()
+        extension_data.model_dump_json()
+        for extension_data in extension_data_in(edited)
+        if "HeaderAuthor" in extension_data.model_dump_json()
     )
     assert f"{KEPT_MARKUP}:simaticml" in away
     other = sfc.dumps(edited, format=form, partial=True)
@@ -97,53 +101,55 @@ def test_an_edit_of_a_simaticml_file_with_a_project_of_others_is_one_line(tmp_pa
 
 TEXT = st.text(st.characters(codec="utf-8", exclude_categories=["Cs"]), max_size=8)
 DATA = st.builds(ForeignData, name=TEXT.filter(lambda name: not name.startswith(KEPT_MARKUP)), content=TEXT)
-CARRIED = st.builds(
-    Carried,
+EXTENSION_DATA = st.builds(
+    ExtensionData,
     data=st.lists(DATA, max_size=2),
     attributes=st.dictionaries(TEXT, TEXT, max_size=2),
     elements=st.lists(TEXT, max_size=2),
 )
 
 
-@given(CARRIED, st.sampled_from([(Markup.TC6, Markup.SIMATICML), (Markup.SIMATICML, Markup.TC6)]))
+@given(EXTENSION_DATA, st.sampled_from([(Markup.TC6, Markup.SIMATICML), (Markup.SIMATICML, Markup.TC6)]))
 @settings(deadline=None)
-def test_what_is_put_away_is_taken_out_as_it_was(carried: Carried, families: tuple[Markup, Markup]) -> None:
+def test_what_is_put_away_is_taken_out_as_it_was(
+    extension_data: ExtensionData, families: tuple[Markup, Markup]
+) -> None:
     own, wanted = families
-    step = m.Step(id=1, name="S", carried=carried.model_copy(deep=True))
+    step = m.Step(id=1, name="S", extension_data=extension_data.model_copy(deep=True))
     exchange_markup(step, own, own)
-    assert step.carried == carried
+    assert step.extension_data == extension_data
     exchange_markup(step, own, wanted)
-    assert step.carried is not None
-    assert step.carried.attributes == {}
-    assert step.carried.elements == []
-    assert [data.name for data in step.carried.data] == [f"{KEPT_MARKUP}:{own}"]
+    assert step.extension_data is not None
+    assert step.extension_data.attributes == {}
+    assert step.extension_data.elements == []
+    assert [data.name for data in step.extension_data.data] == [f"{KEPT_MARKUP}:{own}"]
     exchange_markup(step, wanted, own)
-    assert step.carried == carried
+    assert step.extension_data == extension_data
 
 
-@given(CARRIED.filter(lambda carried: carried != Carried()), CARRIED)
+@given(EXTENSION_DATA.filter(lambda extension_data: extension_data != ExtensionData()), EXTENSION_DATA)
 @settings(deadline=None)
-def test_markup_of_both_changes_places(mine: Carried, theirs: Carried) -> None:
-    step = m.Step(id=1, name="S", carried=mine.model_copy(deep=True))
+def test_markup_of_both_changes_places(mine: ExtensionData, theirs: ExtensionData) -> None:
+    step = m.Step(id=1, name="S", extension_data=mine.model_copy(deep=True))
     exchange_markup(step, Markup.TC6, Markup.SIMATICML)
-    assert step.carried is not None
-    step.carried.attributes |= theirs.attributes
-    step.carried.elements += theirs.elements
-    step.carried.data += theirs.data
-    both = step.carried.model_copy(deep=True)
+    assert step.extension_data is not None
+    step.extension_data.attributes |= theirs.attributes
+    step.extension_data.elements += theirs.elements
+    step.extension_data.data += theirs.data
+    both = step.extension_data.model_copy(deep=True)
     exchange_markup(step, Markup.SIMATICML, Markup.TC6)
-    rest = [data for data in step.carried.data if not data.name.startswith(KEPT_MARKUP)]
-    assert step.carried.model_copy(update={"data": rest}) == mine
+    rest = [data for data in step.extension_data.data if not data.name.startswith(KEPT_MARKUP)]
+    assert step.extension_data.model_copy(update={"data": rest}) == mine
     exchange_markup(step, Markup.TC6, Markup.SIMATICML)
     key = lambda data: (data.name, data.content)  # noqa: E731
-    assert sorted(step.carried.data, key=key) == sorted(both.data, key=key)
-    assert step.carried.attributes == both.attributes
+    assert sorted(step.extension_data.data, key=key) == sorted(both.data, key=key)
+    assert step.extension_data.attributes == both.attributes
 
 
-@pytest.mark.parametrize("content", ["", "<carried", "{}", f'<carried xmlns="{KEPT_MARKUP}">{{"data": 3}}</carried>'])
+@pytest.mark.parametrize("content", ["", "<kept", "{}", f'<kept xmlns="{KEPT_MARKUP}">{{"data": 3}}</kept>'])
 def test_damaged_data_stays(content: str) -> None:
     data = ForeignData(name=f"{KEPT_MARKUP}:tc6", content=content)
-    step = m.Step(id=1, name="S", carried=Carried(data=[data]))
+    step = m.Step(id=1, name="S", extension_data=ExtensionData(data=[data]))
     exchange_markup(step, Markup.SIMATICML, Markup.TC6)
-    assert step.carried is not None
-    assert data in step.carried.data
+    assert step.extension_data is not None
+    assert data in step.extension_data.data

@@ -520,7 +520,7 @@ def test_pragmas_that_ask_for_names() -> None:
 
 def test_data_of_other_tools() -> None:
     main = pou("Main", "", "x: INT")
-    main.carried = m.Carried(data=[m.ForeignData(name="urn:tool", content="<trace var='Main.x' xx='1'/>")])
+    main.extension_data = m.ExtensionData(data=[m.ForeignData(name="urn:tool", content="<trace var='Main.x' xx='1'/>")])
     main.bodies.append(m.OpaqueBody(source="urn:tool", content="<CFC>x</CFC>"))
     made = project(main)
     assert places(made, "Main.x") == []

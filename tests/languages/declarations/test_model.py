@@ -276,7 +276,7 @@ def test_what_does_not_parse_is_carried_and_written_back() -> None:
 def test_attributes_of_scl_are_fields() -> None:
     found = variable("x { S7_HMI := 'x y'; ExternalWritable := 'False' } : Bool;", Dialect.SCL)
     assert found.attributes == {"S7_HMI": "x y", "ExternalWritable": "False"}
-    assert found.carried is None
+    assert found.extension_data is None
 
 
 @pytest.mark.parametrize("braces", ["{ S7_HMI := true }", "{ S7_HMI := 'it$'s' }", "{ a := '1'; a := '2' }", "{}"])
@@ -289,7 +289,7 @@ def test_other_braces_of_scl_are_carried(braces: str) -> None:
 def test_types_of_the_user_stand_in_quotes_in_scl_those_of_the_system_do_not() -> None:
     text = 'VAR\n   a : "Motor";\n   b : TON_TIME;\n   c : FB12;\n   d : Variant;\nEND_VAR'
     (section,) = read_declarations(text, Dialect.SCL).sections
-    assert all(v.type.carried is None for v in section.variables if isinstance(v.type, m.DerivedType))
+    assert all(v.type.extension_data is None for v in section.variables if isinstance(v.type, m.DerivedType))
     assert write_section(section, Dialect.SCL) == text
     odd = re.sub('"Motor"', "Motor", text).replace("TON_TIME", '"TON_TIME"')
     assert write_section(read_declarations(odd, Dialect.SCL).sections[0], Dialect.SCL) == odd

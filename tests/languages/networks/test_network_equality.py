@@ -54,7 +54,11 @@ def test_other_logic_is_told(language: str, text: str) -> None:
 
 def test_what_stands_beside_the_logic_counts() -> None:
     network = drawn("FBD")
-    for field, value in (("comment", "why"), ("global_id", "7"), ("carried", m.Carried(attributes={"a": "b"}))):
+    for field, value in (
+        ("comment", "why"),
+        ("global_id", "7"),
+        ("extension_data", m.ExtensionData(attributes={"a": "b"})),
+    ):
         other = network.model_copy(deep=True)
         setattr(other.nodes[0], field, value)
         assert not mean_the_same(other, network, Dialect.IEC), field
