@@ -233,7 +233,7 @@ class _ChartRewriter:
 
 @dataclass(frozen=True)
 class ChartRule:
-    """A rule for charts: what it is about, and what it makes of that; see `Rule`."""
+    """A rule for charts: what it is about, and what it makes of that; see `AdaptationRule`."""
 
     of: str
     makes: str

@@ -78,7 +78,7 @@ class ProjectAdaptation:
 
 
 @dataclass(frozen=True)
-class Rule:
+class AdaptationRule:
     """A rule of the adaptation: what it applies to in which target, and what it makes of that.
 
     `of`, `where` and `makes` are for people. `keeps_source`: what was written keeps the source beside it, and a reader
@@ -139,56 +139,56 @@ def _retained(this: ProjectAdaptation) -> None:
 
 
 RULES = (
-    Rule(
+    AdaptationRule(
         "code in C, `{{ .. }}`",
         "CODESYS, TwinCAT, CoDeSys 2.3",
         "not executed: they do not compile it",
         lambda this: this.host.is_codesys,
         _code_in_c,
     ),
-    Rule(
+    AdaptationRule(
         "a coil in FBD, as TIA Portal draws it",
         "all",
         "an output variable",
         lambda this: not this.options.same,
         lambda this: _adapt_coils(this.project, this.report),
     ),
-    Rule(
+    AdaptationRule(
         "places that give the order of execution in a network",
         "CODESYS, TwinCAT, CoDeSys 2.3",
         "numbers of the order",
         lambda this: this.host.is_codesys and not this.options.same,
         lambda this: _order_elements(this.project, this.report),
     ),
-    Rule(
+    AdaptationRule(
         "a variable of a type that only S7 has, such as `S5TIME`",
         "all",
         "not executed: the declaration does not compile",
         lambda this: not this.options.same,
         lambda this: report_types(this.project, this.host, this.report),
     ),
-    Rule(
+    AdaptationRule(
         "a box of S7 with the operand of its memory at a pin",
         "all",
         "not executed",
         lambda this: this.options.of_graph,
         lambda this: _report_memories(this.project, this.host, this.report),
     ),
-    Rule(
+    AdaptationRule(
         "a name that is a keyword of the target",
         "CODESYS, TwinCAT, CoDeSys 2.3",
         "not executed: it does not compile",
         lambda this: this.host.is_codesys and not this.options.of_codesys and not this.options.same,
         lambda this: _report_keywords(this.project, this.host, this.report),
     ),
-    Rule(
+    AdaptationRule(
         "a variable that has the name of an SFC flag and is none",
         "CODESYS, TwinCAT, CoDeSys 2.3",
         "approximated: it controls the chart there",
         lambda this: this.host.is_codesys and not this.options.of_codesys and not this.options.same,
         lambda this: _report_flags(this.project, this.report),
     ),
-    Rule(
+    AdaptationRule(
         "a list of global variables, `GVL_IO.x`",
         "TC6",
         "variables of the configuration, `x`",
@@ -196,7 +196,7 @@ RULES = (
         _lists,
         keeps_source=True,
     ),
-    Rule(
+    AdaptationRule(
         "a chart with something of the next table",
         "all",
         "a chart in the terms of the target",
@@ -207,7 +207,7 @@ RULES = (
         _charts,
         keeps_source=True,
     ),
-    Rule(
+    AdaptationRule(
         "tags, data blocks, organization blocks",
         "all",
         "global variables at their addresses, lists or structures, programs of a task",
@@ -215,7 +215,7 @@ RULES = (
         _globals,
         keeps_source=True,
     ),
-    Rule(
+    AdaptationRule(
         "a function of S7 with the result `Void`",
         "all",
         "a function without result",
@@ -223,7 +223,7 @@ RULES = (
         _results,
         keeps_source=True,
     ),
-    Rule(
+    AdaptationRule(
         "variables of TIA Portal for steps and transitions (`G7_StepPlus_V6`)",
         "all",
         "left out: the target has such data itself",
@@ -231,7 +231,7 @@ RULES = (
         _system_data,
         keeps_source=True,
     ),
-    Rule(
+    AdaptationRule(
         "a member of a block that TIA Portal retains",
         "all",
         "a variable in a section with `RETAIN`",

@@ -36,7 +36,7 @@ from plcopen_sfc.formats.codesys_export.export_entries import (
     TREE,
     TYPE,
     Entry,
-    Place,
+    ObjectPlace,
     element_of,
     entries,
     entry_lists,
@@ -144,7 +144,7 @@ class _Reader:
         for entry in self._entries:
             kind = entry.kind
             if kind == TASK:
-                application = next((name for name in Place.of(entry).path[-2:-1]), names.get(entry.parent, ""))
+                application = next((name for name in ObjectPlace.of(entry).path[-2:-1]), names.get(entry.parent, ""))
                 found = applications.setdefault(application, Resource(name=application))
                 found.tasks.append(read_task(entry))
             elif kind in _READ:
@@ -214,7 +214,7 @@ class _Writer:
         self._inner = _inner(found)
         self._written: set[str] = set()
         pous = [entry for entry in found if entry.kind == POU]
-        self._usual = Place.of(pous[0]) if pous else Place()
+        self._usual = ObjectPlace.of(pous[0]) if pous else ObjectPlace()
 
     def write(self) -> etree._Element:
         project, report = self._project, self._report
@@ -223,7 +223,7 @@ class _Writer:
             source = element_of(old, self._inner) if old is not None else None
             written = write_pou(pou, report, source, format=_SOURCE)
             entry = self._put(POU, written, self._usual, pou.name)
-            inside = Place.inside(entry)
+            inside = ObjectPlace.inside(entry)
             for part in written:
                 if part.tag in PARTS:
                     self._put(str(part.tag), part, inside, f"{pou.name}.{part.get('Name')}")
@@ -248,7 +248,7 @@ class _Writer:
         what = "data type" if kind == TYPE else "global variables"
         self._report.add(Outcome.KEPT, what, path_of(alone))
 
-    def _put(self, kind: str, written: etree._Element, place: Place, body: str) -> Entry:
+    def _put(self, kind: str, written: etree._Element, place: ObjectPlace, body: str) -> Entry:
         guid = (identity_of(written) or "").casefold()
         entry = self._entries.get(guid)
         if entry is None or guid in self._written:

@@ -264,7 +264,7 @@ _MEMBERS = {
 """Members of an object of each kind in their order; those of a transition object are assumed: as an action."""
 
 
-def new_entry(kind: str, guid: str, name: str, place: Place) -> Entry:
+def new_entry(kind: str, guid: str, name: str, place: ObjectPlace) -> Entry:
     """Return an entry for a new object, still without its texts."""
     written = _object("", _ENTRY)
     _add(written, "IsRoot", "bool", str(place.guid == NOWHERE))
@@ -294,19 +294,19 @@ def new_entry(kind: str, guid: str, name: str, place: Place) -> Entry:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """Place of an object: the identity of that around it, and the names from the root of the tree to there."""
+class ObjectPlace:
+    """ObjectPlace of an object: the identity of that around it, and the names from the root of the tree to there."""
 
     guid: str = NOWHERE
     path: tuple[str, ...] = ()
 
     @classmethod
-    def inside(cls, entry: Entry) -> Place:
+    def inside(cls, entry: Entry) -> ObjectPlace:
         """Return the place in the object of an entry."""
         return cls(entry.guid, (*cls.of(entry).path, entry.name))
 
     @classmethod
-    def of(cls, entry: Entry) -> Place:
+    def of(cls, entry: Entry) -> ObjectPlace:
         """Return the place at which an entry is."""
         path = member(entry.element, "Path")
         return cls(entry.parent, tuple(each.text or "" for each in path) if path is not None else ())
@@ -315,7 +315,7 @@ class Place:
 def move_inside(entry: Entry, around: Entry) -> None:
     """Give an entry the path of the object around it, which may have another name now."""
     path = member(entry.element, "Path")
-    for each, name in zip(path if path is not None else (), Place.inside(around).path, strict=False):
+    for each, name in zip(path if path is not None else (), ObjectPlace.inside(around).path, strict=False):
         each.text = name
 
 

@@ -20,7 +20,7 @@ class TableKind(StrEnum):
     ACTIONS = "Actions"
 
 
-class Column(NamedTuple):
+class ListColumn(NamedTuple):
     """A column: its heading, other headings that mean the same, and True if a new list has it in any case."""
 
     heading: str
@@ -28,46 +28,46 @@ class Column(NamedTuple):
     usual: bool = False
 
 
-_PROGRAM = Column("Program", ("POU", "Block", "Programm", "Baustein"), usual=True)
-_COMMENT = Column("Comment", ("Kommentar",), usual=True)
+_PROGRAM = ListColumn("Program", ("POU", "Block", "Programm", "Baustein"), usual=True)
+_COMMENT = ListColumn("Comment", ("Kommentar",), usual=True)
 
-COLUMNS: Mapping[TableKind, tuple[Column, ...]] = {
+COLUMNS: Mapping[TableKind, tuple[ListColumn, ...]] = {
     TableKind.STEPS: (
         _PROGRAM,
-        Column("Step", ("Step name", "Schritt", "Schrittname"), usual=True),
-        Column("Number", ("No.", "No", "Nr.", "Nr", "Nummer"), usual=True),
-        Column("Initial", ("Initial step", "Initialschritt"), usual=True),
+        ListColumn("Step", ("Step name", "Schritt", "Schrittname"), usual=True),
+        ListColumn("Number", ("No.", "No", "Nr.", "Nr", "Nummer"), usual=True),
+        ListColumn("Initial", ("Initial step", "Initialschritt"), usual=True),
         _COMMENT,
-        Column("Qualifier", ("Bestimmungszeichen", "Kennung"), usual=True),
-        Column("Action", ("Aktion",), usual=True),
-        Column("Time", ("Zeit", "Duration", "Dauer"), usual=True),
-        Column("Event", ("Ereignis",)),
-        Column("Interlocked", ("Verriegelt",)),
-        Column("Min time", ("Minimum time", "Mindestzeit")),
-        Column("Max time", ("Maximum time", "Überwachungszeit")),
-        Column("Warning time", ("Warnzeit",)),
-        Column("Interlock", ("Verriegelung",)),
-        Column("Supervision", ("Überwachung",)),
-        Column("Transition", ("Transition name",)),
-        Column("Condition", ("Bedingung", "Weiterschaltbedingung"), usual=True),
-        Column("Next", ("Next step", "Folgeschritt", "Nächster Schritt", "Weiter"), usual=True),
-        Column("Priority", ("Priorität",), usual=True),
-        Column("Simultaneous", ("Simultaneous group", "Simultan", "Parallel"), usual=True),
-        Column("Transition comment", ("Kommentar der Transition",)),
+        ListColumn("Qualifier", ("Bestimmungszeichen", "Kennung"), usual=True),
+        ListColumn("Action", ("Aktion",), usual=True),
+        ListColumn("Time", ("Zeit", "Duration", "Dauer"), usual=True),
+        ListColumn("Event", ("Ereignis",)),
+        ListColumn("Interlocked", ("Verriegelt",)),
+        ListColumn("Min time", ("Minimum time", "Mindestzeit")),
+        ListColumn("Max time", ("Maximum time", "Überwachungszeit")),
+        ListColumn("Warning time", ("Warnzeit",)),
+        ListColumn("Interlock", ("Verriegelung",)),
+        ListColumn("Supervision", ("Überwachung",)),
+        ListColumn("Transition", ("Transition name",)),
+        ListColumn("Condition", ("Bedingung", "Weiterschaltbedingung"), usual=True),
+        ListColumn("Next", ("Next step", "Folgeschritt", "Nächster Schritt", "Weiter"), usual=True),
+        ListColumn("Priority", ("Priorität",), usual=True),
+        ListColumn("Simultaneous", ("Simultaneous group", "Simultan", "Parallel"), usual=True),
+        ListColumn("Transition comment", ("Kommentar der Transition",)),
     ),
     TableKind.VARIABLES: (
         _PROGRAM,
-        Column("Variable", ("Tag", "Symbol", "Signal"), usual=True),
-        Column("Section", ("Scope", "Abschnitt"), usual=True),
-        Column("Type", ("Data type", "Typ", "Datentyp"), usual=True),
-        Column("Address", ("Adresse",), usual=True),
-        Column("Initial value", ("Initial", "Anfangswert", "Startwert")),
+        ListColumn("Variable", ("Tag", "Symbol", "Signal"), usual=True),
+        ListColumn("Section", ("Scope", "Abschnitt"), usual=True),
+        ListColumn("Type", ("Data type", "Typ", "Datentyp"), usual=True),
+        ListColumn("Address", ("Adresse",), usual=True),
+        ListColumn("Initial value", ("Initial", "Anfangswert", "Startwert")),
         _COMMENT,
     ),
     TableKind.ACTIONS: (
         _PROGRAM,
-        Column("Action", ("Aktion",), usual=True),
-        Column("Statements", ("Code", "Anweisungen"), usual=True),
+        ListColumn("Action", ("Aktion",), usual=True),
+        ListColumn("Statements", ("Code", "Anweisungen"), usual=True),
         _COMMENT,
     ),
 }

@@ -454,7 +454,7 @@ def _union(sets: Iterable[frozenset[Path]]) -> frozenset[Path]:
     return frozenset().union(*sets)
 
 
-class StepPart(NamedTuple):
+class StepCode(NamedTuple):
     """Statements of a step, given by its index in the net; `name` is that of the step, for variables."""
 
     step: int
@@ -465,10 +465,10 @@ class StepPart(NamedTuple):
 class StepSelection(Protocol):
     """Selection of the code of steps by the situation, in the order in which it is given."""
 
-    def while_active(self, parts: Sequence[StepPart], suffix: Suffix) -> list[Statement]:
+    def while_active(self, parts: Sequence[StepCode], suffix: Suffix) -> list[Statement]:
         """Return the statements of the steps that are active. `suffix`: for the names of variables."""
 
-    def on_change(self, exits: Sequence[StepPart], entries: Sequence[StepPart]) -> list[Statement]:
+    def on_change(self, exits: Sequence[StepCode], entries: Sequence[StepCode]) -> list[Statement]:
         """Return the statements of the steps that were left, then of those that were entered."""
 
 
@@ -485,5 +485,5 @@ def add_main_actions(source: ChartSource, code: LoweredCode, steps: StepSelectio
     code.add(texts.main_actions, steps.while_active(parts, "main"))
 
 
-def _part(source: ChartSource, step: int, statements: Sequence[Statement]) -> StepPart:
-    return StepPart(step, source.net.steps[step].step.name, statements)
+def _part(source: ChartSource, step: int, statements: Sequence[Statement]) -> StepCode:
+    return StepCode(step, source.net.steps[step].step.name, statements)

@@ -12,7 +12,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.actions.action_execution import StepPart
+from plcopen_sfc.lowering.actions.action_execution import StepCode
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -106,14 +106,14 @@ class RegionEncoding(ScanSchedule):
             return None
         return _TimedRegion(self, self.states.machine_of(step))
 
-    def while_active(self, parts: Sequence[StepPart], suffix: Suffix) -> list[Statement]:
+    def while_active(self, parts: Sequence[StepCode], suffix: Suffix) -> list[Statement]:
         """Return one CASE instead of several IFs of the same region."""
         found: list[Statement] = []
         for machine, these in self._by_region(parts):
             found += self._selected(machine.state, these) if len(these) > 1 else super().while_active(these, suffix)
         return found
 
-    def on_change(self, exits: Sequence[StepPart], entries: Sequence[StepPart]) -> list[Statement]:
+    def on_change(self, exits: Sequence[StepCode], entries: Sequence[StepCode]) -> list[Statement]:
         """Return what compares states with those of the last scan: one memory for all steps of a region."""
         found: list[Statement] = []
         for machine, these in self._by_region(exits):
@@ -145,19 +145,19 @@ class RegionEncoding(ScanSchedule):
             self._last[index] = self.names.declare_last(machine.region, suffix, entered=entered)
         return self._last[index]
 
-    def _by_region(self, parts: Sequence[StepPart]) -> list[tuple[RegionState, list[StepPart]]]:
+    def _by_region(self, parts: Sequence[StepCode]) -> list[tuple[RegionState, list[StepCode]]]:
         """Return the parts in their order, with those of one region behind each other together."""
         return [
             (machine, list(these)) for machine, these in groupby(parts, lambda each: self.states.machine_of(each.step))
         ]
 
-    def _selected(self, state: n.Name, parts: Sequence[StepPart]) -> list[Statement]:
+    def _selected(self, state: n.Name, parts: Sequence[StepCode]) -> list[Statement]:
         by_state: dict[Expression, list[Statement]] = {}
         for part in parts:
             by_state.setdefault(self.states.state_of(part.step), []).extend(part.statements)
         return [n.Case(state, tuple(n.CaseBranch((label,), tuple(each)) for label, each in by_state.items()))]
 
-    def _changed(self, state: n.Name, other: n.Name, parts: Sequence[StepPart]) -> list[Statement]:
+    def _changed(self, state: n.Name, other: n.Name, parts: Sequence[StepCode]) -> list[Statement]:
         """Return the parts of the steps that `state` is, and that `other` is not."""
         if len(parts) == 1:
             (part,) = parts

@@ -21,7 +21,7 @@ from plcopen_sfc.lowering.actions.action_control import (
     unknown_before,
 )
 from plcopen_sfc.lowering.actions.action_execution import (
-    StepPart,
+    StepCode,
     add_actions,
     add_changes,
     add_conditions,
@@ -148,14 +148,14 @@ class ScanSchedule(ABC):
         """Return the part of the chart whose steps can have one timer together with this one; None if there is none."""
         return None
 
-    def while_active(self, parts: Sequence[StepPart], suffix: Suffix) -> list[Statement]:
+    def while_active(self, parts: Sequence[StepCode], suffix: Suffix) -> list[Statement]:
         """Return the statements of the steps that are active. `suffix`: for the names of variables."""
         found: list[Statement] = []
         for step, name, statements in parts:
             found += self.memory.conditional(self.texts.with_suffix(name, suffix), self.active(step), statements)
         return found
 
-    def on_change(self, exits: Sequence[StepPart], entries: Sequence[StepPart]) -> list[Statement]:
+    def on_change(self, exits: Sequence[StepCode], entries: Sequence[StepCode]) -> list[Statement]:
         """Return the statements of the steps that were left, then of those that were entered."""
         found: list[Statement] = []
         for step, name, statements in exits:

@@ -11,7 +11,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import string_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.actions.action_execution import OwnVariables, StepPart, StepSelection
+from plcopen_sfc.lowering.actions.action_execution import OwnVariables, StepCode, StepSelection
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -268,7 +268,7 @@ class SfcFlagCode:
         if SfcFlag.CURRENT_STEP not in self._flags:
             return
         parts = [
-            StepPart(each.index, each.step.name, self._assigned(SfcFlag.CURRENT_STEP, self._text(each.step.name)))
+            StepCode(each.index, each.step.name, self._assigned(SfcFlag.CURRENT_STEP, self._text(each.step.name)))
             for each in self._source.net.steps
         ]
         named = steps.while_active(parts, "main")
