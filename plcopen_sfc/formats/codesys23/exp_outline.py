@@ -148,6 +148,7 @@ class _Scan:
                 made.name = word.group() if word is not None else ""
                 end = find_end(self.text, solid, limit, rf"_?END_?{made.name}|PLC_END") if made.name else None
                 behind = end[1] if end is not None else solid_end(self.text, start, limit)
+                behind = behind if behind > position else limit  # no text that anything ends: all of it is one object
                 made.span = (header[0] if header[0] < header[1] else start, behind)
             elif found[1]:
                 self._pou(made, found, (start, solid), limit)
