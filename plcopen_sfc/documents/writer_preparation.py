@@ -101,7 +101,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if kind.drawing is DrawingNeed.NONE:
         written, marks = rewrite_project(copy, kind, options, report)
         if kind.charts is not None and kind.charts.is_codesys and not options.same:
-            _note_limits(copy, kind, report)
+            _note_limits(written, kind, report)
         if written is not copy and _has_flags(kind):
             _put_into_notation(written, kind, report)
         return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
