@@ -19,7 +19,7 @@ from plcopen_sfc.model import conditions
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
-from plcopen_sfc.semantics.charts.step_state import Origin
+from plcopen_sfc.semantics.charts.step_state import ActionOrigin
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.programs.marks import MarkedBranch
 
@@ -442,7 +442,7 @@ class _Reasons:
         known = [why for why, impossible in told.items() if not impossible] or list(told)
         return " or ".join(known) or "was never executed", all(told.values()) and bool(told)
 
-    def _idle(self, name: str, origin: Origin, entered: int, dead: int) -> tuple[str, bool]:
+    def _idle(self, name: str, origin: ActionOrigin, entered: int, dead: int) -> tuple[str, bool]:
         """Return why a step did not execute an action, and whether it cannot."""
         steps, association = origin
         net = self._nets[name]

@@ -22,7 +22,7 @@ from plcopen_sfc.semantics.charts.qualifier_control import (
     SituationChange,
     StandardControl,
 )
-from plcopen_sfc.semantics.charts.step_state import Origin, Reached
+from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached
 from plcopen_sfc.semantics.charts.transition_firing import MOST_PLANS, Run, Write, execution
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
@@ -161,7 +161,7 @@ class Actions:
         for number, (association, (_, model)) in enumerate(zip(associations, draft.model, strict=True)):
             if model.condition is not None and not isinstance(model.condition, Expression):
                 self._slots[id(association)] = reserve(f"condition {number}", ELEMENTARY["BOOL"])
-        origins = [Origin(owner.steps, model) for owner, model in draft.model]
+        origins = [ActionOrigin(owner.steps, model) for owner, model in draft.model]
         noted = self._reached.action(draft.name or f"{draft.model[0][0].path}: action in place", origins)
         return ExecutedAction(draft.name, 1 << index, noted, out, memory, control, associations, draft.model)
 
@@ -392,7 +392,7 @@ class StepActions:
             ):
                 if action:
                     label = f"{self._net.steps[index].path}: {word} action"
-                    bit = self._reached.action(label, [Origin(self._net.steps[index].bit, None)])
+                    bit = self._reached.action(label, [ActionOrigin(self._net.steps[index].bit, None)])
                     found[index] = self._noted(_run(action, scope, where), bit)
 
     def _noted(self, run: Run, bit: int) -> Run:

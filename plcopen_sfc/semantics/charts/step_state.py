@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
 
 
-class Origin(NamedTuple):
+class ActionOrigin(NamedTuple):
     """Origin of an action: steps as bits, and the association; None for a step action."""
 
     steps: int
@@ -38,9 +38,9 @@ class Reached:
         self.transitions = 0
         self.actions = 0
         self.labels: list[str] = []
-        self.origins: list[tuple[Origin, ...]] = []
+        self.origins: list[tuple[ActionOrigin, ...]] = []
 
-    def action(self, label: str, origins: Iterable[Origin]) -> int:
+    def action(self, label: str, origins: Iterable[ActionOrigin]) -> int:
         """Note that there is an action; the bit that stands for it."""
         self.labels.append(label)
         self.origins.append(tuple(origins))

@@ -15,7 +15,7 @@ from plcopen_sfc.semantics.charts.chart_actions import Actions, Owner
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import ChartTerms
 from plcopen_sfc.semantics.charts.qualifier_control import SituationChange
-from plcopen_sfc.semantics.charts.step_state import Origin, Reached
+from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached
 from plcopen_sfc.semantics.charts.transition_firing import Cleared, Move, Run
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
@@ -102,7 +102,9 @@ class GrafcetActions:
                 owner,
                 model,
                 _event(model, terms, path, owner),
-                reached.action(f"{owner.path}: {model.target or 'action in place'}", [Origin(owner.steps, model)]),
+                reached.action(
+                    f"{owner.path}: {model.target or 'action in place'}", [ActionOrigin(owner.steps, model)]
+                ),
             )
             for owner, model in owned
             if model.kind in STORED

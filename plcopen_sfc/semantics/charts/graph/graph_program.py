@@ -21,7 +21,7 @@ from plcopen_sfc.semantics.charts.chart_actions import Owner, check_associations
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.charts.graph.graph_parameters import Commands, Mode, Parameters
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import CheckedSteps, StepConditions, programmed
-from plcopen_sfc.semantics.charts.step_state import Origin, Reached, Steps, T, X, override, tick
+from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached, Steps, T, X, override, tick
 from plcopen_sfc.semantics.charts.transition_firing import (
     MOST_PLANS,
     NOTHING,
@@ -120,7 +120,7 @@ class GraphActions:
             self._check(owner, model)
             name = f"{owner.path}: {model.qualifier} {model.target or 'action in place'}"
             label = f"{name} at {model.event}" if model.event is not None else name
-            noted = reached.action(label, [Origin(owner.steps, model)])
+            noted = reached.action(label, [ActionOrigin(owner.steps, model)])
             key = (model.target or "").casefold()
             row = _Row(model.qualifier, model.event, model.interlock, owner.since, key, noted)
             if model.event is ActionEvent.C:
