@@ -25,9 +25,9 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.programs.controller import Instance
 from plcopen_sfc.semantics.programs.types import (
     Direction,
-    ElementaryType,
     Family,
     Layout,
+    ScalarType,
     StructureType,
     default,
     leaves,
@@ -35,7 +35,7 @@ from plcopen_sfc.semantics.programs.types import (
 from plcopen_sfc.semantics.signals import Value
 
 _ALIASES = (n.Dereference, n.Peripheral)
-_JUMPS = (n.Goto, n.Label, n.Try, n.EmbeddedCode, n.Unreadable)
+_JUMPS = (n.Goto, n.LabelStatement, n.Try, n.EmbeddedCode, n.Unreadable)
 
 
 @lru_cache(maxsize=2)  # both sides of a comparison ask more than once
@@ -121,7 +121,7 @@ def dead_cells(instance: Instance, observed: Collection[str]) -> list[tuple[list
         root = frame.layout.find(path.partition(".")[0])
         if root is None or root.direction not in (Direction.LOCAL, Direction.OUTPUT):
             continue
-        if not isinstance(variable.type, ElementaryType) or variable.type.family is Family.SPECIAL:
+        if not isinstance(variable.type, ScalarType) or variable.type.family is Family.SPECIAL:
             continue
         if not reading.is_exposed(path.casefold()):
             found.append((cells, slot, default(variable.type)))
@@ -187,7 +187,7 @@ class _Reading:
                 return self._ways([*(case.statements for case in cases), otherwise or ()], written)
             case n.RegionBlock(statements=statements):
                 return self.all(statements, written)
-            case n.Return():
+            case n.ReturnStatement():
                 self.ends.append(written)
                 return False
             case n.Exit() | n.Continue():

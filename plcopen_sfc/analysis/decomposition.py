@@ -36,7 +36,7 @@ from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.programs.addresses import address_of
 from plcopen_sfc.semantics.programs.controller import Instance
-from plcopen_sfc.semantics.programs.types import ElementaryType, Family, StructureType, Type
+from plcopen_sfc.semantics.programs.types import Family, ScalarType, StructureType, Type
 
 Names = frozenset[str]
 """Names of variables and of members, in lower case."""
@@ -157,7 +157,9 @@ class NamedEffects:
         return found
 
     def _is_harmless(self, node: n.Node) -> bool:
-        if isinstance(node, n.Dereference | n.Peripheral | n.Address | n.Goto | n.Label | n.Try | n.Unreadable):
+        if isinstance(
+            node, n.Dereference | n.Peripheral | n.Address | n.Goto | n.LabelStatement | n.Try | n.Unreadable
+        ):
             raise NotDivisibleError("it uses references, addresses or jumps")
         if isinstance(node, n.EmbeddedCode):
             raise NotDivisibleError("it has code in C")
@@ -175,7 +177,7 @@ class NamedEffects:
 
 
 def _has_bounds(type_: Type) -> bool:
-    return isinstance(type_, ElementaryType) and type_.narrowed is not None
+    return isinstance(type_, ScalarType) and type_.narrowed is not None
 
 
 def _is_block(type_: Type, instance: Instance) -> bool:
@@ -406,7 +408,7 @@ class ChartParts:
             type_ = self._instance.type_of(target)
         except SfcError as error:
             raise NotDivisibleError(f"{target} is no variable") from error
-        if not isinstance(type_, ElementaryType) or type_.family is not Family.BOOL:
+        if not isinstance(type_, ScalarType) or type_.family is not Family.BOOL:
             raise NotDivisibleError(f"{target} is no Boolean variable")
         written = self._effects.names([path])
         return ProgramPart(self._effects.of(tree).reads, written)

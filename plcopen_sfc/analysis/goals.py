@@ -32,7 +32,7 @@ from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.marks import COMPARING, bounds
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import ElementaryType, Family
+from plcopen_sfc.semantics.programs.types import Family, ScalarType
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
 Distance = Callable[[], float]
@@ -484,7 +484,7 @@ class Goals:
             type_ = self.system.instance.type_of(text)
         except SfcError:
             return None
-        if isinstance(type_, ElementaryType) and type_.family is Family.DATE and isinstance(value, int):
+        if isinstance(type_, ScalarType) and type_.family is Family.DATE and isinstance(value, int):
             return date(1970, 1, 1) + timedelta(value // type_.unit)
         names = getattr(type_, "names", None)
         if names and isinstance(value, int) and not isinstance(value, bool):

@@ -32,7 +32,7 @@ from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.controller import Controller, Instance
 from plcopen_sfc.semantics.programs.marks import Marks
 from plcopen_sfc.semantics.programs.runtime import UNREAD
-from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT, ElementaryType, Family, Frame, OpaqueType
+from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT, Family, Frame, OpaqueType, ScalarType
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import (
@@ -68,7 +68,7 @@ class FreeCalls(UnknownCalls):
         """True if instances keep what tells different histories apart."""
         return self._branching is None
 
-    def value(self, name: str, arguments: Any, type_: ElementaryType | OpaqueType) -> Any:
+    def value(self, name: str, arguments: Any, type_: ScalarType | OpaqueType) -> Any:
         """The result of a function, or an output of a block in a situation; equal for equal arguments."""
         if self._branching is None:
             return super().value(name, arguments, type_)

@@ -411,7 +411,7 @@ class _Following:
         if word in CALLS:
             return len(trees) == 1 and self._call(word, trees[0])
         if word in _RETURNS:
-            return self._when(word.removeprefix("RET"), n.Return())
+            return self._when(word.removeprefix("RET"), n.ReturnStatement())
         return word not in _OF_BLOCKS and self.result.take(instruction)
 
     def _store(self, word: str, target: n.Expression) -> bool:

@@ -151,7 +151,7 @@ def _action_named(pou: Pou, name: str) -> Action:
     return next(action for action in pou.actions if action.name == name)
 
 
-_LEAVING = (n.Return, n.Goto, n.Label)
+_LEAVING = (n.ReturnStatement, n.Goto, n.LabelStatement)
 """Statements that would leave the text around them."""
 
 

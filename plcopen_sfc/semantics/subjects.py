@@ -23,12 +23,12 @@ from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.programs.controller import Instance
 from plcopen_sfc.semantics.programs.types import (
     MOST_ELEMENTS,
-    ArrayType,
+    ArrayOf,
     Direction,
-    ElementaryType,
     Family,
     Frame,
     Layout,
+    ScalarType,
     Type,
 )
 from plcopen_sfc.semantics.signals import Signal, SignalKind
@@ -84,7 +84,7 @@ def watched_members(instance: Instance) -> tuple[dict[str, Watched], list[str]]:
     large: list[str] = []
     for frame in (instance.frame, instance.controller.library.frame):
         for path, type_, direction in _members(instance, frame, "", roots):
-            if isinstance(type_, ArrayType):
+            if isinstance(type_, ArrayOf):
                 large.append(path)
             elif path.casefold() not in inputs:
                 _watch(found, instance, path, type_, str(direction))
@@ -111,7 +111,7 @@ def _inside(
         if id(value) not in seen and instance.controller.library.block_of(value.layout) is None:
             seen.add(id(value))
             yield from _members(instance, value, f"{path}.", seen)
-    elif isinstance(value, list) and isinstance(type_, ArrayType):
+    elif isinstance(value, list) and isinstance(type_, ArrayOf):
         if type_.size > MOST_ELEMENTS:
             yield path, type_, direction
             return
@@ -186,7 +186,7 @@ def following_situation(instance: Instance) -> Callable[[], int]:
 
 def signal_of(type_: Type) -> Signal | None:
     """The signal for a type of a running program; None for what is no single value."""
-    if not isinstance(type_, ElementaryType) or type_.family is Family.SPECIAL:
+    if not isinstance(type_, ScalarType) or type_.family is Family.SPECIAL:
         return None
     if type_.names:
         return Signal.enumeration(type_.name, {value: name for name, value in type_.names.items()})

@@ -139,7 +139,7 @@ def _simple_statements(dialect: Dialect) -> st.SearchStrategy[n.Statement]:
         st.builds(n.CallStatement, calls(dialect, values)),
         st.builds(n.Exit),
         st.builds(n.Continue),
-        st.builds(n.Return, st.none() | values),
+        st.builds(n.ReturnStatement, st.none() | values),
         st.builds(n.Empty),
     ]
     if dialect in CODESYS:
@@ -171,7 +171,7 @@ def _compound(dialect: Dialect, inner: st.SearchStrategy[n.Statement]) -> st.Sea
     blocks = st.lists(inner, max_size=3).map(_block)
     labelled = blocks
     if dialect is not Dialect.IEC:  # in a CASE a name with a colon is a label of the CASE
-        jumps = st.builds(n.Label, st.builds(n.Name, _words))
+        jumps = st.builds(n.LabelStatement, st.builds(n.Name, _words))
         labelled = st.lists(inner | jumps, max_size=3).map(_block)
     constants = literals(dialect) | names(dialect)
     labels = st.one_of(

@@ -152,7 +152,7 @@ class FittedPou:
         if isinstance(fitted, StBody):
             parsed = parse_statements(fitted.text, self.dialect)
             refused = n.Assignment(n.Name(self.missing("RETURN")), n.Literal("TRUE"))
-            tree = transform(parsed.tree, lambda node: refused if isinstance(node, n.Return) else node)
+            tree = transform(parsed.tree, lambda node: refused if isinstance(node, n.ReturnStatement) else node)
             if not parsed.problems and tree is not parsed.tree:
                 why = "RETURN ends the whole POU in matiec; the text does not compile there"
                 self.note(Outcome.NOT_EXECUTED, "RETURN", path, why)

@@ -112,7 +112,7 @@ def in_tree(node: n.Node, dialect: Dialect, access: str = "") -> Iterator[Refere
     elif isinstance(node, n.Unreadable):
         start = node.span[0] if node.span is not None else 0
         yield from unread(node.text, start, "the text around it cannot be read", dialect)
-    elif not isinstance(node, n.Goto | n.Label):
+    elif not isinstance(node, n.Goto | n.LabelStatement):
         for child in children(node):
             yield from in_tree(child, dialect)
 

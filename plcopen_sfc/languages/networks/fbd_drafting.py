@@ -165,9 +165,9 @@ class Drafter:
             item = self._call(statement, None)
         elif isinstance(statement, n.If):
             item = self._conditional(statement)
-        elif isinstance(statement, n.Goto | n.Return):
+        elif isinstance(statement, n.Goto | n.ReturnStatement):
             item = self._leave(statement, TRUE)
-        elif isinstance(statement, n.Label):
+        elif isinstance(statement, n.LabelStatement):
             name = statement.label.identifier
             node = Label(id=self.new_id(), label=name, execution_order=self.new_order())
             self.nodes.append(node)
@@ -197,7 +197,7 @@ class Drafter:
                 storage = Storage.SET if constant else Storage.RESET
                 return self.sink(inner.target, branch.condition, storage)
             item = self._enabled_assignment(inner, branch.condition)
-        elif isinstance(inner, n.Goto | n.Return):
+        elif isinstance(inner, n.Goto | n.ReturnStatement):
             item = self._leave(inner, branch.condition)
         elif isinstance(inner, n.CallStatement):
             item = self._call(inner, branch.condition)
@@ -228,8 +228,8 @@ class Drafter:
         held = n.Operation(Operator.AND, (n.Unary(Operator.NOT, condition), bit))
         return self.sink(bit, n.Operation(Operator.OR, (passed, held)), Storage.NONE)
 
-    def _leave(self, statement: n.Goto | n.Return, condition: Expression) -> DrawnItem | None:
-        if isinstance(statement, n.Return) and statement.value is not None:
+    def _leave(self, statement: n.Goto | n.ReturnStatement, condition: Expression) -> DrawnItem | None:
+        if isinstance(statement, n.ReturnStatement) and statement.value is not None:
             return None
         item = self._not_negated(self.power(condition))
         pin = InputPin(position=(0, ROW / 2))

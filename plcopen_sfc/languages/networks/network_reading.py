@@ -276,7 +276,7 @@ class NetworkReader:
         elif isinstance(node, Jump | Return):
             self._leave(node)
         elif isinstance(node, Label):
-            self.wires.execute(n.Label(n.Name(node.label)))
+            self.wires.execute(n.LabelStatement(n.Name(node.label)))
         elif isinstance(node, CommentBox):
             self.comment(node.id, node.content)
         elif isinstance(node, ErrorBox):
@@ -333,7 +333,7 @@ class NetworkReader:
         return inverted(variable) if node.negated_out else variable
 
     def _leave(self, node: Jump | Return) -> None:
-        statement: Statement = n.Return()
+        statement: Statement = n.ReturnStatement()
         if isinstance(node, Jump):
             is_codesys = self.wires.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
             statement = n.Goto(n.Name(node.label), "JMP" if is_codesys else "GOTO")

@@ -261,10 +261,10 @@ class Builder(Transformer[Token, Any]):
         return n.Continue(span=over(items))
 
     def return_(self, items: Items) -> Any:
-        return n.Return(span=over(items))
+        return n.ReturnStatement(span=over(items))
 
     def return_value(self, items: Items) -> Any:
-        return n.Return(items[1], span=over(items))
+        return n.ReturnStatement(items[1], span=over(items))
 
     def goto(self, items: Items) -> Any:
         return n.Goto(name_of(items[1]), items[0].type, span=over(items))
@@ -347,7 +347,7 @@ class Builder(Transformer[Token, Any]):
     def _jump_label(self, labels: _Labels) -> n.Statement:
         only = labels.labels[0]
         if len(labels.labels) == 1 and isinstance(only, n.Name):
-            return n.Label(only, span=labels.span)
+            return n.LabelStatement(only, span=labels.span)
         self.problems.append(Problem("labels of this form belong into a CASE", labels.span))
         return n.Unreadable("", span=labels.span)
 

@@ -317,7 +317,7 @@ class Continue(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Return(Node):
+class ReturnStatement(Node):
     """``RETURN``: leaves the POU. `value`: CODESYS allows none, newer IEC dialects do."""
 
     value: Expression | None = None
@@ -332,7 +332,7 @@ class Goto(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Label(Node):
+class LabelStatement(Node):
     """``label:``, where GOTO goes."""
 
     label: Name
@@ -358,8 +358,8 @@ class Unreadable(Node):
 
 
 Statement: TypeAlias = (
-    "Assignment | CallStatement | If | Case | For | While | Repeat | RegionBlock | Try | Exit | Continue | Return"
-    " | Goto | Label | Empty | EmbeddedCode | Unreadable"
+    "Assignment | CallStatement | If | Case | For | While | Repeat | RegionBlock | Try | Exit | Continue"
+    " | ReturnStatement | Goto | LabelStatement | Empty | EmbeddedCode | Unreadable"
 )
 """Any statement."""
 

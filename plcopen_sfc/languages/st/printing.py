@@ -163,11 +163,11 @@ class Printer:
                 return "EXIT;"
             case n.Continue():
                 return "CONTINUE;"
-            case n.Return(value):
+            case n.ReturnStatement(value):
                 return "RETURN;" if value is None else f"RETURN {self.text(value)};"
             case n.Goto(label, keyword):
                 return f"{keyword} {self.text(label)};"
-            case n.Label(label):
+            case n.LabelStatement(label):
                 return f"{self.text(label)}:"
             case n.Empty():
                 return ";"

@@ -47,7 +47,7 @@ class NameTranslator:
                 self._members.add(node.name.identifier.casefold())
             elif isinstance(node, n.Call) and isinstance(node.callee, n.Name) and not node.callee.quoting:
                 others.add(id(node.callee))  # most likely a function of S7
-            elif isinstance(node, n.Goto | n.Label):
+            elif isinstance(node, n.Goto | n.LabelStatement):
                 others.add(id(node.label))
             elif isinstance(node, n.Name) and node.quoting is not Quoting.GLOBAL and id(node) not in others:
                 self._local_names.setdefault(node.identifier.casefold(), node.identifier)

@@ -198,7 +198,7 @@ class TreeTranslator:
                     self._lacks("jumps", node)
                     return node
                 return replace(node, keyword=_JUMPS.get(self._target, keyword))
-            case n.Label() if changes:
+            case n.LabelStatement() if changes:
                 if self._target not in _JUMPS:
                     self._lacks("labels to jump to", node)
                 return node
@@ -208,7 +208,7 @@ class TreeTranslator:
             case n.Try() if changes:
                 self._lacks("__TRY", node)
                 return self._inside(node)
-            case n.Return(value) if changes and value is not None:
+            case n.ReturnStatement(value) if changes and value is not None:
                 self._lacks("RETURN with a value", node)
                 return self._inside(node)
             case _:

@@ -142,7 +142,7 @@ class _Inliner:
                 before.append(each)
         if any(not _keeps_a_value(each) or self._depend(self.statements[reader], each) for each in after):
             return False
-        if after and any(isinstance(node, n.Return | n.Exit | n.Continue) for node in walk(replaced)):
+        if after and any(isinstance(node, n.ReturnStatement | n.Exit | n.Continue) for node in walk(replaced)):
             return False
         self.statements[place : reader + 1] = [*before, replaced, *after]
         return True

@@ -335,7 +335,7 @@ class GrafcetScan:
             last.append(counted)
         first, *others = evolution
         assert isinstance(first, CodeNetwork)  # noqa: S101  # only code in ST has text networks
-        code.networks += [replace(first, statements=(n.Label(label), *first.statements)), *others]
+        code.networks += [replace(first, statements=(n.LabelStatement(label), *first.statements)), *others]
         code.add(texts.stability, last)
         code.add(texts.next_evolution_title, [when(again, n.Goto(label, "GOTO"))])
         if self.stability.most is None:

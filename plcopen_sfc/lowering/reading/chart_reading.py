@@ -231,7 +231,7 @@ class _Reader(TextReader):
         asks = any(isinstance(node, n.Name) and node.identifier.casefold() in steps for node in parts)
         # inlined, a RETURN would leave the whole code. An action that asks for steps cannot stay: there are none any
         # more
-        return not asks and any(isinstance(node, n.Return) for node in parts)
+        return not asks and any(isinstance(node, n.ReturnStatement) for node in parts)
 
     def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> ActionUse:
         if association.event is not None or association.interlock or association.forcing is not None:

@@ -183,7 +183,7 @@ class TextReader:
         """Return statements without RETURN and jumps out of them: among other code, these would leave that too."""
         for statement in statements:
             for node in walk(statement):
-                if isinstance(node, n.Return | n.Goto | n.Label):
+                if isinstance(node, n.ReturnStatement | n.Goto | n.LabelStatement):
                     self.refuse("RETURN and jumps are not lowered: in the code they would leave more than this", path)
                 # only the compiler of the target could tell what the C code reads and writes
                 if isinstance(node, n.EmbeddedCode):

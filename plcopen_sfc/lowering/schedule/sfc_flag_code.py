@@ -179,11 +179,11 @@ class SfcFlagCode:
         stronger = [negation(each) for each in (self._init, init, reset) if each is not None]
         quit_ = self._flags.get(SfcFlag.QUIT_ERROR)
         if quit_ is not None:
-            done = [*self._forgotten_error(), *times.ends(), n.Return()]
+            done = [*self._forgotten_error(), *times.ends(), n.ReturnStatement()]
             self._conditional(self._texts.quit_error, conjunction([quit_, *stronger]), done)
         pause = self._flags.get(SfcFlag.PAUSE)
         if pause is not None:
-            self._conditional(self._texts.pause, conjunction([pause, *stronger]), [n.Return()])
+            self._conditional(self._texts.pause, conjunction([pause, *stronger]), [n.ReturnStatement()])
 
     # -- when the chart has gone back
 
@@ -215,7 +215,7 @@ class SfcFlagCode:
             statements[:0] = self._edges
         # while SFCInit is TRUE nothing is executed; SFCReset executes the initial step
         if init is not None:
-            statements += self._memory.conditional("", init, [*calls, n.Return()])
+            statements += self._memory.conditional("", init, [*calls, n.ReturnStatement()])
         self._code.add(self._texts.actions_end, statements, place=place)
 
     def end_in_block(self, code: LoweredCode, memory: Memory) -> None:
@@ -226,7 +226,7 @@ class SfcFlagCode:
         done = [*memory.ends, *(self._ended_targets() if init is not None else [])]
         statements = memory.conditional("", self._back, done)
         if init is not None:
-            statements += memory.conditional("", init, [n.Return()])
+            statements += memory.conditional("", init, [n.ReturnStatement()])
         code.add(self._texts.actions_end, statements, place=0)
 
     def _ended_targets(self) -> list[Statement]:

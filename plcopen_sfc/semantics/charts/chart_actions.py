@@ -27,7 +27,7 @@ from plcopen_sfc.semantics.charts.transition_firing import MOST_PLANS, Run, Writ
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, ElementaryType, Frame, default
+from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, Frame, ScalarType, default
 
 if TYPE_CHECKING:
     from plcopen_sfc.model import Body
@@ -149,7 +149,7 @@ class Actions:
 
         memory: list[tuple[int, Any]] = []
 
-        def reserve(name: str, type_: ElementaryType) -> int:
+        def reserve(name: str, type_: ScalarType) -> int:
             slot = self._scope.declare(f"{self._path}: {draft.name}.{index}.{name}", type_, hidden=True)
             memory.append((slot, default(type_)))
             if type_ is INSTANT:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from plcopen_sfc.model import Qualifier
-from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType, Frame
+from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, Frame, ScalarType
 
 ON = 1
 """The output Q of an action control."""
@@ -28,7 +28,7 @@ PULSE = 4
 OFF = 8
 """The Boolean variable becomes FALSE in this scan; without ON and OFF it keeps what it has (`SequentialControl`)."""
 
-Reserve = Callable[[str, ElementaryType], int]
+Reserve = Callable[[str, ScalarType], int]
 """Gives a private slot of a frame for a purpose and a type."""
 
 

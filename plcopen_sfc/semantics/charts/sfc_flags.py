@@ -13,7 +13,7 @@ from plcopen_sfc.semantics.charts.step_state import override
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, ArrayType, ElementaryType, Frame
+from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, ArrayOf, Frame, ScalarType
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
@@ -181,10 +181,10 @@ def _declare_table(scope: Scope) -> int:
     """``ARRAY [0..15] OF ExpressionResult`` of the library Analyzation, whatever the POU says of that type."""
     string = ELEMENTARY["STRING"]
     row = scope.structure("ExpressionResult", {"name": string, "address": string, "comment": string, "value": BOOL})
-    return override(scope, SfcFlag.ERROR_ANALYZATION_TABLE.variable, ArrayType("ARRAY", row, ((0, 15),)))
+    return override(scope, SfcFlag.ERROR_ANALYZATION_TABLE.variable, ArrayOf("ARRAY", row, ((0, 15),)))
 
 
-def _type(flag: SfcFlag) -> ElementaryType:
+def _type(flag: SfcFlag) -> ScalarType:
     return ELEMENTARY["STRING"] if flag in _TEXTS else BOOL
 
 

@@ -11,7 +11,7 @@ from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
-from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType, Frame, StructureType, Type
+from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, Frame, ScalarType, StructureType, Type
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
@@ -90,7 +90,7 @@ class Steps:
             name, bits = named.get(macro.step.name.casefold(), (macro.step.name, 0))
             named[name.casefold()] = (name, bits | macro.steps)
         simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in net.steps)
-        members: Mapping[str, ElementaryType] = {"X": BOOL, "T": ELAPSED}
+        members: Mapping[str, ScalarType] = {"X": BOOL, "T": ELAPSED}
         if profile.step_variables is StepVariables.GRAPH:
             members = step_data.STEP
         self._announces = profile.order is not ScanOrder.TRANSITIONS_FIRST and not simple

@@ -16,7 +16,7 @@ from plcopen_sfc.semantics.charts.sfc_flags import Analysis
 from plcopen_sfc.semantics.net import Competing, Net, NetTransition
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import ElementaryType, Family, Frame, StructureType
+from plcopen_sfc.semantics.programs.types import Family, Frame, ScalarType, StructureType
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
@@ -88,7 +88,7 @@ def execution(target: str, scope: Scope, where: str) -> tuple[Run | None, Write 
     is_called = isinstance(type_, StructureType) or (type_ is None and _is_program(target, scope))
     if is_called:
         return Routines(scope).statements(f"{target}();", where), None
-    if type_ is not None and not (isinstance(type_, ElementaryType) and type_.family is Family.BOOL):
+    if type_ is not None and not (isinstance(type_, ScalarType) and type_.family is Family.BOOL):
         return None, _refusing(f"{target} is of type {type_.name}: only a Boolean variable can be an action", where)
     return None, Routines(scope).setter(target)
 

@@ -63,7 +63,7 @@ class Image:
         """Addresses of variables, by their paths."""
         return {place.path: address for address, place in self._places.items()}
 
-    def place(self, address: str, type_: t.ElementaryType | None, path: str, initial: m.Value | None) -> Place:
+    def place(self, address: str, type_: t.ScalarType | None, path: str, initial: m.Value | None) -> Place:
         """The variable at an address; the first one that names it gives it its type."""
         key = address_of(address, by_bytes=self._bytes)
         found = self._places.get(key)
@@ -79,7 +79,7 @@ class Image:
                         hint="use one of them with .%Xn for its bits",
                     )
             found = self._places[key] = self._add(path, type_, initial)
-        elif found.type != type_ and isinstance(found.type, t.ElementaryType):
+        elif found.type != type_ and isinstance(found.type, t.ScalarType):
             same = {found.type.family, type_.family} <= {t.Family.INTEGER, t.Family.BITS}
             if not same or found.type.least != type_.least:
                 raise SimulationError(f"{address} is a {found.type.name} and a {type_.name} at once")

@@ -97,7 +97,7 @@ class Calls:
         inputs, outputs = self._given(node.arguments)
         if outputs:
             raise SimulationError(f"{name} is not known to the simulator: inside an expression it can have no outputs")
-        given = isinstance(expected, t.ElementaryType) and expected.family is not t.Family.SPECIAL
+        given = isinstance(expected, t.ScalarType) and expected.family is not t.Family.SPECIAL
         type_ = expected if given and expected is not None else t.ANY
         slot = unknown.slot(path) if path else -1
         type_name = self._library.linker.name(type_, "type")
@@ -133,7 +133,7 @@ class Calls:
         for argument in outputs:
             assert argument.name is not None and argument.value is not None  # noqa: S101, PT018  # it is an output
             target = self._translator.place(argument.value)
-            if not isinstance(target.type, t.ElementaryType | t.OpaqueType):
+            if not isinstance(target.type, t.ScalarType | t.OpaqueType):
                 pin = argument.name.identifier
                 raise SimulationError(
                     f"{name} is not known to the simulator, nor what its output {pin} has for members"
@@ -215,7 +215,7 @@ class Calls:
 
     def _put_output(self, field: Field, argument: n.Argument, text: str) -> str:
         target, code = self._output(field, argument, text)
-        if not isinstance(target.type, t.ElementaryType | t.ReferenceType | t.OpaqueType):
+        if not isinstance(target.type, t.ScalarType | t.ReferenceType | t.OpaqueType):
             return f"assign({target.text}, {code.text})"
         if target.bits is not None:
             raise SimulationError(f"{field.name} is written to a part of {target.path} inside an expression")
@@ -235,7 +235,7 @@ class Calls:
         if field.direction is Direction.IN_OUT:
             return self._reference(field, value)
         code = settled(self._translator.fitted(self._translator.value(value, field.type), field.type))
-        aggregate = isinstance(field.type, t.StructureType | t.ArrayType)
+        aggregate = isinstance(field.type, t.StructureType | t.ArrayOf)
         return f"cloned({code.text})" if aggregate and copied else code.text
 
     def _reference(self, field: Field, value: n.Expression) -> str:
@@ -249,10 +249,10 @@ class Calls:
             self._library.use.passed.setdefault(place.root, {}).setdefault(id(field), field)
         else:
             self._library.use.written.add(place.root)
-        if isinstance(field.type, t.ElementaryType | t.ReferenceType | t.OpaqueType):
+        if isinstance(field.type, t.ScalarType | t.ReferenceType | t.OpaqueType):
             return f"Pointer({place.cells}, {place.index})"
-        of_any_length = isinstance(field.type, t.ArrayType) and not field.type.dimensions
-        if of_any_length and isinstance(place.type, t.ArrayType) and place.type.dimensions:
+        of_any_length = isinstance(field.type, t.ArrayOf) and not field.type.dimensions
+        if of_any_length and isinstance(place.type, t.ArrayOf) and place.type.dimensions:
             return f"View({place.text}, {place.type.dimensions!r})"
         return place.text
 
@@ -414,7 +414,7 @@ class Calls:
             for field, argument in inputs:
                 assert argument.value is not None  # noqa: S101  # others were left out
                 text = self._argument(field, argument.value, copied=False)
-                aggregate = isinstance(field.type, t.StructureType | t.ArrayType)
+                aggregate = isinstance(field.type, t.StructureType | t.ArrayOf)
                 if aggregate and field.direction is not Direction.IN_OUT:
                     writer.write(f"assign({cells}[{field.slot}], {text})")
                 else:
@@ -465,8 +465,8 @@ def _can_refer(parameter: t.Type, type_: t.Type) -> bool:
     """True if a variable of a type can stand for a VAR_IN_OUT: it has the same values, or more members."""
     if isinstance(parameter, t.OpaqueType) or isinstance(type_, t.OpaqueType):
         return True
-    if isinstance(parameter, t.ElementaryType):
-        if not isinstance(type_, t.ElementaryType):
+    if isinstance(parameter, t.ScalarType):
+        if not isinstance(type_, t.ScalarType):
             return False
         numbers = parameter.is_number and type_.is_number and t.Family.REAL not in (parameter.family, type_.family)
         same = parameter.family is type_.family or numbers
@@ -480,8 +480,8 @@ def _can_refer(parameter: t.Type, type_: t.Type) -> bool:
             return False
         members = parameter.layout.fields
         return parameter.layout is type_.layout or members == type_.layout.fields[: len(members)]
-    if isinstance(parameter, t.ArrayType):
-        if not isinstance(type_, t.ArrayType) or not _can_refer(parameter.base, type_.base):
+    if isinstance(parameter, t.ArrayOf):
+        if not isinstance(type_, t.ArrayOf) or not _can_refer(parameter.base, type_.base):
             return False
         return not parameter.dimensions or parameter.size == type_.size
     return isinstance(type_, t.ReferenceType)

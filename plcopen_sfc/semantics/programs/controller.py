@@ -148,10 +148,10 @@ class _Writer:
             )
         elif type_ is t.ELAPSED:
             self._add(place, f"min({place}, limit)", f"{place} = {at}")
-        elif isinstance(type_, t.ArrayType):
+        elif isinstance(type_, t.ArrayOf):
             self._array(place, at, type_)
 
-    def _array(self, place: str, at: str, type_: t.ArrayType) -> None:
+    def _array(self, place: str, at: str, type_: t.ArrayOf) -> None:
         if _is_plain(type_.base):
             self._add(f"tuple({place})", f"tuple({place})", f"{place}[:] = {at}")
             return
@@ -186,7 +186,7 @@ def _functions(source: str) -> tuple[_Store, _Store, _Load]:
 
 def _is_plain(type_: Type) -> bool:
     """True if a value is stored as it is."""
-    return not isinstance(type_, t.StructureType | t.ArrayType) and type_ is not t.INSTANT and type_ is not t.ELAPSED
+    return not isinstance(type_, t.StructureType | t.ArrayOf) and type_ is not t.INSTANT and type_ is not t.ELAPSED
 
 
 def _items(items: list[str]) -> str:
@@ -431,7 +431,7 @@ class Instance:
     def __getitem__(self, path: str) -> Any:
         cell = self._cell(path)
         value = cell.cells[cell.index]
-        if value is UNREAD and isinstance(cell.type, t.ElementaryType):
+        if value is UNREAD and isinstance(cell.type, t.ScalarType):
             return t.default(cell.type)
         if cell.bits is not None:
             start, width = cell.bits
@@ -441,7 +441,7 @@ class Instance:
 
     def __setitem__(self, path: str, value: Any) -> None:
         cell = self._cell(path)
-        if not isinstance(cell.type, t.ElementaryType):
+        if not isinstance(cell.type, t.ScalarType):
             raise ModelError(f"{path} is a {cell.type.name}: only values of elementary types can be given")
         given = coerced(value, cell.type)
         if cell.bits is not None:

@@ -42,7 +42,7 @@ class Translator(PathTranslator):
             case n.AssignmentExpression(target=target, value=value):
                 place = self.place(target)
                 code = settled(self.fitted(self.value(value, place.type), place.type))
-                if place.bits is not None or not isinstance(place.type, t.ElementaryType):
+                if place.bits is not None or not isinstance(place.type, t.ScalarType):
                     raise SimulationError("such an assignment inside an expression is not known to the simulator")
                 self.note_write(place)
                 return Code(
@@ -62,7 +62,7 @@ class Translator(PathTranslator):
         type_ = t.elementary(name, self.library.dialect) if name else None
         if found.kind is LiteralKind.ENUMERATED:
             owner = self.scope.resolve(n.Name(found.type))
-            if isinstance(owner, t.ElementaryType) and str(found.value).casefold() in owner.names:
+            if isinstance(owner, t.ScalarType) and str(found.value).casefold() in owner.names:
                 return constant(owner.names[str(found.value).casefold()], owner)
             raise SimulationError(f"{node.text} is no value of an enumeration")
         if found.kind is LiteralKind.BOOL:
@@ -78,13 +78,13 @@ class Translator(PathTranslator):
             return constant(value, type_ or t.ELEMENTARY["DATE"])
         if found.kind is LiteralKind.REAL:
             if type_ is None:
-                wanted = expected if isinstance(expected, t.ElementaryType) else None
+                wanted = expected if isinstance(expected, t.ScalarType) else None
                 single = wanted is not None and wanted.family is t.Family.REAL and wanted.bits == 32
                 return Code(
                     repr(found.value), t.LREAL, value=found.value, constant=True, loose=single or wanted is None
                 )
             return settled(self.library.converter.converted(constant(found.value, t.LREAL), type_))
-        is_truth = isinstance(expected, t.ElementaryType) and expected.family is t.Family.BOOL
+        is_truth = isinstance(expected, t.ScalarType) and expected.family is t.Family.BOOL
         if type_ is None and is_truth and found.value in (0, 1):  # IEC 61131-3 ed. 2, table 5; Beremiz
             return Code(repr(bool(found.value)), t.BOOL, 0, 1, bool(found.value), constant=True)
         self.library.use.numbers.setdefault(int(found.value))  # type: ignore[arg-type]  # it is an integer
@@ -93,7 +93,7 @@ class Translator(PathTranslator):
         return settled(constant(found.value, type_))
 
 
-def _least_integer(value: int) -> t.ElementaryType:
+def _least_integer(value: int) -> t.ScalarType:
     """The type of a literal that names none."""
     for name in ("INT", "DINT", "LINT", "ULINT"):
         if t.ELEMENTARY[name].least <= value <= t.ELEMENTARY[name].greatest:

@@ -21,7 +21,7 @@ from plcopen_sfc.languages.st.literals import (
 )
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.runtime import half_even, truncated
-from plcopen_sfc.semantics.programs.types import ElementaryType, Family
+from plcopen_sfc.semantics.programs.types import Family, ScalarType
 
 _DAY = 86_400 * SECOND
 _EPOCH = date(1970, 1, 1).toordinal()
@@ -281,7 +281,7 @@ def find(text: str, part: str) -> int:
     return text.find(part) + 1 if part else 0
 
 
-def to_text(value: Any, type_: ElementaryType) -> str:
+def to_text(value: Any, type_: ScalarType) -> str:
     """A value as a string."""
     try:
         return _shown(value, type_)
@@ -289,7 +289,7 @@ def to_text(value: Any, type_: ElementaryType) -> str:
         raise SimulationError(f"{value} as {type_.name} has no text") from None
 
 
-def _shown(value: Any, type_: ElementaryType) -> str:
+def _shown(value: Any, type_: ScalarType) -> str:
     family = type_.family
     if family is Family.BOOL:
         return "TRUE" if value else "FALSE"
@@ -307,7 +307,7 @@ def _shown(value: Any, type_: ElementaryType) -> str:
     return str(value)
 
 
-def _real_text(value: float, type_: ElementaryType) -> str:
+def _real_text(value: float, type_: ScalarType) -> str:
     if type_.bits != 32:
         return repr(value)
     for digits in range(1, 10):
@@ -317,7 +317,7 @@ def _real_text(value: float, type_: ElementaryType) -> str:
     return repr(value)
 
 
-def of_text(text: str, type_: ElementaryType) -> Any:
+def of_text(text: str, type_: ScalarType) -> Any:
     """The value that a string says; 0 where it says none (CODESYS, STRING_TO_INT)."""
     try:
         found = literal_value(text.strip())
@@ -337,7 +337,7 @@ def of_text(text: str, type_: ElementaryType) -> Any:
     return (number - type_.least) % span + type_.least
 
 
-def of_character(text: str, type_: ElementaryType) -> Any:
+def of_character(text: str, type_: ScalarType) -> Any:
     """The code of a character."""
     code = ord(text[0]) if text else 0
     return code if type_.family is not Family.BOOL else code != 0

@@ -131,7 +131,7 @@ class InstructionTranslator:
 
     def _merged(self, results: list[Code]) -> Code | None:
         """The current result where several ways meet."""
-        types = [code.type for code in results if isinstance(code.type, t.ElementaryType)]
+        types = [code.type for code in results if isinstance(code.type, t.ScalarType)]
         if not types or len(types) < len(results):
             return None
         widest = max(types, key=lambda type_: type_.bits)

@@ -56,7 +56,7 @@ class Operators:
 
     def _operands(self, node: n.Operation, expected: t.Type | None) -> list[Code]:
         """Return the operands; an undeclared one takes the type of the first that has one."""
-        if expected is None or not isinstance(expected, t.ElementaryType):
+        if expected is None or not isinstance(expected, t.ScalarType):
             types = [self.known_type(operand) for operand in node.operands]
             expected = next((type_ for type_ in types if type_ is not None), t.DINT)
         return [self._translator.value(operand, expected) for operand in node.operands]
@@ -84,7 +84,7 @@ class Operators:
         if node.operator is Operator.PLUS:
             return code
         type_ = code.type
-        if not isinstance(type_, t.ElementaryType) or type_.family in (t.Family.BOOL, t.Family.STRING):
+        if not isinstance(type_, t.ScalarType) or type_.family in (t.Family.BOOL, t.Family.STRING):
             raise SimulationError(f"a {type_.name} has no sign")
         if not code.loose:
             type_ = self._calculated(type_)
@@ -97,7 +97,7 @@ class Operators:
     def inverted(self, code: Code) -> Code:
         """NOT."""
         type_ = code.type
-        if not isinstance(type_, t.ElementaryType):
+        if not isinstance(type_, t.ScalarType):
             raise SimulationError(f"NOT of a {type_.name}")
         if type_.family is t.Family.BOOL:
             if code.constant:
@@ -176,7 +176,7 @@ class Operators:
     def _comparable(self, left: Code, right: Code) -> tuple[Code, Code]:
         """Two values of types whose values can be compared as they are."""
         one, other = left.type, right.type
-        if not isinstance(one, t.ElementaryType) or not isinstance(other, t.ElementaryType):
+        if not isinstance(one, t.ScalarType) or not isinstance(other, t.ScalarType):
             raise SimulationError(f"{one.name} and {other.name} cannot be compared")
         if t.Family.SPECIAL in (one.family, other.family) or one.family is other.family:
             return self._rounded(left, right)
@@ -200,7 +200,7 @@ class Operators:
     def arithmetic(self, operator: Operator, left: Code, right: Code) -> Code:
         """Sum, difference, product, quotient, remainder or power of two values."""
         one, other = left.type, right.type
-        if not isinstance(one, t.ElementaryType) or not isinstance(other, t.ElementaryType):
+        if not isinstance(one, t.ScalarType) or not isinstance(other, t.ScalarType):
             raise SimulationError(f"{operator} of {one.name} and {other.name}")
         if operator is Operator.POWER:
             return self._power(left, right)
@@ -221,7 +221,7 @@ class Operators:
             return self._real(operator, left, right, type_)
         return self._integer(operator, left, right, type_)
 
-    def _real(self, operator: Operator, left: Code, right: Code, type_: t.ElementaryType) -> Code:
+    def _real(self, operator: Operator, left: Code, right: Code, type_: t.ScalarType) -> Code:
         if operator is Operator.MODULO:
             raise SimulationError("MOD of real numbers")
         sign = _ARITHMETIC.get(operator, "/")
@@ -236,7 +236,7 @@ class Operators:
             return constant(runtime.single(value) if type_.bits == 32 and not loose else value, type_, loose=loose)
         return Code(f"single({text})" if type_.bits == 32 else text, type_, acts=acts)
 
-    def _integer(self, operator: Operator, left: Code, right: Code, type_: t.ElementaryType) -> Code:
+    def _integer(self, operator: Operator, left: Code, right: Code, type_: t.ScalarType) -> Code:
         acts, loose = left.acts or right.acts, left.loose and right.loose
         if operator in (Operator.DIVIDE, Operator.MODULO):
             if operator is Operator.MODULO:
@@ -258,7 +258,7 @@ class Operators:
             return settled(replace(constant(low, type_, loose=loose), low=low, high=high))
         return Code(f"({left.text} {sign} {right.text})", type_, low, high, acts=acts)
 
-    def _quotient(self, operator: Operator, left: Code, right: Code, type_: t.ElementaryType) -> Code:
+    def _quotient(self, operator: Operator, left: Code, right: Code, type_: t.ScalarType) -> Code:
         acts, loose = left.acts or right.acts, left.loose and right.loose
         if right.constant and right.value == 0:
             raise SimulationError("division by zero")
@@ -276,7 +276,7 @@ class Operators:
 
     def _power(self, left: Code, right: Code) -> Code:
         """``**``: a real number (ed. 3, table 28: EXPT), also of integers."""
-        type_ = left.type if isinstance(left.type, t.ElementaryType) and left.type.family is t.Family.REAL else t.LREAL
+        type_ = left.type if isinstance(left.type, t.ScalarType) and left.type.family is t.Family.REAL else t.LREAL
         base = self._converter.converted(left, type_)
         exponent = right if right.type != t.BOOL else self._converter.converted(right, t.INT)
         text = f"power({base.text}, {settled(exponent).text})"
@@ -286,7 +286,7 @@ class Operators:
     def _timed(self, operator: Operator, left: Code, right: Code) -> Code:
         """Durations, dates and times (ed. 3, table 35)."""
         one, other = left.type, right.type
-        assert isinstance(one, t.ElementaryType) and isinstance(other, t.ElementaryType)  # noqa: S101, PT018
+        assert isinstance(one, t.ScalarType) and isinstance(other, t.ScalarType)  # noqa: S101, PT018
         acts = left.acts or right.acts
         if operator in (Operator.MULTIPLY, Operator.DIVIDE):
             return self._scaled(operator, left, right)
@@ -320,11 +320,11 @@ class Operators:
         if operator is Operator.MULTIPLY and left.type.name not in _DURATIONS:
             left, right = right, left
         type_, number = left.type, right.type
-        if not isinstance(type_, t.ElementaryType) or type_.family is not t.Family.DURATION:
+        if not isinstance(type_, t.ScalarType) or type_.family is not t.Family.DURATION:
             raise SimulationError(f"{operator} of {left.type.name} and {right.type.name}")
         left, right = settled(left), settled(right)
         acts = left.acts or right.acts
-        assert isinstance(number, t.ElementaryType)  # noqa: S101  # arithmetic has looked
+        assert isinstance(number, t.ScalarType)  # noqa: S101  # arithmetic has looked
         if number.family is t.Family.DURATION and operator is Operator.DIVIDE:
             return Code(f"divided({left.text}, {right.text})", t.LINT, t.LINT.least, t.LINT.greatest, acts=acts)
         if not number.is_number:
@@ -338,22 +338,22 @@ class Operators:
 
     # -- types
 
-    def _calculated(self, type_: t.ElementaryType) -> t.ElementaryType:
+    def _calculated(self, type_: t.ScalarType) -> t.ScalarType:
         """The type in which the tool calculates with values of a type."""
         base = _base(type_)
         name = calculated_type(self._translator.library.dialect, base.name) if base.name in ORDER else base.name
         return type_ if name == base.name else t.ELEMENTARY[name]
 
-    def common(self, left: Code, right: Code) -> t.ElementaryType:
+    def common(self, left: Code, right: Code) -> t.ScalarType:
         """The type in which two values are calculated: the greater; a literal takes that of the other."""
         one, other = left.type, right.type
-        if not isinstance(one, t.ElementaryType) or not isinstance(other, t.ElementaryType):
+        if not isinstance(one, t.ScalarType) or not isinstance(other, t.ScalarType):
             raise SimulationError(f"{one.name} and {other.name} do not go together")
         if t.Family.SPECIAL in (one.family, other.family):
             return t.ANY
         if left.loose != right.loose:
             literal, typed = (left, right) if left.loose else (right, left)
-            if not isinstance(typed.type, t.ElementaryType) or not isinstance(literal.type, t.ElementaryType):
+            if not isinstance(typed.type, t.ScalarType) or not isinstance(literal.type, t.ScalarType):
                 raise SimulationError(f"{one.name} and {other.name} do not go together")
             type_ = _base(typed.type)
             whole = literal.type.family is not t.Family.REAL
@@ -374,14 +374,14 @@ class Operators:
         return one if one.family is not t.Family.BOOL else other
 
 
-def _fits(code: Code, type_: t.ElementaryType) -> bool:
+def _fits(code: Code, type_: t.ScalarType) -> bool:
     return type_.least <= int(code.value) <= type_.greatest
 
 
 _DURATIONS = ("TIME", "LTIME", "S5TIME")
 
 
-def _base(type_: t.ElementaryType) -> t.ElementaryType:
+def _base(type_: t.ScalarType) -> t.ScalarType:
     """The type that a subrange or enumeration is one of."""
     if (type_.narrowed is None and not type_.names) or not type_.is_number:
         return type_
@@ -393,11 +393,11 @@ def _base(type_: t.ElementaryType) -> t.ElementaryType:
 
 
 def _is_truth(code: Code) -> bool:
-    return isinstance(code.type, t.ElementaryType) and code.type.family in (t.Family.BOOL, t.Family.SPECIAL)
+    return isinstance(code.type, t.ScalarType) and code.type.family in (t.Family.BOOL, t.Family.SPECIAL)
 
 
 def _wanted_bits(expected: t.Type | None) -> t.Type:
-    return expected if isinstance(expected, t.ElementaryType) and expected.family is t.Family.BITS else t.BOOL
+    return expected if isinstance(expected, t.ScalarType) and expected.family is t.Family.BITS else t.BOOL
 
 
 _BIG = 1 << 200
@@ -408,7 +408,7 @@ def _is_big(code: Code) -> bool:
     return code.low < -_BIG or code.high > _BIG
 
 
-def _wide_enough(type_: t.ElementaryType, value: int) -> t.ElementaryType:
+def _wide_enough(type_: t.ScalarType, value: int) -> t.ScalarType:
     for name in (type_.name, "DINT", "LINT", "ULINT"):
         known = t.ELEMENTARY[name]
         if known.least <= value <= known.greatest:
@@ -419,13 +419,13 @@ def _wide_enough(type_: t.ElementaryType, value: int) -> t.ElementaryType:
 def settled_time(code: Code) -> Code:
     """A duration or time in the range and grain of its type."""
     type_ = code.type
-    assert isinstance(type_, t.ElementaryType)  # noqa: S101  # times are elementary
+    assert isinstance(type_, t.ScalarType)  # noqa: S101  # times are elementary
     if type_.least <= code.low and code.high <= type_.greatest:
         return code
     return replace(code, text=wrapped_text(code.text, type_), low=type_.least, high=type_.greatest)
 
 
-def wrapped_text(text: str, type_: t.ElementaryType) -> str:
+def wrapped_text(text: str, type_: t.ScalarType) -> str:
     """Source that brings an integer into the range and grain of a type."""
     if type_.unit == 1:
         return wrapping(text, type_)

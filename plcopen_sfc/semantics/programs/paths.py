@@ -70,7 +70,7 @@ class PathTranslator(ABC):
                 return self.meaning(base, expected)
             case n.Call():
                 code = self.value(node)
-                if isinstance(code.type, t.StructureType | t.ArrayType):
+                if isinstance(code.type, t.StructureType | t.ArrayOf):
                     return Place(f"[{code.text}]", "0", code.type, print_node(node.callee), acts=True)
                 return code
         return self.value(node, expected)
@@ -83,7 +83,7 @@ class PathTranslator(ABC):
         own = word in ("THIS", "SUPER") and self.library.dialect is not Dialect.SCL
         if own and isinstance(found, Unknown) and self.scope.unit is not None:
             return self._own(word, self.scope.unit)
-        if isinstance(found, Unknown) and isinstance(expected, t.ElementaryType):
+        if isinstance(found, Unknown) and isinstance(expected, t.ScalarType):
             value = expected.names.get(node.identifier.casefold())
             if value is not None:
                 return constant(value, expected)
@@ -122,7 +122,7 @@ class PathTranslator(ABC):
         if isinstance(base, Space):
             found = base.level.named(name.identifier)
             return self.library.meaning(found[0]) if found else Unknown(f"{base.path}.{name.identifier}")
-        if isinstance(base, t.ElementaryType) and base.names:
+        if isinstance(base, t.ScalarType) and base.names:
             value = base.names.get(name.identifier.casefold())
             if value is None:
                 raise SimulationError(f"{base.name} has no value {name.identifier}")
@@ -141,7 +141,7 @@ class PathTranslator(ABC):
             field = type_.layout.find(name.identifier)
             if field is not None:
                 cells = f"{base.text}.v"
-                if field.direction is Direction.IN_OUT and isinstance(field.type, t.ElementaryType):
+                if field.direction is Direction.IN_OUT and isinstance(field.type, t.ScalarType):
                     pointer = f"{cells}[{field.slot}]"
                     return Place(f"{pointer}.cells", f"{pointer}.index", field.type, f"{base.path}.{name.identifier}")
                 return base.inner(cells, field.slot, field.type, name.identifier, field)
@@ -156,11 +156,11 @@ class PathTranslator(ABC):
         if isinstance(type_, t.ReferenceType):
             raise SimulationError(f"{base.path} is a reference: {base.path}^.{name.identifier} is its member")
         part = _PART.fullmatch(name.identifier)
-        if isinstance(type_, t.ElementaryType) and type_.is_ranged and part is not None and base.bits is None:
+        if isinstance(type_, t.ScalarType) and type_.is_ranged and part is not None and base.bits is None:
             return self._part(base, type_, part)
         raise SimulationError(f"{print_node(node.base)} is a {type_.name}: it has no {name.identifier}")
 
-    def _part(self, base: Place, word: t.ElementaryType, part: re.Match[str]) -> Place:
+    def _part(self, base: Place, word: t.ScalarType, part: re.Match[str]) -> Place:
         """A bit or another part of an integer (ed. 3, 6.5.2: ``.3``; ``.%X3``, ``.%B1``)."""
         width = _PART_WIDTHS[part["size"].upper()]
         start = int(part["number"]) * width
@@ -187,13 +187,13 @@ class PathTranslator(ABC):
         base = self.followed(base, None)
         if isinstance(base.type, t.OpaqueType):
             return self._index(Unknown(f"{self.scope.path}.{base.path}"), indices)
-        if isinstance(base.type, t.ElementaryType) and base.type.family is t.Family.STRING and len(codes) == 1:
+        if isinstance(base.type, t.ScalarType) and base.type.family is t.Family.STRING and len(codes) == 1:
             return self._character(base, base.type, codes[0])
-        if not isinstance(base.type, t.ArrayType):
+        if not isinstance(base.type, t.ArrayOf):
             raise SimulationError(f"{base.path} is a {base.type.name}, no array")
         return self._element(base, base.type, codes)
 
-    def _character(self, base: Place, string: t.ElementaryType, index: Code) -> Code:
+    def _character(self, base: Place, string: t.ScalarType, index: Code) -> Code:
         """A character of a string: in S7 one, counted from 1; in CODESYS its code, counted from 0. To read only."""
         self.note_read(base)
         if self.library.is_codesys:
@@ -204,7 +204,7 @@ class PathTranslator(ABC):
             text = f"character_at({base.value}, {index.text}, {string.length})"
         return ranged(text, type_, acts=index.acts)
 
-    def _element(self, base: Place, array: t.ArrayType, codes: list[Code]) -> Place:
+    def _element(self, base: Place, array: t.ArrayOf, codes: list[Code]) -> Place:
         if not array.dimensions:
             indices = ", ".join(code.text for code in codes)
             acts = base.acts or any(code.acts for code in codes)
@@ -215,7 +215,7 @@ class PathTranslator(ABC):
         used, rest = codes[: len(array.dimensions)], codes[len(array.dimensions) :]
         offset, known, text = 0, True, ""
         for code, (lower, upper) in zip(used, array.dimensions, strict=True):
-            if not isinstance(code.type, t.ElementaryType) or code.type.family not in (
+            if not isinstance(code.type, t.ScalarType) or code.type.family not in (
                 t.Family.INTEGER,
                 t.Family.BITS,
                 t.Family.SPECIAL,
@@ -246,7 +246,7 @@ class PathTranslator(ABC):
         )
         if not rest:
             return place
-        if not isinstance(array.base, t.ArrayType):
+        if not isinstance(array.base, t.ArrayOf):
             raise SimulationError(f"{base.path} has {len(array.dimensions)} dimensions, but {len(codes)} indices")
         return self._element(place, array.base, rest)
 
@@ -293,7 +293,7 @@ class PathTranslator(ABC):
 
     def implicit(self, unknown: Unknown, expected: t.Type | None) -> Place:
         """Return the external variable of an undeclared name."""
-        type_ = expected if isinstance(expected, t.ElementaryType) and expected is not t.ANY else t.BOOL
+        type_ = expected if isinstance(expected, t.ScalarType) and expected is not t.ANY else t.BOOL
         return self.library.implicit(unknown.path, type_)
 
     def hold(self, code: Code) -> n.Name:
@@ -305,7 +305,7 @@ class PathTranslator(ABC):
     def guessed(self, value: n.Expression) -> t.Type:
         """Return the type of an undeclared variable, from what is assigned to it."""
         code = self.value(value)
-        if isinstance(code.type, t.ElementaryType) and code.loose and code.type.family is t.Family.INTEGER:
+        if isinstance(code.type, t.ScalarType) and code.loose and code.type.family is t.Family.INTEGER:
             return t.DINT if code.type in (t.INT, t.DINT) else t.LINT
         return code.type
 
@@ -333,7 +333,7 @@ class PathTranslator(ABC):
             if place.word.least < 0:
                 text = wrapping(text, place.word)
             self.writer.write(f"{cells}[{index}] = {text}")
-        elif isinstance(place.type, t.StructureType | t.ArrayType):
+        elif isinstance(place.type, t.StructureType | t.ArrayOf):
             self.writer.write(f"assign({place.text}, {code.text})")
         else:
             self.writer.write(f"{place.text} = {code.text}")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.binding.symbols import Level
 from plcopen_sfc.semantics.programs.code_generation import free_token
-from plcopen_sfc.semantics.programs.types import ArrayType, Direction, ElementaryType, Field, StructureType, Type
+from plcopen_sfc.semantics.programs.types import ArrayOf, Direction, Field, ScalarType, StructureType, Type
 from plcopen_sfc.semantics.programs.value_code import Code, ranged
 
 ANYWHERE = "*"
@@ -31,7 +31,7 @@ class Place:
     key: str = ""
     root: str = ""
     bits: tuple[int, int] | None = None
-    word: ElementaryType | None = None
+    word: ScalarType | None = None
     input: bool = False
     field: Field | None = None
     acts: bool = False
@@ -67,9 +67,9 @@ class Place:
         key = known.key if known is not None else ANYWHERE
         if (known is not None and not self.input) or (self.field is not None and self.field.hidden):
             return text
-        if isinstance(self.type, StructureType | ArrayType):
+        if isinstance(self.type, StructureType | ArrayOf):
             return free_token(key, text, f"asked({text})")
-        if known is not None and isinstance(known.type, ElementaryType):
+        if known is not None and isinstance(known.type, ScalarType):
             return free_token(key, text, f"({text} if {text} is not U else fetch({self.cells}, {self.index}))")
         return free_token(key, text, f"fetch({self.cells}, {self.index})")
 

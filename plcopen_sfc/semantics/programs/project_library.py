@@ -65,10 +65,10 @@ class TypeReader:
             case m.ArrayType(dimensions=dimensions, base=base):
                 inner = self.read(base, scope)
                 if any(d.lower.strip() == "*" for d in dimensions):
-                    return t.ArrayType(f"ARRAY OF {inner.name}", inner, ())
+                    return t.ArrayOf(f"ARRAY OF {inner.name}", inner, ())
                 bounds = tuple((_constant(scope, d.lower), _constant(scope, d.upper)) for d in dimensions)
                 shown = ", ".join(f"{lower}..{upper}" for lower, upper in bounds)
-                made = t.ArrayType(f"ARRAY [{shown}] OF {inner.name}", inner, bounds)
+                made = t.ArrayOf(f"ARRAY [{shown}] OF {inner.name}", inner, bounds)
                 if _cells(made) > _MOST_ELEMENTS:
                     raise SimulationError(f"{made.name} has more than {_MOST_ELEMENTS} elements")
                 return made
@@ -78,7 +78,7 @@ class TypeReader:
                 return self._enumeration("enumeration", type_, scope)
             case m.SubrangeType(bounds=bounds_, base=base):
                 inner = self.read(base, scope)
-                if not isinstance(inner, t.ElementaryType):
+                if not isinstance(inner, t.ScalarType):
                     raise SimulationError(f"a subrange of {inner.name}")
                 ends = (_constant(scope, bounds_.lower), _constant(scope, bounds_.upper))
                 return replace(inner, name=f"{inner.name}({ends[0]}..{ends[1]})", narrowed=ends)
@@ -156,9 +156,9 @@ class TypeReader:
         self._library.write_new(layout)
         return t.StructureType(name, layout)
 
-    def _enumeration(self, name: str, type_: m.EnumType, scope: Scope) -> t.ElementaryType:
+    def _enumeration(self, name: str, type_: m.EnumType, scope: Scope) -> t.ScalarType:
         base = self.read(type_.base, scope) if type_.base is not None else t.INT
-        if not isinstance(base, t.ElementaryType):
+        if not isinstance(base, t.ScalarType):
             raise SimulationError(f"{name} is an enumeration of {base.name}")
         names: dict[str, int] = {}
         following = 0
@@ -183,7 +183,7 @@ def _constant(scope: Scope, text: str) -> int:
 
 def _cells(type_: t.Type) -> int:
     """Return how many values a variable of a type holds."""
-    if isinstance(type_, t.ArrayType):
+    if isinstance(type_, t.ArrayOf):
         return type_.size * max(_cells(type_.base), 1)
     if isinstance(type_, t.StructureType):
         return sum(_cells(field.type) for field in type_.layout.fields)
@@ -206,14 +206,14 @@ class Initials:
         field.preset = code.text != self._library.default(field.type)
         if code.constant:
             field.value = code.value if field.direction is Direction.CONSTANT else None
-        elif isinstance(field.type, t.ElementaryType):
+        elif isinstance(field.type, t.ScalarType):
             field.late = True
 
     def source(self, type_: t.Type, value: m.Value, scope: Scope) -> Code:
         """Source of a value of `type_`."""
         if isinstance(value, m.SimpleValue):
             return self._simple(type_, value, scope)
-        if isinstance(type_, t.ArrayType):
+        if isinstance(type_, t.ArrayOf):
             if isinstance(value, m.StructValue):
                 raise SimulationError(f"the value of a structure is given to {type_.name}")
             return Code(self._array(type_, value, scope), type_)
@@ -228,7 +228,7 @@ class Initials:
         if not text:
             return Code(self._library.default(type_), type_)
         parsed = parse_expression(text, self._library.dialect)
-        plain = isinstance(type_, t.ElementaryType | t.ReferenceType | t.OpaqueType)
+        plain = isinstance(type_, t.ScalarType | t.ReferenceType | t.OpaqueType)
         if plain and not parsed.problems:
             if isinstance(type_, t.OpaqueType):
                 return Code("None", type_)
@@ -238,21 +238,21 @@ class Initials:
         variables = [v for section in declared.sections for v in section.variables]
         inner = variables[0].initial if len(variables) == 1 and not declared.problems else None
         if inner is None or isinstance(inner, m.SimpleValue):
-            if isinstance(type_, t.ArrayType) and not parsed.problems:
+            if isinstance(type_, t.ArrayOf) and not parsed.problems:
                 return Code(self._array(type_, m.ArrayValue(items=[m.RepeatedValue(value=value)]), scope), type_)
             if not parsed.problems and isinstance(n.bare(parsed.tree), n.Name):
                 return Code(f"cloned({Translator(scope, Writer()).value(parsed.tree, type_).text})", type_)
             raise SimulationError(f"{text!r} is no value of {type_.name}")
         return self.source(type_, inner, scope)
 
-    def _array(self, type_: t.ArrayType, value: m.Value, scope: Scope) -> str:
+    def _array(self, type_: t.ArrayOf, value: m.Value, scope: Scope) -> str:
         assert isinstance(value, m.ArrayValue)  # noqa: S101  # the only one left
         parts: list[str] = []
         count = 0
         for item in value.items:
             times = _constant(scope, item.repetitions) if item.repetitions is not None else 1
             nested = type_.base
-            if isinstance(item.value, m.ArrayValue) and not isinstance(nested, t.ArrayType):
+            if isinstance(item.value, m.ArrayValue) and not isinstance(nested, t.ArrayOf):
                 raise SimulationError("an array of values is given to one element")
             source = self.source(nested, item.value, scope).text
             if not 0 <= times <= type_.size:
@@ -400,21 +400,21 @@ class Library(TranslatedProject):
             for field in unit.layout.fields
             if field.direction is Direction.IN_OUT
             and frame.v[field.slot] is None
-            and not (isinstance(field.type, t.ArrayType) and not field.type.dimensions)
+            and not (isinstance(field.type, t.ArrayOf) and not field.type.dimensions)
         ]
         slots = []
         for field in missing:
-            if is_plain(field.type) and not isinstance(field.type, t.ElementaryType):
+            if is_plain(field.type) and not isinstance(field.type, t.ScalarType):
                 self.use.inputs.setdefault(self.use.key(unit.layout, field.slot), (field.name, field.type))
             made = self.globals.add(f"(of {unit.pou.name}) {field.name}", field.type, hidden=True)
             made.initial = self.default(field.type)
             slots.append(made.slot)
-            if isinstance(field.type, t.ElementaryType):
+            if isinstance(field.type, t.ScalarType):
                 self.use.inputs[f"g.{made.slot}"] = field.name, field.type
                 self.use.in_outs.add(f"g.{made.slot}")
         self.grow()
         for field, slot in zip(missing, slots, strict=True):
-            plain = isinstance(field.type, t.ElementaryType | t.ReferenceType | t.OpaqueType)
+            plain = isinstance(field.type, t.ScalarType | t.ReferenceType | t.OpaqueType)
             cells = self.frame.v
             frame.v[field.slot] = runtime.Pointer(cells, slot) if plain else cells[slot]
 
@@ -463,12 +463,12 @@ class Library(TranslatedProject):
         path = declaration.path
         if isinstance(holder, m.Variable):
             type_ = self._types.read(holder.type, self.scope)
-            if holder.address and isinstance(type_, t.ElementaryType) and "*" not in holder.address:
+            if holder.address and isinstance(type_, t.ScalarType) and "*" not in holder.address:
                 return self.at_address(holder.address, type_, path, holder.initial)
             return self.add(path, type_, holder.initial, constant=self._is_constant(holder))
         if isinstance(holder, Tag):
             type_ = self._types.named(holder.type, self.scope)
-            if holder.address and isinstance(type_, t.ElementaryType):
+            if holder.address and isinstance(type_, t.ScalarType):
                 return self.at_address(holder.address, type_, path, None)
             return self.add(path, type_, None)
         if isinstance(holder, DataBlock):
@@ -522,7 +522,7 @@ class Library(TranslatedProject):
             input=field.direction is not Direction.CONSTANT and (not field.preset or self.use.is_freed(field)),
         )
 
-    def at_address(self, address: str, type_: t.ElementaryType | None, path: str, initial: m.Value | None) -> Place:
+    def at_address(self, address: str, type_: t.ScalarType | None, path: str, initial: m.Value | None) -> Place:
         """Return the variable at a direct address; the first one that names it gives it its type."""
         return self.image.place(address, type_, path, initial)
 
@@ -564,7 +564,7 @@ class Library(TranslatedProject):
         return code
 
     def _know(self, model: m.EnumType, type_: t.Type) -> None:
-        assert self._values is not None and isinstance(type_, t.ElementaryType)  # noqa: S101, PT018
+        assert self._values is not None and isinstance(type_, t.ScalarType)  # noqa: S101, PT018
         for value in model.values:
             number = type_.names[value.name.casefold()]
             self._values[id(value)] = Code(repr(number), type_, number, number, number, constant=True)

@@ -106,14 +106,14 @@ def _declare_variable(callee: Callee, section: VariableSection, variable: m.Vari
         raise SimulationError(f"{variable.name} is an input that watches for an edge: the simulator knows none")
     type_ = callee.library.read_type(variable.type, callee.scope)
     if variable.address and "*" not in variable.address:
-        if not variable.address.startswith("%") or not isinstance(type_, t.ElementaryType):
+        if not variable.address.startswith("%") or not isinstance(type_, t.ScalarType):
             raise SimulationError(f"{variable.name} lies over {variable.address}: the simulator keeps them apart")
         path = f"{callee.scope.path}.{variable.name}"
         callee.scope.aliases[variable.name.casefold()] = callee.library.at_address(
             variable.address, type_, path, variable.initial
         )
         return
-    if isinstance(type_, t.ArrayType) and not type_.dimensions and section.kind is not SectionKind.IN_OUT:
+    if isinstance(type_, t.ArrayOf) and not type_.dimensions and section.kind is not SectionKind.IN_OUT:
         raise SimulationError(f"{variable.name} is {type_.name}: the simulator knows that of VAR_IN_OUT only")
     direction = Direction.CONSTANT if section.constant else _DIRECTIONS.get(section.kind, Direction.LOCAL)
     field = callee.layout.add(variable.name, type_, direction)

@@ -10,7 +10,7 @@ from inspect import signature
 from typing import Any
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.semantics.programs.types import ElementaryType, Family, Frame
+from plcopen_sfc.semantics.programs.types import Family, Frame, ScalarType
 
 
 class Processor:
@@ -259,7 +259,7 @@ def bits_set(word: int, start: int, width: int, value: int) -> int:
     return word & ~(mask << start) | (value & mask) << start
 
 
-def coerced(value: Any, type_: ElementaryType) -> Any:
+def coerced(value: Any, type_: ScalarType) -> Any:
     """A value that comes from outside as one of `type_`; a `SimulationError` where it is none."""
     family = type_.family
     if family is Family.SPECIAL or type(value) is Unread:

@@ -116,7 +116,7 @@ class TranslatedProject(ABC):
         """Return the external variable for a path that the project does not declare."""
 
     @abstractmethod
-    def at_address(self, address: str, type_: t.ElementaryType | None, path: str, initial: m.Value | None) -> Place:
+    def at_address(self, address: str, type_: t.ScalarType | None, path: str, initial: m.Value | None) -> Place:
         """Return the variable at a direct address."""
 
     @abstractmethod
@@ -144,11 +144,11 @@ class TranslatedProject(ABC):
         found = self.implicits.get(path.casefold())
         return found.type if found is not None else None
 
-    def _members_of(self, path: str) -> Iterator[tuple[str, int, t.ElementaryType, bool]]:
+    def _members_of(self, path: str) -> Iterator[tuple[str, int, t.ScalarType, bool]]:
         """Members that programs use of an instance of an unknown type: name, slot, type, and whether they write it."""
         start = f"{path.casefold()}."
         for key, place in sorted(self.implicits.items()):
-            if key.startswith(start) and isinstance(place.type, t.ElementaryType) and place.field is not None:
+            if key.startswith(start) and isinstance(place.type, t.ScalarType) and place.field is not None:
                 yield key.removeprefix(start), place.field.slot, place.type, self.use.is_written(place.key)
 
     # -- POUs
@@ -200,13 +200,13 @@ class TranslatedProject(ABC):
         """Return Python source of the value of a variable whose declaration gives none."""
         if type_.start:
             return type_.start
-        if isinstance(type_, t.ElementaryType):
+        if isinstance(type_, t.ScalarType):
             return repr(t.default(type_))
         if isinstance(type_, t.StructureType):
             return f"{self.new_name(type_.layout)}()"
-        if isinstance(type_, t.ArrayType):
+        if isinstance(type_, t.ArrayOf):
             inner = self.default(type_.base)
-            if isinstance(type_.base, t.ElementaryType | t.ReferenceType | t.OpaqueType):
+            if isinstance(type_.base, t.ScalarType | t.ReferenceType | t.OpaqueType):
                 return f"[{inner}] * {type_.size}"
             return f"[{inner} for _ in range({type_.size})]"
         return "None"
@@ -362,7 +362,7 @@ class Scope:
     def local_place(self, field: Field, cells: str = "v") -> Place:
         """The place of a variable of the POU."""
         key = self.library.use.key(self.layout, field.slot)
-        if field.direction is Direction.IN_OUT and isinstance(field.type, t.ElementaryType | t.ReferenceType):
+        if field.direction is Direction.IN_OUT and isinstance(field.type, t.ScalarType | t.ReferenceType):
             pointer = f"{cells}[{field.slot}]"
             self.library.use.parameters[id(field)] = key
             return Place(f"{pointer}.cells", f"{pointer}.index", field.type, field.name, root=key, field=field)

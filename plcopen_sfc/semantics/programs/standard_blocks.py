@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.runtime import Processor
-from plcopen_sfc.semantics.programs.types import BOOL, INSTANT, Direction, ElementaryType, Frame, Layout, elementary
+from plcopen_sfc.semantics.programs.types import BOOL, INSTANT, Direction, Frame, Layout, ScalarType, elementary
 
 Run = Callable[[Frame], None]
 
@@ -254,12 +254,12 @@ class BlockTypes:
         )
         return self._counter(name, "", type_) if type_ is not None else None
 
-    def _type(self, name: str) -> ElementaryType:
+    def _type(self, name: str) -> ScalarType:
         found = elementary(name, self._dialect)
         assert found is not None  # noqa: S101  # names of our own
         return found
 
-    def _timer(self, name: str, kind: str, time: ElementaryType) -> BlockType:
+    def _timer(self, name: str, kind: str, time: ScalarType) -> BlockType:
         pins = _TIMER_PINS.replace("LAST", "R") if kind == "TONR" else _TIMER_PINS
         pins = _TIMER_PINS.replace("LAST:BOOL", "R:BOOL LAST:BOOL") if not kind else pins
         layout = _layout(name, pins, time, time)
@@ -275,7 +275,7 @@ class BlockTypes:
         processor = self._processor
         return lambda frame: run(frame, processor.now, unit)
 
-    def _counter(self, name: str, kind: str, type_: ElementaryType) -> BlockType:
+    def _counter(self, name: str, kind: str, type_: ScalarType) -> BlockType:
         least, greatest = type_.least, type_.greatest
         runs: dict[str, Run] = {
             "CTU": lambda frame: count_up(frame, greatest),
@@ -312,7 +312,7 @@ def _any_counter(frame: Frame, least: int, greatest: int, *, up: bool) -> None:
     count_up_down(frame, least, greatest)
 
 
-def _layout(name: str, pins: str, value: ElementaryType, time: ElementaryType) -> Layout:
+def _layout(name: str, pins: str, value: ScalarType, time: ScalarType) -> Layout:
     """A layout from pins: inputs > outputs - hidden ones."""
     layout = Layout(name)
     layout.is_instance = True

@@ -127,7 +127,7 @@ class StandardFunctions:
         acts = any(code.acts for code in codes)
         return ranged(f"{self._helper(name)}({', '.join(texts)})", type_, acts=acts)
 
-    def _as(self, node: n.Expression, type_: t.ElementaryType) -> Code:
+    def _as(self, node: n.Expression, type_: t.ScalarType) -> Code:
         return settled(self._converter.converted(self._translator.value(node, type_), type_))
 
     # -- groups
@@ -162,7 +162,7 @@ class StandardFunctions:
         if array is None or dimension is None:
             raise SimulationError(f"{key} is called without an argument")
         place, code = self._translator.place(array), self._translator.value(dimension, t.DINT)
-        if not isinstance(place.type, t.ArrayType):
+        if not isinstance(place.type, t.ArrayOf):
             raise SimulationError(f"{key} of something that is no array")
         if not place.type.dimensions:
             return ranged(f"{place.text}.bound({settled(code).text}, {int(key == 'UPPER_BOUND')})", t.DINT)
@@ -190,7 +190,7 @@ class StandardFunctions:
 
     def _real(self, name: str, nodes: list[n.Expression]) -> Code:
         codes = [self._translator.value(node, t.REAL) for node in nodes]
-        reals = [c.type for c in codes if isinstance(c.type, t.ElementaryType) and c.type.family is t.Family.REAL]
+        reals = [c.type for c in codes if isinstance(c.type, t.ScalarType) and c.type.family is t.Family.REAL]
         type_ = max(reals, key=lambda r: r.bits, default=t.LREAL)
         codes = [self._converter.converted(code, type_) for code in codes]
         result = self._call(name.lower(), codes, type_)
@@ -201,7 +201,7 @@ class StandardFunctions:
 
     def _abs(self, _: str, nodes: list[n.Expression], expected: t.Type | None) -> Code:
         code = settled(self._translator.value(nodes[0], expected))
-        if not isinstance(code.type, t.ElementaryType) or not (code.type.is_number or code.type.is_ranged):
+        if not isinstance(code.type, t.ScalarType) or not (code.type.is_number or code.type.is_ranged):
             raise SimulationError(f"ABS of {code.type.name}")
         high = max(abs(code.low), abs(code.high))
         return Code(f"abs({code.text})", code.type, 0, high, acts=code.acts)
@@ -220,14 +220,14 @@ class StandardFunctions:
             first = codes[0] if index == 1 else ranged("", type_)
             if type_ != code.type or first.loose != code.loose:
                 type_ = self._operators.common(first, code)
-        if not isinstance(type_, t.ElementaryType):
+        if not isinstance(type_, t.ScalarType):
             return codes
         return [settled(self._converter.converted(code, type_)) for code in codes]
 
     def _select(self, name: str, nodes: list[n.Expression], expected: t.Type | None) -> Code:
         """SEL and MUX. Only the value that is chosen is evaluated, which nothing but a call could tell."""
         values = self._codes(nodes[1:], expected)
-        if all(isinstance(value.type, t.ElementaryType) for value in values):
+        if all(isinstance(value.type, t.ScalarType) for value in values):
             values = self._one_type(values)
         acts = any(value.acts for value in values)
         if name == "SEL":
@@ -242,13 +242,13 @@ class StandardFunctions:
         return ranged(text, values[0].type, acts=acts or chooser.acts)
 
     def _shift(self, name: str, nodes: list[n.Expression], expected: t.Type | None) -> Code:
-        wanted = expected if isinstance(expected, t.ElementaryType) and expected.is_number else t.ELEMENTARY["DWORD"]
+        wanted = expected if isinstance(expected, t.ScalarType) and expected.is_number else t.ELEMENTARY["DWORD"]
         code = settled(self._translator.value(nodes[0], wanted))
         count = settled(self._translator.value(nodes[1], t.INT))
         type_ = code.type
         if code.loose:
             type_ = wanted
-        if not isinstance(type_, t.ElementaryType) or type_.family not in (t.Family.INTEGER, t.Family.BITS):
+        if not isinstance(type_, t.ScalarType) or type_.family not in (t.Family.INTEGER, t.Family.BITS):
             raise SimulationError(f"{name} of {type_.name}")
         shift = count.value if count.constant else 0
         turned = type_.bits - shift if name in ("ROL", "ROR") else shift
@@ -261,7 +261,7 @@ class StandardFunctions:
         count = strings.get(name, len(nodes))
         codes = [self._translator.value(node, t.string("STRING", 0)) for node in nodes[:count]]
         for code in codes:
-            if not isinstance(code.type, t.ElementaryType) or code.type.family not in (
+            if not isinstance(code.type, t.ScalarType) or code.type.family not in (
                 t.Family.STRING,
                 t.Family.SPECIAL,
             ):
@@ -297,8 +297,8 @@ class StandardFunctions:
     def _rounded(self, name: str, nodes: list[n.Expression], expected: t.Type | None) -> Code:
         """TRUNC, ROUND, CEIL, FLOOR: integers (S7, CODESYS)."""
         code = self._as(nodes[0], t.LREAL)
-        whole = isinstance(expected, t.ElementaryType) and expected.family is t.Family.INTEGER
-        type_ = expected if whole and isinstance(expected, t.ElementaryType) else t.DINT
+        whole = isinstance(expected, t.ScalarType) and expected.family is t.Family.INTEGER
+        type_ = expected if whole and isinstance(expected, t.ScalarType) else t.DINT
         found = self._call({"ROUND": "rounded", "TRUNC": "truncated"}.get(name, name.lower()), [code], t.LINT)
         return settled(self._converter.converted(found, type_))
 
@@ -307,14 +307,14 @@ class StandardFunctions:
 
     def _scaled(self, name: str, nodes: list[n.Expression], expected: t.Type | None) -> Code:
         """NORM_X and SCALE_X of S7."""
-        real = expected if isinstance(expected, t.ElementaryType) and expected.family is t.Family.REAL else t.REAL
+        real = expected if isinstance(expected, t.ScalarType) and expected.family is t.Family.REAL else t.REAL
         if name == "NORM_X":
             codes = self._one_type(self._codes(nodes, None))
             return self._call("norm_x", [codes[1], codes[0], codes[2]], real)
         value = self._as(nodes[1], t.LREAL)
         low, high = (self._as(node, t.LREAL) for node in (nodes[0], nodes[2]))
         found = self._call("scale_x", [value, low, high], t.LREAL)
-        target = expected if isinstance(expected, t.ElementaryType) and expected.is_number else t.REAL
+        target = expected if isinstance(expected, t.ScalarType) and expected.is_number else t.REAL
         return self._converter.converted(found, target)
 
     def _clock(self, name: str, _: list[n.Expression], __: t.Type | None) -> Code:
@@ -324,7 +324,7 @@ class StandardFunctions:
 
     def _endian(self, name: str, nodes: list[n.Expression], expected: t.Type | None) -> Code:
         code = settled(self._translator.value(nodes[0], expected))
-        if not isinstance(code.type, t.ElementaryType) or code.type.family not in (t.Family.INTEGER, t.Family.BITS):
+        if not isinstance(code.type, t.ScalarType) or code.type.family not in (t.Family.INTEGER, t.Family.BITS):
             raise SimulationError(f"{name} of {code.type.name}")
         if "LITTLE" in name or code.type.bits == 8:
             return code
@@ -360,13 +360,13 @@ class StandardFunctions:
         if target is None or (found["source"] and source is None):
             return None
         code = self._translator.value(node, source or t.ELEMENTARY["DINT"])
-        if source is not None and isinstance(code.type, t.ElementaryType) and code.type.family is not t.Family.SPECIAL:
+        if source is not None and isinstance(code.type, t.ScalarType) and code.type.family is not t.Family.SPECIAL:
             code = self._converter.converted(code, source)
         return self._converted(settled(code), target)
 
-    def _converted(self, code: Code, target: t.ElementaryType) -> Code:
+    def _converted(self, code: Code, target: t.ScalarType) -> Code:
         source = code.type
-        if not isinstance(source, t.ElementaryType):
+        if not isinstance(source, t.ScalarType):
             raise SimulationError(f"{source.name} cannot become {target.name}")
         text = t.Family.STRING
         if target.family is text and source.family is not text:
@@ -430,9 +430,9 @@ _FUNCTIONS: dict[str, _Function] = {
 
 def _size(type_: t.Type) -> int:
     """Bytes of a variable, without gaps."""
-    if isinstance(type_, t.ElementaryType):
+    if isinstance(type_, t.ScalarType):
         return type_.length + 1 if type_.family is t.Family.STRING else max(type_.bits // 8, 1)
-    if isinstance(type_, t.ArrayType):
+    if isinstance(type_, t.ArrayOf):
         return type_.size * _size(type_.base)
     if isinstance(type_, t.StructureType):
         return sum(_size(field.type) for field in type_.layout.fields if not field.hidden)

@@ -22,7 +22,7 @@ from plcopen_sfc.semantics.programs.places import Place
 from plcopen_sfc.semantics.programs.types import MOST_ELEMENTS, Direction, StructureType
 from plcopen_sfc.semantics.programs.value_code import Code, constant, settled, truth
 
-_LEAVING = (n.Return, n.Exit, n.Continue, n.Goto)
+_LEAVING = (n.ReturnStatement, n.Exit, n.Continue, n.Goto)
 
 
 class Guards:
@@ -197,10 +197,10 @@ class StatementTranslator:
         self._returns = returns
         if statements:
             self.enter("")
-        labels = [s.label.identifier for s in statements if isinstance(s, n.Label)]
+        labels = [s.label.identifier for s in statements if isinstance(s, n.LabelStatement)]
         parts: list[list[Statement]] = [[]]
         for statement in statements:
-            if isinstance(statement, n.Label):
+            if isinstance(statement, n.LabelStatement):
                 parts.append([])
             else:
                 parts[-1].append(statement)
@@ -274,7 +274,7 @@ class StatementTranslator:
                 self.all(statements)
             case n.Exit() | n.Continue():
                 self._leave_loop(statement)
-            case n.Return(value=value):
+            case n.ReturnStatement(value=value):
                 if value is not None:
                     raise SimulationError("RETURN with a value is not known to the simulator")
                 self._writer.write(self._returns)
@@ -282,7 +282,7 @@ class StatementTranslator:
                 self.goto(label.identifier)
             case n.Empty():
                 pass
-            case n.Label():
+            case n.LabelStatement():
                 raise SimulationError("a label inside of other statements is not known to the simulator")
             case n.Try():
                 raise SimulationError("__TRY is not known to the simulator")
@@ -410,7 +410,7 @@ class StatementTranslator:
                 known is None
                 or not known.input
                 or not isinstance(array, Place)
-                or not isinstance(array.type, t.ArrayType)
+                or not isinstance(array.type, t.ArrayOf)
             ):
                 continue
             lower, upper = array.type.dimensions[0] if array.type.dimensions else (0, 0)
@@ -575,7 +575,7 @@ class StatementTranslator:
         place = translator.place(node.variable, t.DINT)
         translator.note_write(place)
         type_ = place.type
-        if not isinstance(type_, t.ElementaryType) or not type_.is_number or place.bits is not None:
+        if not isinstance(type_, t.ScalarType) or not type_.is_number or place.bits is not None:
             raise SimulationError(f"{place.path} is a {type_.name}, which does not count")
         start, end = (
             settled(translator.fitted(translator.value(node_, type_), type_)) for node_ in (node.start, node.end)
@@ -614,7 +614,7 @@ class StatementTranslator:
             self._writer.write(following)
 
     def _turns_asking_ahead(
-        self, node: n.For, variable: str, type_: t.ElementaryType, end: Code, step: Code | None
+        self, node: n.For, variable: str, type_: t.ScalarType, end: Code, step: Code | None
     ) -> None:
         """Write the turns of a FOR as matiec compiles it: `Profile.for_asks_ahead`."""
         if step is not None and step.constant and step.value == 0:

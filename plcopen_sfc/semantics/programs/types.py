@@ -47,7 +47,7 @@ class Type:
 
 
 @dataclass(frozen=True, slots=True)
-class ElementaryType(Type):
+class ScalarType(Type):
     """An elementary type, a subrange or an enumeration of one.
 
     `least` and `greatest` are the range of the type that values wrap in, `unit` the grain of durations and times in
@@ -76,7 +76,7 @@ class ElementaryType(Type):
 
 
 @dataclass(frozen=True, slots=True)
-class ArrayType(Type):
+class ArrayOf(Type):
     """``ARRAY``: bounds of each dimension, both included. `dimensions` is empty for one of any length."""
 
     base: Type
@@ -193,7 +193,7 @@ class Layout:
         return self.by_name.get(name.casefold())
 
 
-def _integers() -> dict[str, ElementaryType]:
+def _integers() -> dict[str, ScalarType]:
     types = {}
     for bits, names in (
         (8, "SINT USINT BYTE"),
@@ -203,50 +203,50 @@ def _integers() -> dict[str, ElementaryType]:
     ):
         signed, unsigned, string = names.split()
         half, whole = 1 << bits - 1, 1 << bits
-        types[signed] = ElementaryType(signed, Family.INTEGER, bits, -half, half - 1)
-        types[unsigned] = ElementaryType(unsigned, Family.INTEGER, bits, 0, whole - 1)
-        types[string] = ElementaryType(string, Family.BITS, bits, 0, whole - 1)
+        types[signed] = ScalarType(signed, Family.INTEGER, bits, -half, half - 1)
+        types[unsigned] = ScalarType(unsigned, Family.INTEGER, bits, 0, whole - 1)
+        types[string] = ScalarType(string, Family.BITS, bits, 0, whole - 1)
     return types
 
 
 _HALF = 1 << 63
 _MILLISECOND = 1_000_000
 _DAY = 86_400_000_000_000
-BOOL = ElementaryType("BOOL", Family.BOOL, 1, 0, 1)
-REAL = ElementaryType("REAL", Family.REAL, 32)
-LREAL = ElementaryType("LREAL", Family.REAL, 64)
-LTIME = ElementaryType("LTIME", Family.DURATION, 64, -_HALF, _HALF - 1)
-INSTANT = ElementaryType("instant", Family.SPECIAL)
+BOOL = ScalarType("BOOL", Family.BOOL, 1, 0, 1)
+REAL = ScalarType("REAL", Family.REAL, 32)
+LREAL = ScalarType("LREAL", Family.REAL, 64)
+LTIME = ScalarType("LTIME", Family.DURATION, 64, -_HALF, _HALF - 1)
+INSTANT = ScalarType("instant", Family.SPECIAL)
 """Absolute nanoseconds of the controller's clock, or None. In a snapshot it is relative to the present."""
-ELAPSED = ElementaryType("TIME", Family.DURATION, 64, -_HALF, _HALF - 1, unit=1, length=1)
+ELAPSED = ScalarType("TIME", Family.DURATION, 64, -_HALF, _HALF - 1, unit=1, length=1)
 """A TIME that may go on growing: a snapshot may clamp it."""
-ANY = ElementaryType("ANY", Family.SPECIAL)
+ANY = ScalarType("ANY", Family.SPECIAL)
 """The type of what a supplied function returns: whatever it is."""
 
-ELEMENTARY: dict[str, ElementaryType] = _integers() | {
+ELEMENTARY: dict[str, ScalarType] = _integers() | {
     "BOOL": BOOL,
     "BIT": BOOL,
     "REAL": REAL,
     "LREAL": LREAL,
-    "TIME": ElementaryType("TIME", Family.DURATION, 64, -_HALF, _HALF - 1),
+    "TIME": ScalarType("TIME", Family.DURATION, 64, -_HALF, _HALF - 1),
     "LTIME": LTIME,
-    "S5TIME": ElementaryType("S5TIME", Family.DURATION, 16, 0, 9_990_000_000_000, unit=10 * _MILLISECOND),
-    "DATE": ElementaryType("DATE", Family.DATE, 64, -_HALF, _HALF - 1, unit=_DAY),
-    "LDATE": ElementaryType("LDATE", Family.DATE, 64, -_HALF, _HALF - 1, unit=_DAY),
-    "TOD": ElementaryType("TOD", Family.TIME_OF_DAY, 32, 0, _DAY - _MILLISECOND, unit=_MILLISECOND),
-    "LTOD": ElementaryType("LTOD", Family.TIME_OF_DAY, 64, 0, _DAY - 1),
-    "DT": ElementaryType("DT", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),
-    "LDT": ElementaryType("LDT", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),
-    "DTL": ElementaryType("DTL", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),
-    "CHAR": ElementaryType("CHAR", Family.STRING, 8, length=1),
-    "WCHAR": ElementaryType("WCHAR", Family.STRING, 16, length=1),
-    "STRING": ElementaryType("STRING", Family.STRING, 8, length=254),
-    "WSTRING": ElementaryType("WSTRING", Family.STRING, 16, length=254),
-    "TIMER": ElementaryType("TIMER", Family.INTEGER, 16, 0, 0xFFFF),
-    "COUNTER": ElementaryType("COUNTER", Family.BITS, 16, 0, 0xFFFF),
-    "XINT": ElementaryType("XINT", Family.INTEGER, 64, -_HALF, _HALF - 1),
-    "UXINT": ElementaryType("UXINT", Family.INTEGER, 64, 0, 2 * _HALF - 1),
-    "XWORD": ElementaryType("XWORD", Family.BITS, 64, 0, 2 * _HALF - 1),
+    "S5TIME": ScalarType("S5TIME", Family.DURATION, 16, 0, 9_990_000_000_000, unit=10 * _MILLISECOND),
+    "DATE": ScalarType("DATE", Family.DATE, 64, -_HALF, _HALF - 1, unit=_DAY),
+    "LDATE": ScalarType("LDATE", Family.DATE, 64, -_HALF, _HALF - 1, unit=_DAY),
+    "TOD": ScalarType("TOD", Family.TIME_OF_DAY, 32, 0, _DAY - _MILLISECOND, unit=_MILLISECOND),
+    "LTOD": ScalarType("LTOD", Family.TIME_OF_DAY, 64, 0, _DAY - 1),
+    "DT": ScalarType("DT", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),
+    "LDT": ScalarType("LDT", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),
+    "DTL": ScalarType("DTL", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),
+    "CHAR": ScalarType("CHAR", Family.STRING, 8, length=1),
+    "WCHAR": ScalarType("WCHAR", Family.STRING, 16, length=1),
+    "STRING": ScalarType("STRING", Family.STRING, 8, length=254),
+    "WSTRING": ScalarType("WSTRING", Family.STRING, 16, length=254),
+    "TIMER": ScalarType("TIMER", Family.INTEGER, 16, 0, 0xFFFF),
+    "COUNTER": ScalarType("COUNTER", Family.BITS, 16, 0, 0xFFFF),
+    "XINT": ScalarType("XINT", Family.INTEGER, 64, -_HALF, _HALF - 1),
+    "UXINT": ScalarType("UXINT", Family.INTEGER, 64, 0, 2 * _HALF - 1),
+    "XWORD": ScalarType("XWORD", Family.BITS, 64, 0, 2 * _HALF - 1),
 }
 """The elementary types of IEC 61131-3; TIME there has 64 bits of nanoseconds."""
 ELEMENTARY |= {
@@ -260,7 +260,7 @@ INT, DINT, LINT = ELEMENTARY["INT"], ELEMENTARY["DINT"], ELEMENTARY["LINT"]
 _1990 = 7305 * _DAY
 _DEFAULT_LENGTHS = {Dialect.CODESYS: 80, Dialect.TWINCAT: 80}
 _TIMES_OF_DIALECTS = {
-    (dialect, "TIME"): ElementaryType("TIME", Family.DURATION, 32, *TIME_RANGES[dialect, "TIME"], unit=_MILLISECOND)
+    (dialect, "TIME"): ScalarType("TIME", Family.DURATION, 32, *TIME_RANGES[dialect, "TIME"], unit=_MILLISECOND)
     for dialect in (Dialect.CODESYS, Dialect.TWINCAT, Dialect.SCL)
 }
 _TIMES_OF_DIALECTS |= {
@@ -275,7 +275,7 @@ _TIMES_OF_DIALECTS |= {
 _TIMES_OF_DIALECTS[Dialect.SCL, "DATE"] = replace(ELEMENTARY["DATE"], start=str(_1990))
 
 
-def elementary(name: str, dialect: Dialect = Dialect.IEC) -> ElementaryType | None:
+def elementary(name: str, dialect: Dialect = Dialect.IEC) -> ScalarType | None:
     """The elementary type of this name in a dialect; None if there is none.
 
     TIME has 32 bits of milliseconds in CODESYS (without a sign) and in S7 (with one), 64 bits of nanoseconds else. DT
@@ -291,12 +291,12 @@ def elementary(name: str, dialect: Dialect = Dialect.IEC) -> ElementaryType | No
     return ELEMENTARY.get(key)
 
 
-def string(name: str, length: int) -> ElementaryType:
+def string(name: str, length: int) -> ScalarType:
     """STRING or WSTRING of a length."""
-    return ElementaryType(name, Family.STRING, ELEMENTARY[name].bits, length=length)
+    return ScalarType(name, Family.STRING, ELEMENTARY[name].bits, length=length)
 
 
-def default(type_: ElementaryType) -> bool | int | float | str | None:
+def default(type_: ScalarType) -> bool | int | float | str | None:
     """The value of a variable of an elementary type that has no other (ed. 3, table 10)."""
     if type_.family is Family.BOOL:
         return False

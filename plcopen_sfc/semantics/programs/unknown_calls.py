@@ -11,7 +11,7 @@ from hashlib import blake2b
 from typing import Any, TypeAlias
 
 from plcopen_sfc.semantics.programs.runtime import Pointer, Processor
-from plcopen_sfc.semantics.programs.types import INSTANT, LINT, ElementaryType, Family, Frame, Layout, OpaqueType
+from plcopen_sfc.semantics.programs.types import INSTANT, LINT, Family, Frame, Layout, OpaqueType, ScalarType
 
 _SMALL = 12
 """Numbers below it are as likely as all others: programs compare with small ones."""
@@ -31,7 +31,7 @@ class UnknownCalls:
         """A scan begins."""
         self.log.clear()
 
-    def value(self, name: str, arguments: Any, type_: ElementaryType | OpaqueType) -> Any:
+    def value(self, name: str, arguments: Any, type_: ScalarType | OpaqueType) -> Any:
         """The result of a function, or an output of a block in a situation; equal for equal arguments."""
         return _of_type(self._number(name, self.key(arguments)), type_)
 
@@ -67,7 +67,7 @@ def _text(key: Any) -> str:
     return ", ".join(map(_text, key)) if isinstance(key, tuple) else str(key)
 
 
-def _of_type(number: int, type_: ElementaryType | OpaqueType) -> Any:
+def _of_type(number: int, type_: ScalarType | OpaqueType) -> Any:
     if isinstance(type_, OpaqueType):
         return number  # of its values nothing is known but which are equal
     small = number // 2 % _SMALL if number % 2 else number // 2
@@ -88,7 +88,7 @@ def _of_type(number: int, type_: ElementaryType | OpaqueType) -> Any:
     return least + (small - least) % (greatest - least + 1)
 
 
-_MembersOf: TypeAlias = Callable[[str], Iterable[tuple[str, int, ElementaryType, bool]]]
+_MembersOf: TypeAlias = Callable[[str], Iterable[tuple[str, int, ScalarType, bool]]]
 
 
 class UnknownBlocks:
@@ -144,7 +144,7 @@ class UnknownBlocks:
                 v[at] = calls.value(f"{name}.{member}", situation, type_)
         return situation
 
-    def value(self, name: str, arguments: Any, type_: ElementaryType | OpaqueType, slot: int = -1) -> Any:
+    def value(self, name: str, arguments: Any, type_: ScalarType | OpaqueType, slot: int = -1) -> Any:
         """The result of a function, or of a method of the instance whose history is in `slot`."""
         history = self._frame.v[slot] if slot >= 0 else None
         return self._calls.value(name, (arguments, history), type_)

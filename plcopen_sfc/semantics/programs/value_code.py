@@ -12,11 +12,11 @@ from plcopen_sfc.semantics.programs.code_generation import Linker
 from plcopen_sfc.semantics.programs.types import (
     ANY,
     BOOL,
-    ArrayType,
-    ElementaryType,
+    ArrayOf,
     Family,
     OpaqueType,
     ReferenceType,
+    ScalarType,
     StructureType,
     Type,
 )
@@ -45,7 +45,7 @@ class Code:
     acts: bool = False
 
 
-def constant(value: Any, type_: ElementaryType, *, loose: bool = False) -> Code:
+def constant(value: Any, type_: ScalarType, *, loose: bool = False) -> Code:
     """A known value."""
     bound = value if isinstance(value, int) and not isinstance(value, bool) else 0
     text = repr(value)
@@ -56,7 +56,7 @@ def constant(value: Any, type_: ElementaryType, *, loose: bool = False) -> Code:
 
 def ranged(text: str, type_: Type, *, acts: bool = False) -> Code:
     """Source whose value is of a type: in its range."""
-    if isinstance(type_, ElementaryType) and type_.is_ranged:
+    if isinstance(type_, ScalarType) and type_.is_ranged:
         low, high = type_.narrowed or (type_.least, type_.greatest)
         return Code(text, type_, low, high, acts=acts)
     return Code(text, type_, acts=acts)
@@ -65,7 +65,7 @@ def ranged(text: str, type_: Type, *, acts: bool = False) -> Code:
 def settled(code: Code) -> Code:
     """The same with a value in the range of its type."""
     type_ = code.type
-    if not isinstance(type_, ElementaryType) or not type_.is_ranged:
+    if not isinstance(type_, ScalarType) or not type_.is_ranged:
         return code
     if type_.least <= code.low and code.high <= type_.greatest:
         return code
@@ -75,7 +75,7 @@ def settled(code: Code) -> Code:
     return replace(ranged(wrapping(code.text, type_), type_), acts=code.acts)
 
 
-def wrapping(text: str, type_: ElementaryType) -> str:
+def wrapping(text: str, type_: ScalarType) -> str:
     """Source that brings an integer into the range of a type."""
     least, greatest, unit = type_.least, type_.greatest, type_.unit
     span = greatest - least + 1
@@ -86,9 +86,9 @@ def wrapping(text: str, type_: ElementaryType) -> str:
     return f"wrapped({text}, {least}, {greatest}, {unit})"
 
 
-def grained(code: Code, type_: ElementaryType) -> Code:
+def grained(code: Code, type_: ScalarType) -> Code:
     """A duration or time with the grain of another type."""
-    if type_.unit == 1 or (isinstance(code.type, ElementaryType) and code.type.unit % type_.unit == 0):
+    if type_.unit == 1 or (isinstance(code.type, ScalarType) and code.type.unit % type_.unit == 0):
         return replace(code, type=type_)
     if code.constant:
         return constant(runtime.divided(code.value, type_.unit) * type_.unit, type_)
@@ -108,11 +108,11 @@ class Converter:
         """A value as a variable of type `target` takes it. Raises `SimulationError` where it does not."""
         if isinstance(target, OpaqueType) or isinstance(code.type, OpaqueType) or target is ANY:
             return code
-        if not isinstance(target, ElementaryType):
+        if not isinstance(target, ScalarType):
             if code.type is not ANY and not _can_be_copied(code.type, target):
                 raise SimulationError(f"{code.type.name} is assigned to {target.name}")
             return code
-        if not isinstance(code.type, ElementaryType):
+        if not isinstance(code.type, ScalarType):
             raise SimulationError(f"{code.type.name} is assigned to {target.name}")
         found = self.converted(code, target)
         if target.narrowed is not None:
@@ -123,10 +123,10 @@ class Converter:
                 found = ranged(f"narrow({found.text}, {least}, {greatest})", target, acts=found.acts)
         return found
 
-    def converted(self, code: Code, target: ElementaryType) -> Code:
+    def converted(self, code: Code, target: ScalarType) -> Code:
         """A value of one elementary type as one of another."""
         source = code.type
-        if not isinstance(source, ElementaryType):
+        if not isinstance(source, ScalarType):
             raise SimulationError(f"{source.name} cannot become {target.name}")
         if source is ANY:
             return ranged(f"coerced({code.text}, {self._linker.name(target, 'T')})", target, acts=True)
@@ -139,7 +139,7 @@ class Converter:
         text = self._text(code, source, target)
         return settled(replace(Code(text, target, *self._range(code, source, target)), acts=code.acts))
 
-    def _in_family(self, code: Code, source: ElementaryType, target: ElementaryType) -> Code:
+    def _in_family(self, code: Code, source: ScalarType, target: ScalarType) -> Code:
         if target.family is Family.REAL:
             if target.bits == 32 and (source.bits != 32 or code.loose):
                 if code.constant:
@@ -160,14 +160,14 @@ class Converter:
             code = grained(code, target)
         return settled(replace(code, type=target, loose=False))
 
-    def _constant(self, code: Code, source: ElementaryType, target: ElementaryType) -> Code:
+    def _constant(self, code: Code, source: ScalarType, target: ScalarType) -> Code:
         names = {name: getattr(runtime, name) for name in ("half_even", "half_away", "single", "divided", "wrapped")}
         code = settled(code)
         known = {"__builtins__": {"int": int, "float": float}, **names}
         value = eval(self._text(code, source, target), known)  # noqa: S307  # source that was written here
         return settled(constant(value, target))
 
-    def _range(self, code: Code, source: ElementaryType, target: ElementaryType) -> tuple[int, int]:
+    def _range(self, code: Code, source: ScalarType, target: ScalarType) -> tuple[int, int]:
         if not target.is_ranged:
             return 0, 0
         if source.family is Family.BOOL:
@@ -180,7 +180,7 @@ class Converter:
             return source.least, source.greatest
         return target.least - 1, target.greatest + 1
 
-    def _text(self, code: Code, source: ElementaryType, target: ElementaryType) -> str:
+    def _text(self, code: Code, source: ScalarType, target: ScalarType) -> str:
         """Source of a conversion between families; the result may still be out of range."""
         if source.is_ranged:
             code = settled(code)
@@ -219,15 +219,15 @@ def _can_be_copied(source: Type, target: Type) -> bool:
     """True if a value that is not elementary goes into a variable: structures of one type, arrays of one size."""
     if isinstance(target, StructureType):
         return isinstance(source, StructureType) and source.layout is target.layout
-    if isinstance(target, ArrayType):
-        if not isinstance(source, ArrayType) or not source.dimensions or not target.dimensions:
+    if isinstance(target, ArrayOf):
+        if not isinstance(source, ArrayOf) or not source.dimensions or not target.dimensions:
             return False
         alike = source.base == target.base or _can_be_copied(source.base, target.base)
         return alike and source.size == target.size
     return isinstance(target, ReferenceType) and isinstance(source, ReferenceType)
 
 
-def count_unit(type_: ElementaryType) -> int:
+def count_unit(type_: ScalarType) -> int:
     """Return how many nanoseconds one is, when a duration, date or time becomes a number.
 
     CODESYS has TIME and TOD in milliseconds, DATE and DT in seconds, those of 64 bits in nanoseconds.
@@ -241,7 +241,7 @@ def count_unit(type_: ElementaryType) -> int:
 
 def truth(code: Code) -> Code:
     """A value as BOOL."""
-    if code.type is BOOL or not isinstance(code.type, ElementaryType) or code.type.family is Family.SPECIAL:
+    if code.type is BOOL or not isinstance(code.type, ScalarType) or code.type.family is Family.SPECIAL:
         return code
     if code.type.family is Family.BOOL:
         return code

@@ -134,11 +134,11 @@ class VariableUse:
                 if type_.layout.is_instance:
                     return False  # what it does is known
                 type_ = type_.layout.fields[int(slot)].type
-            elif isinstance(type_, t.ArrayType):
+            elif isinstance(type_, t.ArrayOf):
                 type_ = type_.base
         return not (isinstance(type_, t.StructureType) and type_.layout.is_instance)
 
-    def given(self) -> Iterator[tuple[str, str, t.ElementaryType]]:
+    def given(self) -> Iterator[tuple[str, str, t.ScalarType]]:
         """Variables with values from outside: single variables, members and elements, by key, with path and type.
 
         Each input of what runs that is read, and other variables that nothing writes and whose declaration gives no
@@ -237,11 +237,11 @@ def is_plain(type_: t.Type) -> bool:
     """True for single values, and for structures and arrays of them."""
     if isinstance(type_, t.StructureType):
         return not type_.layout.is_instance and all(is_plain(field.type) for field in type_.layout.fields)
-    return is_plain(type_.base) if isinstance(type_, t.ArrayType) else isinstance(type_, t.ElementaryType)
+    return is_plain(type_.base) if isinstance(type_, t.ArrayOf) else isinstance(type_, t.ScalarType)
 
 
-def _is_value(type_: t.Type) -> TypeGuard[t.ElementaryType]:
-    return isinstance(type_, t.ElementaryType) and type_.family is not t.Family.SPECIAL
+def _is_value(type_: t.Type) -> TypeGuard[t.ScalarType]:
+    return isinstance(type_, t.ScalarType) and type_.family is not t.Family.SPECIAL
 
 
 def _parts(key: str, path: str, type_: t.Type) -> Iterator[tuple[str, str, t.Type]]:
@@ -249,7 +249,7 @@ def _parts(key: str, path: str, type_: t.Type) -> Iterator[tuple[str, str, t.Typ
     if isinstance(type_, t.StructureType) and not type_.layout.is_instance:
         for field in type_.layout.fields:
             yield from _parts(f"{key}.{field.slot}", f"{path}.{field.name}", field.type)
-    elif isinstance(type_, t.ArrayType) and 0 < type_.size <= MOST_ELEMENTS:
+    elif isinstance(type_, t.ArrayOf) and 0 < type_.size <= MOST_ELEMENTS:
         indices = product(*(range(lower, upper + 1) for lower, upper in type_.dimensions))
         for slot, index in enumerate(indices):
             yield from _parts(f"{key}.{slot}", f"{path}[{','.join(map(str, index))}]", type_.base)

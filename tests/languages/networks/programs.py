@@ -151,7 +151,7 @@ assignments = st.one_of(
     st.builds(n.Assignment, targets, booleans, kinds),
     st.builds(n.Assignment, st.sampled_from([name("k"), member("GVL", "n")]), numbers),
 )
-leaps = st.sampled_from([n.Goto(n.Name("again"), "JMP"), n.Return()])
+leaps = st.sampled_from([n.Goto(n.Name("again"), "JMP"), n.ReturnStatement()])
 simple = st.one_of(assignments, assignments, calls, calls, leaps)
 
 
@@ -167,7 +167,7 @@ statements = st.one_of(
     st.builds(_if, booleans, simple, simple),
     st.builds(lambda c, a, b: n.If((n.Branch(c, (a,)),), (b,)), booleans, simple, simple),
     st.builds(lambda a: n.While(n.Name("b"), (a,)), assignments),
-    st.just(n.Label(n.Name("again"))),
+    st.just(n.LabelStatement(n.Name("again"))),
     st.builds(lambda a: n.CallStatement(call("Drive", Speed=a)), numbers),
     st.just(n.Empty()),
     st.builds(lambda a: n.RegionBlock("title", (a,)), simple),

@@ -66,7 +66,7 @@ def test_calls_returns_and_empty_statements() -> None:
     assert read("f(); fb.act; RETURN; ;") == [
         ("CallStatement", ("Call", "f", [])),
         ("CallStatement", ("Member", "fb", "act")),
-        ("Return", None),
+        ("ReturnStatement", None),
         ("Empty",),
     ]
 
@@ -89,13 +89,13 @@ def test_assignments_of_codesys() -> None:
     assert read("__TRY a; __CATCH(e) b; __FINALLY c; __ENDTRY", CODESYS) == [
         ("Try", [("CallStatement", "a")], "e", [("CallStatement", "b")], [("CallStatement", "c")])
     ]
-    assert read("lab: x := 1; JMP lab;", CODESYS) == [("Label", "lab"), *one("x"), ("Goto", "lab", "JMP")]
+    assert read("lab: x := 1; JMP lab;", CODESYS) == [("LabelStatement", "lab"), *one("x"), ("Goto", "lab", "JMP")]
 
 
 def test_statements_of_scl() -> None:
     assert read("#x += 1; again: GOTO again;", SCL) == [
         ("Assignment", "#x", "1", "+="),
-        ("Label", "again"),
+        ("LabelStatement", "again"),
         ("Goto", "again", "GOTO"),
     ]
     text = 'REGION Fill (the tank) // free text\n "DB".a := 1;\nREGION\nEND_REGION END_REGION'

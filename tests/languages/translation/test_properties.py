@@ -82,7 +82,7 @@ _simple = st.one_of(
     st.builds(n.Assignment, _places(_expressions), _expressions),
     st.builds(n.CallStatement, _instances),
     st.builds(n.Exit),
-    st.builds(n.Return),
+    st.builds(n.ReturnStatement),
     st.builds(n.Empty),
 )
 

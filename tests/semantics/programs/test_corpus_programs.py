@@ -75,7 +75,7 @@ def reason(problem: SimulationError) -> str:
 def vary(instance: Instance, chance: random.Random) -> None:
     for variable in instance.variables().values():
         type_ = variable.type
-        if not isinstance(type_, t.ElementaryType) or variable.direction not in (Direction.INPUT, Direction.EXTERNAL):
+        if not isinstance(type_, t.ScalarType) or variable.direction not in (Direction.INPUT, Direction.EXTERNAL):
             continue
         if type_.family is t.Family.BOOL:
             instance[variable.path] = chance.random() < 0.5

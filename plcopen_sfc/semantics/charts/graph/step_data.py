@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, ELEMENTARY, ElementaryType
+from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, ELEMENTARY, ScalarType
 
 _BITS = "S1 S0 L1 L0 V1 V0 A1 R1 LA LS VA VS".split()
-STEP: dict[str, ElementaryType] = {
+STEP: dict[str, ScalarType] = {
     "X": BOOL,
     "T": ELAPSED,
     "U": ELAPSED,
@@ -17,7 +17,7 @@ STEP: dict[str, ElementaryType] = {
 }
 """Data of a step: active, time, time without disturbance, limits, number, events, state of its conditions."""
 
-TRANSITION: dict[str, ElementaryType] = {"TV": BOOL, "TT": BOOL, "TS": BOOL, "TNO": ELEMENTARY["INT"]}
+TRANSITION: dict[str, ScalarType] = {"TV": BOOL, "TT": BOOL, "TS": BOOL, "TNO": ELEMENTARY["INT"]}
 """Data of a transition: its steps are active, its condition is satisfied, it switches; its number."""
 
 _STEP_SLOTS = {name: slot for slot, name in enumerate(STEP)}
