@@ -19,7 +19,7 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import objection
-from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, equal, is_constant
+from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, disjunction, equal, is_constant, negation
 from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented, region, spaced
 from plcopen_sfc.lowering.code.code_declarations import Naming, integer
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
@@ -34,6 +34,7 @@ from plcopen_sfc.model.types import (
     DerivedType,
     EnumType,
     EnumValue,
+    SimpleValue,
 )
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
 
@@ -151,6 +152,12 @@ class StateNames:
         else:
             initial = self._initial[region.initial]
         return self._code.declare(wanted, self._type, initial=initial, comment=comment)
+
+    def declare_copy(self, state: n.Name) -> n.Name:
+        """Declare a variable for what a state variable was before."""
+        declared = next(each for each in self._code.variables if each.name == state.identifier)
+        initial = declared.initial.text if isinstance(declared.initial, SimpleValue) else None
+        return self._code.declare(self._texts.with_suffix(declared.name, "old"), declared.type, initial=initial)
 
     def _constant(self, state: _State) -> n.Name:
         return self._code.declare_constant(state.constant, self._type, str(state.number), state.comment)
@@ -300,6 +307,7 @@ class StateVariables:
         self._machines = {r.index: self._machine(r) for r in regions.regions if r.index not in names.merged}
         self.machines = tuple(self._machines.values())
         self._next = {machine.region.index: machine.state for machine in self.machines}
+        self._before: dict[int, n.Name] = {}
 
     def _machine(self, region: Region) -> RegionState:
         blocks = tuple(self.regions.blocks[i] for i in region.blocks)
@@ -345,6 +353,25 @@ class StateVariables:
     def active(self, step: int) -> Expression:
         """Return an expression that is TRUE if a step is active: a comparison of the state of its region."""
         return equal(self.machine_of(step).state, self.state_of(step))
+
+    def state_before(self, machine: RegionState) -> n.Name:
+        """Return a copy of the state of a region, to be made as `remembered` has it."""
+        index = machine.region.index
+        if index not in self._before:
+            self._before[index] = self.names.declare_copy(machine.state)
+        return self._before[index]
+
+    def before(self, step: int) -> Expression:
+        """Return an expression that is TRUE if a step was active when the copies were made."""
+        return equal(self.state_before(self.machine_of(step)), self.state_of(step))
+
+    def remembered(self) -> list[Statement]:
+        """Return the copies of states that are in use; complete after all calls of `before` and `changed`."""
+        return [assignment(copy, self._machines[index].state) for index, copy in sorted(self._before.items())]
+
+    def changed(self) -> Expression:
+        """Return an expression that is TRUE if any state is another one than its copy."""
+        return disjunction(negation(equal(each.state, self.state_before(each))) for each in self.machines)
 
     def set_back(self, machine: RegionState) -> Statement:
         """Return the assignment that restarts a region."""

@@ -5,9 +5,10 @@ Both have a bit for each transition, which is computed from the flags of the las
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
+from typing import NamedTuple
 
 from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.languages.st import nodes as n
@@ -22,39 +23,139 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
+from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import OperatingMode
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, exclusive_transitions, firing_together
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
-from plcopen_sfc.semantics.profile import ScanOrder
+from plcopen_sfc.semantics.profile import Profile, ScanOrder
+
+
+class StepFlags:
+    """Situation held by a flag for each step, with a bit for each transition that fires.
+
+    `initial` are the steps, as bits, that are active at the start. `captioned`: the comment of a flag has the captions
+    of its step, which has no network of its own.
+    """
+
+    def __init__(self, net: Net, code: LoweredCode, texts: Texts, *, initial: int, captioned: bool) -> None:
+        self._net, self._code, self._texts = net, code, texts
+        self.flags: list[Expression] = []
+        self.fired: list[n.Name] = []
+        self._before: dict[int, n.Name] = {}
+        for step in net.steps:
+            comment = texts.described_flag(step.step, step.path) if captioned else texts.flag_of(step.path)
+            name, is_initial = texts.flag_name(step.step), bool(initial & step.bit)
+            self.flags.append(code.declare_flag(name, initial=is_initial, comment=comment))
+
+    def declare_transitions(self) -> None:
+        """Declare the bits of the transitions."""
+        for transition in self._net.transitions:
+            comment = self._texts.transition_of(transition.path)
+            self.fired.append(self._code.declare(self._texts.transition_name(self._net, transition), comment=comment))
+
+    def name(self, step: int) -> str:
+        """Return the name of a flag, also of one that is a member of a data block."""
+        flag = self.flags[step]
+        if isinstance(flag, n.Member):
+            flag = flag.name
+        return flag.identifier if isinstance(flag, n.Name) else self._texts.flag_name(self._net.steps[step].step)
+
+    def before(self, step: int) -> n.Name:
+        """Return a copy of a flag, to be made as `remembered` has it."""
+        if step not in self._before:
+            self._before[step] = self._code.declare(self._texts.with_suffix(self.name(step), "old"))
+        return self._before[step]
+
+    def remembered(self) -> list[Statement]:
+        """Return the copies of flags that are in use; complete after all calls of `before`."""
+        return [assignment(copy, self.flags[step]) for step, copy in sorted(self._before.items())]
+
+    def changed(self) -> Expression:
+        """Return an expression that is TRUE if any transition fires."""
+        return disjunction(self.fired)
+
+    def add_transitions(self, tried: Iterable[FiringTransition], shared: Sequence[Statement] = ()) -> None:
+        """Append the bits of the transitions, given in the order of the net, behind statements that they share."""
+        parts = [CodeNetwork(self._texts.transitions, tuple(shared))]
+        for transition, bit, each in zip(self._net.transitions, self.fired, tried, strict=True):
+            title, remark = self._texts.transition_title(transition.path), self._texts.remark(transition.transition)
+            parts.append(CodeNetwork(title, (*each.before, assignment(bit, each.fires)), remark))
+        self._code.add_each(self._texts.transitions, parts)
+
+    def next_situation(
+        self,
+        *,
+        held: Mapping[int, Expression] = MappingProxyType({}),
+        entered: Mapping[int, Expression] | None = None,
+    ) -> list[Statement]:
+        """Return an assignment for each step: it is active if a transition enters it, or if it was and none leaves it.
+
+        This is the rule of evolution itself (IEC 60848:2013, rules 4 and 5: what is left and entered at once stays
+        active), so it holds for every chart, also for one that is not safe. `held`: what counts as active before
+        instead of the flag. `entered`: when a step is entered, where that is not by a transition before it alone.
+        """
+        found: list[Statement] = []
+        for step, flag in enumerate(self.flags):
+            enters = disjunction(self.fired[i] for i in self._net.entering[step])
+            if entered is not None:
+                enters = entered.get(step, FALSE)
+            leaves = disjunction(self.fired[i] for i in self._net.leaving[step])
+            value = disjunction([enters, conjunction([held.get(step, flag), negation(leaves)])])
+            if value != flag:
+                found.append(assignment(flag, value))
+        return found
+
+    def set_and_reset(
+        self, step: int, both_fire: Callable[[NetTransition, NetTransition], bool]
+    ) -> tuple[list[Expression], list[Expression]]:
+        """Return what sets and what resets the flip-flop of a step, so that it does the same as `next_situation`.
+
+        A transition that leaves and enters the step does neither. Activation dominates: the reset by a transition is
+        locked where one that enters fires too. `both_fire` tells whether that can be; a lock that can never act is left
+        out.
+        """
+        leaving, entering = (
+            [self._net.transitions[i] for i in side[step]] for side in (self._net.leaving, self._net.entering)
+        )
+        sets: list[Expression] = [self.fired[t.index] for t in entering if t not in leaving]
+        by_lock: dict[tuple[Expression, ...], list[Expression]] = {}
+        for transition in leaving:
+            if transition not in entering:
+                lock = tuple(negation(self.fired[t.index]) for t in entering if both_fire(transition, t))
+                by_lock.setdefault(lock, []).append(self.fired[transition.index])
+        return sets, [conjunction([disjunction(resets), *lock]) for lock, resets in by_lock.items()]
+
+
+class FiringTransition(NamedTuple):
+    """What must be executed before a transition is decided on, and when it fires."""
+
+    before: Sequence[Statement]
+    fires: Expression
+
+
+def is_safe(source: ChartSource, profile: Profile) -> bool:
+    """Return True if a step that a transition enters is never active already, as the structure of the chart tells."""
+    return firing_together(source, profile) is None and isinstance(find_regions(source.net), Regions)
 
 
 class StepFlagEncoding(ScanSchedule):
     """A flag for each step, and a bit for each transition that fires."""
 
+    captioned = False
+
     def declare_states(self, source: ChartSource) -> None:
         """Declare the flags, those of initial steps TRUE at the start, and the bits of transitions."""
-        self.flags: list[Expression] = []
-        self.fired: list[n.Name] = []
-        for step in source.net.steps:
-            initial = bool(source.net.initial & step.bit)
-            comment = self.flag_comment(step)
-            name = self.texts.flag_name(step.step)
-            self.flags.append(self.code.declare_flag(name, initial=initial, comment=comment))
+        initial = source.net.initial
+        self.steps = StepFlags(source.net, self.code, self.texts, initial=initial, captioned=self.captioned)
+        self.flags, self.fired = self.steps.flags, self.steps.fired
         if self.code.flags is not None and not self.code.flags.have_values:
             # addresses of S7 have no start values: the first scan sets them
-            values = [TRUE if source.net.initial & step.bit else FALSE for step in source.net.steps]
+            values = [TRUE if initial & step.bit else FALSE for step in source.net.steps]
             start = [assignment(flag, value) for flag, value in zip(self.flags, values, strict=True)]
             self.code.add(self.texts.initial_steps, self.memory.conditional("", self.code.first_scan_pulse(), start))
-        for transition in source.net.transitions:
-            comment = self.texts.transition_of(transition.path)
-            name = self.texts.transition_name(source.net, transition)
-            self.fired.append(self.code.declare(name, comment=comment))
-
-    def flag_comment(self, step: NetStep) -> str:
-        """Return the comment of the flag of a step."""
-        return self.texts.flag_of(step.path)
+        self.steps.declare_transitions()
 
     def active(self, step: int) -> Expression:
         """Return the flag of a step."""
@@ -69,21 +170,18 @@ class StepFlagEncoding(ScanSchedule):
 
     def choose_transitions(self) -> None:
         """Append a bit for each transition: enabled, condition TRUE, and no competing transition before it fires."""
-        parts: list[CodeNetwork] = []
         # without the guard two branches of a selection with TRUE conditions would both become active
         competing = exclusive_transitions(self.net, self.profile)
-        for transition in self.net.transitions:
-            statements: list[Statement] = []
-            enabled = [self.enabled(transition)]
+
+        def tried(transition: NetTransition) -> FiringTransition:
+            enabled = self.enabled(transition)
             free = [negation(self.fired[i]) for i in competing[transition.index]]
             free += [negation(each) for each in self.blocking]
-            statements += self.prepared(transition.index, conjunction([*enabled, *free]))
             condition = self.source.conditions[transition.index]
-            statements.append(assignment(self.fired[transition.index], conjunction([*enabled, condition, *free])))
-            title = self.texts.transition_title(transition.path)
-            remark = self.texts.remark(transition.transition)
-            parts.append(CodeNetwork(title, tuple(statements), remark))
-        self.code.add_each(self.texts.transitions, parts)
+            before = self.prepared(transition.index, conjunction([enabled, *free]))
+            return FiringTransition(before, conjunction([enabled, condition, *free]))
+
+        self.steps.add_transitions(map(tried, self.net.transitions))
 
     def chosen(self) -> Sequence[n.Name]:
         """Return the bits of the transitions."""
@@ -91,12 +189,12 @@ class StepFlagEncoding(ScanSchedule):
 
     def any_fires(self) -> Expression:
         """Return the disjunction of the bits of the transitions."""
-        return disjunction(self.fired)
+        return self.steps.changed()
 
     @cached_property
     def is_safe(self) -> bool:
-        """True if a step that a transition enters is never active already, as its structure tells."""
-        return firing_together(self.source, self.profile) is None and isinstance(find_regions(self.net), Regions)
+        """True if a step that a transition enters is never active already."""
+        return is_safe(self.source, self.profile)
 
     def reentered(self) -> Mapping[int, Expression]:
         """Return the steps whose time restarts though they are active, by the bits of the transitions.
@@ -118,42 +216,14 @@ class StepFlagEncoding(ScanSchedule):
         return found
 
 
-def next_situation(
-    net: Net,
-    flags: Sequence[Expression],
-    fired: Sequence[Expression],
-    *,
-    held: Mapping[int, Expression] = MappingProxyType({}),
-    entered: Mapping[int, Expression] | None = None,
-) -> list[Statement]:
-    """Return an assignment for each step: it is active if a transition enters it, or if it was and none leaves it.
-
-    This is the rule of evolution itself (IEC 60848:2013, rules 4 and 5: what is left and entered at once stays active),
-    so it holds for every chart, also for one that is not safe. `held`: what counts as active before instead of the
-    flag. `entered`: when a step is entered, where that is not by a transition before it alone.
-    """
-    found: list[Statement] = []
-    for step, flag in enumerate(flags):
-        enters = disjunction(fired[i] for i in net.entering[step])
-        if entered is not None:
-            enters = entered.get(step, FALSE)
-        leaves = disjunction(fired[i] for i in net.leaving[step])
-        value = disjunction([enters, conjunction([held.get(step, flag), negation(leaves)])])
-        if value != flag:
-            found.append(assignment(flag, value))
-    return found
-
-
 class StepBitEncoding(StepFlagEncoding):
     """Encoding with step bits: all transitions from the old bits, then all steps from the transitions."""
 
-    def flag_comment(self, step: NetStep) -> str:
-        """Return the comment of a flag with the captions of the step, which has no network of its own."""
-        return self.texts.described_flag(step.step, step.path)
+    captioned = True
 
     def change_situation(self) -> None:
         """Append an assignment for each step, then selection and restart, which override the transitions."""
-        changes = next_situation(self.net, self.flags, self.fired)
+        changes = self.steps.next_situation()
         if self.modes.selecting is not None:
             chosen = [assignment(flag, self.modes.is_selected(step)) for step, flag in enumerate(self.flags)]
             changes.append(when(self.modes.selecting, *chosen))
@@ -176,18 +246,16 @@ class FlipFlopEncoding(StepFlagEncoding):
     def change_situation(self) -> None:
         """Append a network for each step."""
         for step in self.net.steps:
-            entering, leaving = self.net.entering[step.index], self.net.leaving[step.index]
-            loops = set(entering) & set(leaving)  # such a step stays active: neither set nor reset
-            set_: list[Expression] = [self.fired[i] for i in entering if i not in loops]
+            set_, reset = self.set_and_reset(step.index)
             if self.net.initial & step.bit:
                 set_.insert(0, self.memory.starting())
-            reset: list[Expression] = [self.fired[i] for i in leaving if i not in loops]
-            if not self.is_safe:  # what is left and entered at once stays active
-                entered = [negation(self.fired[i]) for i in entering]
-                reset = [conjunction([disjunction(reset), *entered])] if reset else []
             # the bits are those of the last scan, chosen before this scan's selection or restart was known
             guarded = self.profile.order is ScanOrder.ACTIONS_FIRST and not self.forgets
             self._add_step(step, set_, reset, guarded=guarded)
+
+    def set_and_reset(self, step: int) -> tuple[list[Expression], list[Expression]]:
+        """Return what sets and what resets the flip-flop of a step."""
+        return self.steps.set_and_reset(step, lambda *_: not self.is_safe)
 
     def classic(self) -> None:
         """Append the textbook sequence: step by step, each with the flags as they are at that moment.

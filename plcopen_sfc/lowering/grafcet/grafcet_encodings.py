@@ -4,27 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.actions.drive_block import DriveSignal
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
     assignment,
     conjunction,
     disjunction,
-    equal,
     is_constant,
     negation,
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, one_step_at_a_time
-from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlagEncoding
-from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency, leaving_and_entering
+from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding
+from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.schedule.scan_schedule import exclude
@@ -154,17 +152,12 @@ class GrafcetFlipFlops(FlipFlopEncoding):
             for index in ruling.steps:
                 self._add_ruled(self.net.steps[index], ruling)
 
+    def set_and_reset(self, step: int) -> tuple[list[Expression], list[Expression]]:
+        """Return what sets and what resets the flip-flop of a step by transitions."""
+        return self.steps.set_and_reset(step, self.concurrency.both_fire)
+
     def _add_ruled(self, step: NetStep, ruling: ForcingCode | None) -> None:
-        leaving, entering = leaving_and_entering(self.net, step.index)
-        set_: list[Expression] = [self.fired[t.index] for t in entering if t not in leaving]
-        reset: list[Expression] = []
-        for transition in leaving:
-            if transition in entering:
-                continue
-            # activation dominates (IEC 60848:2013, rule 5): the reset is locked where a transition enters in the same
-            # evolution. A lock that can never act is left out
-            again = [t for t in entering if self.concurrency.both_fire(transition, t)]
-            reset.append(conjunction([self.fired[transition.index], *(negation(self.fired[t.index]) for t in again)]))
+        set_, reset = self.set_and_reset(step.index)
         if ruling is not None:
             set_, reset = self._ruled(step.index, ruling, set_, reset)
         if self.net.initial & step.bit:
@@ -199,92 +192,3 @@ class GrafcetFlipFlops(FlipFlopEncoding):
         set_ = [conjunction([disjunction(set_), *free]), *sets]
         reset = [conjunction([disjunction(reset), *free, *(negation(each) for each in locked)]), *resets]
         return set_, reset
-
-
-class EvolvingEncoding(Protocol):
-    """Interface of an encoding for the scan of a GRAFCET."""
-
-    def before(self, step: int) -> Expression:
-        """Return an expression that is TRUE if a step was active before the present evolution."""
-
-    def remembered(self) -> list[Statement]:
-        """Return the copies for `before`, to be made before all changes. Complete after all calls of `before`."""
-
-    def signals(self) -> dict[Expression, DriveSignal]:
-        """Return the expressions of `before` that are more than a variable, so far."""
-
-    def fired(self, transition: int) -> Expression:
-        """Return an expression that is TRUE if a transition has fired in this evolution."""
-
-    def moving(self) -> Expression:
-        """Return an expression that is TRUE if any transition has fired."""
-
-
-class EvolvingStepFlags:
-    """Step flags and bits of transitions."""
-
-    def __init__(self, encoding: StepFlagEncoding) -> None:
-        self._encoding = encoding
-        self._olds: dict[int, n.Name] = {}
-
-    def before(self, step: int) -> Expression:
-        """Return a copy of the flag."""
-        if step not in self._olds:
-            name = self._encoding.texts.flag_name(self._encoding.net.steps[step].step)
-            self._olds[step] = self._encoding.code.declare(self._encoding.texts.with_suffix(name, "old"))
-        return self._olds[step]
-
-    def remembered(self) -> list[Statement]:
-        """Return the copies of flags that are in use."""
-        return [assignment(old, self._encoding.flags[step]) for step, old in sorted(self._olds.items())]
-
-    def signals(self) -> dict[Expression, DriveSignal]:
-        """Return none: all of them are variables."""
-        return {}
-
-    def fired(self, transition: int) -> Expression:
-        """Return the bit of the transition."""
-        return self._encoding.fired[transition]
-
-    def moving(self) -> Expression:
-        """Return the disjunction of the bits."""
-        return disjunction(self._encoding.fired)
-
-
-class EvolvingCaseState:
-    """State of a CASE, in which no transition leads back to its own step."""
-
-    def __init__(self, encoding: GrafcetCase) -> None:
-        self._encoding = encoding
-        self._state = encoding.machines[0].state
-        self._old: n.Name | None = None
-
-    def before(self, step: int) -> Expression:
-        """Return a comparison of a copy of the state."""
-        return equal(self._copy(), self._encoding.names.step(step))
-
-    def remembered(self) -> list[Statement]:
-        """Return the copy of the state, if it is in use."""
-        return [assignment(self._old, self._state)] if self._old is not None else []
-
-    def signals(self) -> dict[Expression, DriveSignal]:
-        """Return the comparisons of the copy."""
-        if self._old is None:
-            return {}
-        flags = ((self.before(s.index), self._encoding.texts.flag_name(s.step)) for s in self._encoding.net.steps)
-        return {before: DriveSignal(self._encoding.texts.with_suffix(flag, "old"), "") for before, flag in flags}
-
-    def fired(self, transition: int) -> Expression:  # noqa: ARG002
-        """Return FALSE: no code asks where steps are not left and entered at once."""
-        return FALSE
-
-    def moving(self) -> Expression:
-        """Return an expression that is TRUE if the state is another one."""
-        return negation(equal(self._state, self._copy()))
-
-    def _copy(self) -> n.Name:
-        if self._old is None:
-            code = self._encoding.code
-            kind = next(v.type for v in code.variables if v.name == self._state.identifier)
-            self._old = code.declare(code.texts.with_suffix(self._state.identifier, "old"), kind)
-        return self._old

@@ -10,7 +10,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_execution import add_actions, add_changes, add_conditions, add_main_actions
-from plcopen_sfc.lowering.actions.drive_block import DriveBlock, without_texts
+from plcopen_sfc.lowering.actions.drive_block import DriveBlock, DriveSignal, without_texts
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -25,7 +25,8 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 from plcopen_sfc.lowering.code.code_bodies import indented, paragraph
 from plcopen_sfc.lowering.code.code_declarations import BOOL, INT
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
-from plcopen_sfc.lowering.encodings.step_flags import StepFlagEncoding
+from plcopen_sfc.lowering.encodings.case_states import StateVariables
+from plcopen_sfc.lowering.encodings.step_flags import StepFlagEncoding, StepFlags
 from plcopen_sfc.lowering.grafcet.grafcet_actions import (
     ContinuousActionCode,
     PassingActionCode,
@@ -37,9 +38,6 @@ from plcopen_sfc.lowering.grafcet.grafcet_actions import (
     written_if,
 )
 from plcopen_sfc.lowering.grafcet.grafcet_encodings import (
-    EvolvingCaseState,
-    EvolvingEncoding,
-    EvolvingStepFlags,
     ForcingCode,
     GrafcetCase,
     GrafcetFlipFlops,
@@ -74,14 +72,12 @@ class GrafcetScan:
         self._searches = encoding.profile.evolution is Evolution.UNTIL_STABLE
         # a loop is made only where a scan could need a second evolution
         self._stable = self._searches and not self.stability.once
-        self._evolving: EvolvingEncoding = (
-            EvolvingStepFlags(encoding) if isinstance(encoding, StepFlagEncoding) else EvolvingCaseState(encoding)
-        )
+        self._situation = encoding.steps if isinstance(encoding, StepFlagEncoding) else encoding.states
         # stored and pulsed actions also come from steps that were active within the scan only
         passed = sorted(passed_steps(encoding.source.actions)) if self._stable else []
         names = {i: self._texts.flag_name(self._net.steps[i].step) for i in passed}
         self._passed = {i: self._code.declare(self._texts.with_suffix(names[i], "seen")) for i in passed}
-        before = self._evolving.before
+        before = self._situation.before
         sights = StepViews(encoding.active, before, self._fresh)
         bits = _bits(encoding.source) if self._code.drawn else ()
         self._first: n.Name | None = None
@@ -99,7 +95,7 @@ class GrafcetScan:
         continuous = ContinuousActionCode(
             self._grafcet.continuous, code, encoding.memory, encoding.active, encoding.times
         )
-        moves = self._evolving.moving() if self._stable else FALSE  # before it is known what must be remembered
+        moves = self._situation.changed() if self._stable else FALSE  # before it is known what must be remembered
         # the networks of an evolution are made before those in front of them: only then it is known what these must
         # prepare
         evolution = self._recorded(lambda: self._evolve(continuous))
@@ -168,7 +164,10 @@ class GrafcetScan:
 
     def _call(self, drive: DriveBlock, title: str) -> None:
         """Append the call of a block, if there is anything in it."""
-        self._encoding.signals |= self._evolving.signals()
+        if isinstance(self._situation, StateVariables) and self._situation.remembered():
+            for step in self._net.steps:  # comparisons are no variables, which the block could get
+                name = self._texts.with_suffix(self._texts.flag_name(step.step), "old")
+                self._encoding.signals[self._situation.before(step.index)] = DriveSignal(name, "")
         if drive.code.networks:
             self._code.add(title, [self._encoding.call(drive)])
 
@@ -190,19 +189,25 @@ class GrafcetScan:
         initial = self._net.initial >> step & 1
         if self._stable:
             starting = self._in_first_evolution() if initial else FALSE
-            return disjunction([negation(self._evolving.before(step)), self._reentered(step), starting])
+            return disjunction([negation(self._situation.before(step)), self._reentered(step), starting])
         return self._starting() if initial else FALSE
+
+    def _fired(self, transition: int) -> Expression:
+        """Return an expression that is TRUE if a transition has fired in this evolution."""
+        if isinstance(self._situation, StepFlags):
+            return self._situation.fired[transition]
+        return FALSE  # no code asks: with a CASE no transition leads back to its own step
 
     def _reentered(self, step: int) -> Expression:
         """Return an expression that is TRUE if a transition has entered a step that was active before."""
         entering = (self._net.transitions[i] for i in self._net.entering[step])
         again = [t.index for t in entering if self._concurrency.enters_active(t, step)]
-        return disjunction(self._evolving.fired(i) for i in again)
+        return disjunction(self._fired(i) for i in again)
 
     def _again(self, step: int) -> Expression:
         """Return an expression that is TRUE if transitions have left and entered a step at once."""
         leaving, entering = leaving_and_entering(self._net, step)
-        fired = self._evolving.fired
+        fired = self._fired
         pairs = [(t, u) for t in leaving for u in entering if t is u or self._concurrency.both_fire(t, u)]
         return disjunction(conjunction([fired(t.index), fired(u.index)]) for t, u in pairs)
 
@@ -254,7 +259,7 @@ class GrafcetScan:
                 encoding.first = self._in_first_evolution()
         # with bits the situation is imposed behind the evolution; a flip-flop has it among its inputs
         elif isinstance(encoding, StepFlagEncoding):
-            forcing = [forced_assignments(ruling, encoding.flags, self._evolving.before) for ruling in self._ruled]
+            forcing = [forced_assignments(ruling, encoding.flags, self._situation.before) for ruling in self._ruled]
         code.add(texts.terms, [*self._terms.times, *self._terms.edges])
         code.add(texts.events, self._stored.on_events(events) if drive is None else happening)
         place = len(code.networks)
@@ -267,7 +272,7 @@ class GrafcetScan:
         code.add(texts.times, self._restarts(continuous))
         seen = [assignment(flag, disjunction([flag, encoding.active(i)])) for i, flag in self._passed.items()]
         code.add(texts.passed, seen)
-        code.add(texts.before, self._evolving.remembered(), place=place)  # known now
+        code.add(texts.before, self._situation.remembered(), place=place)  # known now
         code.add(texts.first_evolution_ends, [assignment(self._first, FALSE)] if self._first is not None else [])
 
     def _ended(self) -> list[Statement]:

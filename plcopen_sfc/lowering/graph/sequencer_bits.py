@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from functools import cached_property
 
-from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
@@ -23,33 +22,30 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
-from plcopen_sfc.lowering.encodings.step_flags import next_situation
+from plcopen_sfc.lowering.encodings.step_flags import FiringTransition, StepFlags, is_safe
 from plcopen_sfc.lowering.graph.sequencer_actions import SequencerActions
 from plcopen_sfc.lowering.graph.sequencer_scan import Sequencer
 from plcopen_sfc.lowering.graph.sequencer_source import CyclePhase
+from plcopen_sfc.lowering.schedule.scan_schedule import exclusive_transitions
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.semantics.charts.graph.graph_parameters import Mode
-from plcopen_sfc.semantics.net import Competing, NetStep, NetTransition
+from plcopen_sfc.semantics.net import NetStep, NetTransition
 
 
 class BitSequencer(Sequencer):
     """Encoding of a sequencer with bits; it holds every one, whatever switches its steps."""
 
+    captioned = True
+
     def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:  # noqa: ARG002
         """Declare the flags of steps, the bits of transitions, and bits for the steps that actions switch."""
         code, texts = self.code, self.texts
-        self.flags = [
-            code.declare_flag(texts.flag_name(step.step), initial=False, comment=self.flag_comment(step))
-            for step in self.net.steps
-        ]
-        names = [_name_of(flag) for flag in self.flags]
-        self.fired = [
-            code.declare(texts.transition_name(self.net, t), comment=texts.transition_of(t.path))
-            for t in self.net.transitions
-        ]
+        # a block of S7-GRAPH starts in its first cycle: before that no step is active
+        self.steps = StepFlags(self.net, code, texts, initial=0, captioned=self.captioned)
+        self.steps.declare_transitions()
+        self.flags, self.fired = self.steps.flags, self.steps.fired
+        names = [self.steps.name(step.index) for step in self.net.steps]
         self._events: dict[tuple[int, ActionEvent], n.Name] = {}
-        self._old: dict[int, n.Name] = {}
         self._left_before: dict[int, tuple[n.Name, Expression]] = {}
         # actions ON and OFF act in the next cycle: the steps are kept in bits of their own until then
         switched = {i for rows in self.source.rows for row in rows for i in row.switched}
@@ -61,10 +57,6 @@ class BitSequencer(Sequencer):
             for i in sorted(switched)
         }
         return names
-
-    def flag_comment(self, step: NetStep) -> str:
-        """Return the comment of the flag of a step, with the captions of the step."""
-        return self.texts.described_flag(step.step, step.path)
 
     def active(self, step: int) -> Expression:
         """Return the flag of a step."""
@@ -84,10 +76,8 @@ class BitSequencer(Sequencer):
     def changed(self, step: int, event: ActionEvent) -> Expression:
         """Return a bit for each event that anything asks for."""
         if (step, event) not in self._events:
-            flag = self.signs[step].name
-            self._events[step, event] = self.code.declare(f"{flag}_{event.value}")
-            if step not in self._old:
-                self._old[step] = self.code.declare(self.texts.with_suffix(flag, "old"))
+            self._events[step, event] = self.code.declare(f"{self.signs[step].name}_{event.value}")
+            self.steps.before(step)
         return self._events[step, event]
 
     def touched(self, step: int) -> Expression:
@@ -106,11 +96,10 @@ class BitSequencer(Sequencer):
         """Insert the comparison of flags with those of the last cycle."""
         statements: list[Statement] = [assignment(old, event) for old, event in self._left_before.values()]
         for (step, event), name in sorted(self._events.items(), key=lambda item: (item[0][0], item[0][1].value)):
-            flag, old = self.flags[step], self._old[step]
+            flag, old = self.flags[step], self.steps.before(step)
             value = [flag, negation(old)] if event is ActionEvent.S1 else [old, negation(flag)]
             statements.append(assignment(name, conjunction(value)))
-        statements += registered
-        statements += [assignment(old, self.flags[step]) for step, old in sorted(self._old.items())]
+        statements += [*registered, *self.steps.remembered()]
         self.code.add(self.own_texts.events, statements, place=place)
 
     # -- transitions
@@ -127,24 +116,20 @@ class BitSequencer(Sequencer):
             permitted = self.memory.named(self.own_texts.permitted, permitted, statements)
         if not is_constant(pushed, FALSE):
             pushed = self.memory.named(self.own_texts.pushed, pushed, statements)
-        parts = [CodeNetwork(self.texts.transitions, tuple(statements))]
-        for transition in self.net.transitions:
-            statements = []
-            index = transition.index
-            enabled = self.enabled(transition)
-            preparation = self.resolved(self.source.preparations[index], CyclePhase.SWITCH)
-            if preparation:
-                statements.append(when(conjunction([enabled, self.evolves()]), *preparation))
+
+        def tried(transition: NetTransition) -> FiringTransition:
+            index, enabled = transition.index, self.enabled(transition)
+            before = self.resolved(self.source.preparations[index], CyclePhase.SWITCH)
             condition = self.resolve(self.source.conditions[index], CyclePhase.SWITCH)
             switches = disjunction([conjunction([condition, permitted]), pushed])
             held = [self._held(i) for i in transition.sources]
             # all conditions are evaluated before the first one wins, as S7-GRAPH does
-            competing = transition.competing if self.rules.profile.competing is Competing.PRIORITY else ()
-            free = [*map(negation, held), *(negation(self.fired[i]) for i in competing)]
-            statements.append(assignment(self.fired[index], conjunction([enabled, switches, *free])))
-            title, remark = self.texts.transition_title(transition.path), self.texts.remark(transition.transition)
-            parts.append(CodeNetwork(title, tuple(statements), remark))
-        self.code.add_each(self.texts.transitions, parts)
+            free = [*map(negation, held), *(negation(self.fired[i]) for i in competing[index])]
+            evaluated = [when(conjunction([enabled, self.evolves()]), *before)] if before else []
+            return FiringTransition(evaluated, conjunction([enabled, switches, *free]))
+
+        competing = exclusive_transitions(self.net, self.rules.profile)
+        self.steps.add_transitions(map(tried, self.net.transitions), statements)
 
     def _held(self, step: int) -> Expression:
         """Return when its supervision holds a step; one just switched on is not supervised yet."""
@@ -161,9 +146,7 @@ class BitSequencer(Sequencer):
     def add_step_change(self) -> None:
         """Append an assignment for each step, then the switching by hand, the start and the end."""
         entered = add_skips(self) if self.source.skips else None
-        self.code.add(
-            self.texts.moves, next_situation(self.net, self.flags, self.fired, held=self.wanted, entered=entered)
-        )
+        self.code.add(self.texts.moves, self.steps.next_situation(held=self.wanted, entered=entered))
         # start and end come behind the switching by hand, and override it
         self.code.add(self.own_texts.manual, self._selected("S_ON", TRUE) + self._selected("S_OFF", FALSE))
         steps = range(len(self.net.steps))
@@ -196,14 +179,6 @@ class BitSequencer(Sequencer):
             for number, index in numbers.items()
         )
         return [when(conjunction([by_hand, edge]), n.Case(selection, branches))] if branches else []
-
-
-def _name_of(flag: Expression) -> str:
-    """Return the name of a flag, also of one that is a member of a data block."""
-    if isinstance(flag, n.Member):
-        flag = flag.name
-    assert isinstance(flag, n.Name)  # noqa: S101  # so flags are declared
-    return flag.identifier
 
 
 def add_skips(sequencer: BitSequencer) -> dict[int, n.Name]:
@@ -264,6 +239,8 @@ def _passing(sequencer: BitSequencer, step: int, entered: dict[int, n.Name], aga
 class FlipFlopSequencer(BitSequencer):
     """Encoding of a sequencer with a reset-dominant flip-flop for each step."""
 
+    captioned = False
+
     def exact(self) -> None:
         """Append one cycle, in statements that networks can have."""
         if self.source.skips:
@@ -273,10 +250,6 @@ class FlipFlopSequencer(BitSequencer):
     def _refuse(self, message: str) -> None:
         raise LoweringError(message, location=Location(path=self.source.pou.name))
 
-    def flag_comment(self, step: NetStep) -> str:
-        """Return the comment of the flag of a step; the captions of the step are those of its flip-flop."""
-        return self.texts.flag_of(step.path)
-
     def add_step_change(self) -> None:
         """Append a network for each step."""
         for step in self.net.steps:
@@ -284,12 +257,8 @@ class FlipFlopSequencer(BitSequencer):
         self.code.add(self.texts.first_scan, [assignment(self.first, FALSE)])
 
     def _add_flip_flop(self, step: NetStep) -> None:
-        entering, leaving = self.net.entering[step.index], self.net.leaving[step.index]
-        loops = set(entering) & set(leaving)
-        set_: list[Expression] = [self.fired[i] for i in entering if i not in loops]
-        left = disjunction(self.fired[i] for i in leaving if i not in loops)
-        # what is left and entered at once stays active
-        reset = left if self._is_safe else conjunction([left, *(negation(self.fired[i]) for i in entering)])
+        set_, resets = self.steps.set_and_reset(step.index, lambda *_: not self._is_safe)
+        reset = disjunction(resets)
         start = disjunction([self.first, self.started()])
         initial = bool(self.net.initial & step.bit)
         if initial:
@@ -299,7 +268,8 @@ class FlipFlopSequencer(BitSequencer):
         if wanted is not None:
             flag = self.flags[step.index]
             set_.append(conjunction([wanted, negation(flag)]))
-            off = conjunction([flag, negation(wanted), *(negation(self.fired[i]) for i in entering)])
+            entered = [negation(self.fired[i]) for i in self.net.entering[step.index]]
+            off = conjunction([flag, negation(wanted), *entered])
             reset = disjunction([reset, conjunction([off, *([negation(start)] if initial else [])])])
         off_by_hand = self._by_hand("S_OFF", step)
         if initial:  # the start comes behind the switching by hand
@@ -316,7 +286,7 @@ class FlipFlopSequencer(BitSequencer):
     def _is_safe(self) -> bool:
         """True if a step that a transition enters is never active already: nothing else switches steps on."""
         switched = self.wanted or not is_constant(self.commands.is_on(Mode.MANUAL), FALSE)
-        return not switched and isinstance(find_regions(self.net), Regions)
+        return not switched and is_safe(self.source, self.rules.profile)
 
     def _by_hand(self, command: str, step: NetStep) -> Expression:
         """Return an expression that is TRUE if a command by hand concerns a step."""

@@ -41,7 +41,6 @@ from plcopen_sfc.lowering.lowering_options import States
 from plcopen_sfc.lowering.reading.chart_source import step_numbers
 from plcopen_sfc.lowering.schedule.scan_schedule import firing_together
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
-from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.semantics.charts.graph.graph_parameters import Mode
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import Profile
@@ -135,7 +134,6 @@ class RegionSequencer(Sequencer):
         off = replace(regions, regions=tuple(replace(region, initial=None) for region in regions.regions))
         names = StateNames(self.source, off, self.code, self.rules, surroundings)
         self.states = StateVariables(regions, names, self.texts, self.source.dialect, off=True)
-        self._old: dict[int, n.Name] = {}
         self._gone: dict[int, n.Name] = {}
         self._bits: dict[int, n.Name] = {}
         self._before: dict[int, tuple[Statement, ...]] = {}
@@ -179,12 +177,12 @@ class RegionSequencer(Sequencer):
 
     def changed(self, step: int, event: ActionEvent) -> Expression:
         """Return a comparison of the states now and before."""
-        now, before = self.active(step), equal(self._state_before(step), self.states.names.step(step))
+        now, before = self.active(step), self.states.before(step)
         return conjunction([now, negation(before)] if event is ActionEvent.S1 else [before, negation(now)])
 
     def touched(self, step: int) -> Expression:
         """Return a comparison: the step is the state now, or was it before."""
-        return disjunction([self.active(step), equal(self._state_before(step), self.states.names.step(step))])
+        return disjunction([self.active(step), self.states.before(step)])
 
     def gone(self, step: int) -> Expression:
         """Return a bit that keeps the event of the last cycle."""
@@ -192,21 +190,11 @@ class RegionSequencer(Sequencer):
             self._gone[step] = self.code.declare(self.texts.with_suffix(f"{self.signs[step].name}_S0", "old"))
         return self._gone[step]
 
-    def _state_before(self, step: int) -> n.Name:
-        machine = self.states.machine_of(step)
-        if machine.region.index not in self._old:
-            state = next(v for v in self.code.variables if v.name == machine.state.identifier)
-            initial = state.initial.text if isinstance(state.initial, SimpleValue) else None
-            name = self.texts.with_suffix(state.name, "old")
-            self._old[machine.region.index] = self.code.declare(name, state.type, initial=initial)
-        return self._old[machine.region.index]
-
     def add_events(self, place: int, registered: Sequence[Statement]) -> None:
         """Insert the copies of the states before they change."""
         self.code.add(self.own_texts.events, registered, place=place)
         kept = [assignment(bit, self.changed(step, ActionEvent.S0)) for step, bit in self._gone.items()]
-        kept += [assignment(old, self.states.machines[region].state) for region, old in sorted(self._old.items())]
-        self.code.add(self.texts.before, kept, place=self._change)
+        self.code.add(self.texts.before, [*kept, *self.states.remembered()], place=self._change)
 
     # -- what belongs to one step each: where there is one active step, in the branches of a CASE
 
@@ -256,12 +244,12 @@ class RegionSequencer(Sequencer):
         return _Selected(self.states.machine_of(step).state, [self.active(step)])
 
     def _when_entered(self, step: int) -> _Selected:
-        known = [self.active(step), negation(equal(self._state_before(step), self.states.names.step(step)))]
+        known = [self.active(step), negation(self.states.before(step))]
         return _Selected(self.states.machine_of(step).state, known)
 
     def _when_left(self, step: int) -> _Selected:
-        known = [equal(self._state_before(step), self.states.names.step(step)), negation(self.active(step))]
-        return _Selected(self._state_before(step), known)
+        known = [self.states.before(step), negation(self.active(step))]
+        return _Selected(self.states.state_before(self.states.machine_of(step)), known)
 
     def _case_of(self, parts: Sequence[SequencerStepCode], selected: Callable[[int], _Selected]) -> list[str]:
         """Return a CASE with the code of each step, without the conditions that its branch implies."""
@@ -279,9 +267,7 @@ class RegionSequencer(Sequencer):
         return [f"CASE {selector} OF", *spaced(branches), "END_CASE;"]
 
     def _when_changed(self, lines: list[str]) -> list[str]:
-        machine = self.states.machines[0]
-        changed = negation(equal(machine.state, self._state_before(machine.first)))
-        return [f"IF {self.states.text(changed)} THEN", *indented(lines), "END_IF;"]
+        return [f"IF {self.states.text(self.states.changed())} THEN", *indented(lines), "END_IF;"]
 
     # -- transitions
 
