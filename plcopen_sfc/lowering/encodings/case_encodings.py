@@ -363,17 +363,12 @@ class RegionEncoding(ScanSchedule):
 
     def _needing_bits(self, source: ChartSource) -> list[int]:
         """Return joins with competing transitions, with these, and joins whose condition needs statements before it."""
-        found: set[int] = set()
+        found = self.states.competing_joins()
         for block in self._regions.blocks:
             # where all branches are one state with the wait there is no CASE in between that could end one of them
             alone = all(self.states.is_merged(i) for join in block.joins for i in self.net.transitions[join].sources)
             if self._in_sequence and not alone:
                 found.update(block.joins)
-            competing = self._regions.exit_competitors(block)
-            # a transition that leaves a branch and the join compete, but are tried in different CASEs: their order is
-            # lost there, so all of them are decided on before
-            if competing:
-                found.update(block.joins, competing)
             found.update(join for join in block.joins if source.preparations[join])
         return sorted(found)
 
@@ -419,25 +414,20 @@ class RegionEncoding(ScanSchedule):
         return self.states.case(machine, leaving, joining)
 
     def _try(self, machine: RegionState, transition: NetTransition) -> TriedTransition:
-        effect = self._effect(machine, transition)
-        remarks = self.states.remarks(transition.transition)
-        # decided on before the CASEs already, with everything that must be executed for its condition
-        if transition.index in self._bits:
-            return TriedTransition((), self._bits[transition.index], effect, remarks)
-        # a step with one source is active where it is tried, a join is tried while its branches are
-        asked = [i for i in transition.sources if not self.states.is_merged(i)] if len(transition.sources) > 1 else []
-        condition = conjunction([*map(self.active, asked), self.source.conditions[transition.index]])
         before = self.source.preparations[transition.index]
         evaluated = self.sfc_flags.is_asked()
         if before and not is_constant(evaluated, TRUE):
             before = (when(evaluated, *before),)
-        return TriedTransition(before, condition, effect, remarks)
-
-    def _effect(self, machine: RegionState, transition: NetTransition) -> list[str]:
         # the state stays the same number, so that nothing else shows that the step was left and entered
         loops = set(transition.sources) & set(transition.targets) & set(self._again)
-        again = [f"{self.text(self._again[i])} := TRUE;" for i in loops]
-        return [*self.states.effect(machine, transition), *again]
+        return self.states.attempt(
+            machine,
+            transition,
+            self.source.conditions[transition.index],
+            before,
+            bit=self._bits.get(transition.index),
+            also=[f"{self.text(self._again[i])} := TRUE;" for i in loops],
+        )
 
 
 @dataclass(frozen=True)

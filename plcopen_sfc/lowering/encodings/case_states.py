@@ -19,7 +19,15 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import objection
-from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, disjunction, equal, is_constant, negation
+from plcopen_sfc.lowering.code.boolean_logic import (
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    equal,
+    is_constant,
+    negation,
+)
 from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented, region, spaced
 from plcopen_sfc.lowering.code.code_declarations import Naming, integer
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
@@ -453,6 +461,36 @@ class StateVariables:
         # the branches of a join end; a transition without a target ends its own region
         left = sorted(joined) if transition.targets else [machine.region.index]
         return lines + [self._becoming(region, self.names.none) for region in left]
+
+    def attempt(
+        self,
+        machine: RegionState,
+        transition: NetTransition,
+        condition: Expression,
+        before: Sequence[Statement] = (),
+        *,
+        bit: Expression | None = None,
+        also: Sequence[str] = (),
+    ) -> TriedTransition:
+        """Return a transition as the CASE of a region tries it.
+
+        `before`: what its condition needs. `bit`: it was decided on before the CASEs already. `also`: its effect beside
+        that on the states.
+        """
+        effect, remarks = [*self.effect(machine, transition), *also], self.remarks(transition.transition)
+        if bit is not None:
+            return TriedTransition((), bit, effect, remarks)
+        # a step with one source is active where it is tried, a join is tried while its branches are
+        asked = [i for i in transition.sources if i not in self._merged] if len(transition.sources) > 1 else []
+        return TriedTransition(tuple(before), conjunction([*map(self.active, asked), condition]), effect, remarks)
+
+    def competing_joins(self) -> set[int]:
+        """Return joins and the transitions that compete with them by leaving one of the branches.
+
+        They are tried in different CASEs: their order is lost there, so all of them are decided on before.
+        """
+        exits = ((block, self.regions.exit_competitors(block)) for block in self.regions.blocks)
+        return {index for block, competing in exits if competing for index in (*block.joins, *competing)}
 
     def entered(self, step: int) -> str:
         """Return the assignment that activates a step."""

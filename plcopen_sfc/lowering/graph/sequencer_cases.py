@@ -316,10 +316,7 @@ class RegionSequencer(Sequencer):
         # a statement in one CASE would come behind the transitions of the CASE before it
         if any(self.source.preparations) and len(self.states.machines) > 1:
             return list(range(len(self.net.transitions)))
-        found: set[int] = set()
-        for block in self.states.regions.blocks:
-            competing = self.states.regions.exit_competitors(block)
-            found.update([*block.joins, *competing] if competing else [])
+        found = self.states.competing_joins()
         for leaving in self.net.leaving:
             if any(self.source.preparations[t] for t in leaving[1:]):
                 found.update(leaving)
@@ -373,15 +370,11 @@ class RegionSequencer(Sequencer):
         return self.states.tried([self._try(machine, self.net.transitions[t]) for t in block.joins])
 
     def _try(self, machine: RegionState, transition: NetTransition) -> TriedTransition:
-        effect, remarks = self.states.effect(machine, transition), self.states.remarks(transition.transition)
-        if transition.index in self._bits:
-            return TriedTransition((), self._bits[transition.index], effect, remarks)
-        # a step with one source is active where it is tried, a join is tried while its branches are
-        enabled = [self.active(i) for i in transition.sources] if len(transition.sources) > 1 else []
-        before = self._before[transition.index]
+        index = transition.index
+        before = self._before[index]
         if before and not is_constant(self.evolves(), TRUE):
             before = (when(self.evolves(), *before),)
-        return TriedTransition(before, conjunction([*enabled, self._conditions[transition.index]]), effect, remarks)
+        return self.states.attempt(machine, transition, self._conditions[index], before, bit=self._bits.get(index))
 
     def _off_by_hand(self) -> list[Statement]:
         """Return S_OFF for the step whose number S_SEL has."""
