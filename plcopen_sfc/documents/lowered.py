@@ -33,12 +33,16 @@ from plcopen_sfc.errors import LossError, LoweringError
 from plcopen_sfc.files import refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou, lower_project
-from plcopen_sfc.lowering.chart_lowering import faults_of
-from plcopen_sfc.lowering.code_header import with_headers
+from plcopen_sfc.lowering.chart_lowering import LoweringOptions, faults_of
 from plcopen_sfc.lowering.construction import errors_of
-from plcopen_sfc.lowering.project_lowering import LoweringOptions
 from plcopen_sfc.lowering.proof import ProofOptions, refuse_untested
-from plcopen_sfc.lowering.proof_as_written import prove_written, refuse_comments, refuse_uncompiled, uncompiled
+from plcopen_sfc.lowering.written_code import (
+    prove_written,
+    refuse_comments,
+    refuse_uncompiled,
+    uncompiled,
+    with_headers,
+)
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable

@@ -1,9 +1,8 @@
 """Lowering: a chart as program code, with the proof that the code does the same.
 
-`chart_lowering`     one chart as code in a copy of its project, compared with the chart
-`project_lowering`   all charts of a project, one after the other
+`chart_lowering`     one chart as code in a copy of its project, compared with the chart; all charts of a project
 `proof`              the comparison of code and chart
-`proof_as_written`   the comparison of the code in a file, as the tool of the file reads it, with the chart
+`written_code`       code in a file: its header, and its comparison as the tool of the file reads it
 `lowering_losses`    what a chart holds and its code does not
 `other_bodies`       actions and other bodies of the POU that refer to the chart
 `faults`             the faults of textbook sequences, and the search for them
@@ -18,10 +17,9 @@
 `code_texts`         titles, comments and names in the code, in English and German
 """
 
-from plcopen_sfc.lowering.chart_lowering import LoweredPou, lower
+from plcopen_sfc.lowering.chart_lowering import LoweredPou, LoweredProject, lower, lower_project
 from plcopen_sfc.lowering.faults.fault_kinds import Fault, FaultKind, FaultScan
 from plcopen_sfc.lowering.lowering_options import ActionPlace, Construction, Language, OperatingMode, States, Style
-from plcopen_sfc.lowering.project_lowering import LoweredProject, lower_project
 
 __all__ = [
     "ActionPlace",

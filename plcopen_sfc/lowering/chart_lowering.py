@@ -1,18 +1,19 @@
-"""Lowering of one chart, with the proof that the code does the same."""
+"""Lowering of one chart, or of all charts of a project, with the proof that the code does the same."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
-from typing import Any, NamedTuple, TypeVar, Unpack
+from typing import Any, NamedTuple, TypedDict, TypeVar, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import Location, LoweringError, check_argument, listed_names, nearest
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.lowering.code_texts import TEXTS
+from plcopen_sfc.lowering.code.lowered_code import flags_of_several
+from plcopen_sfc.lowering.code_texts import TEXTS, Texts
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
 from plcopen_sfc.lowering.faults.fault_kinds import Fault
 from plcopen_sfc.lowering.faults.fault_search import find_faults
@@ -33,7 +34,7 @@ from plcopen_sfc.lowering.other_bodies import with_actions, with_actions_inside,
 from plcopen_sfc.lowering.proof import ProofOptions, prove, refuse_untested
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import Item
@@ -179,20 +180,10 @@ def lower(
     found = resolve(subject, pou)
     _chart_of(found)
     _refuse_what_was_not_read(found)
-    texts = TEXTS.get(lang)
-    if texts is None:
-        raise LoweringError(f"there are no texts in {lang!r}", hint="There are: " + ", ".join(TEXTS))
-    if flag_names:
-        try:
-            texts = texts.with_flags(flag_names)
-        except ValueError:
-            raise LoweringError(
-                f"{flag_names!r} is no name of the flag of step 1", hint="It ends with its number: SR01, Step_1."
-            ) from None
     semantics = default_profile(found.project) if profile is None else profile_named(profile)
     rules = LoweringRules(
         semantics,
-        texts,
+        _texts(lang, flag_names),
         init,
         stop,
         reset_actions,
@@ -215,6 +206,19 @@ def lower(
     options = ProofOptions(accept_untested, searching) if verify else None
     lowered = _lowered(found, made, rules, wanted.style, options, lang=lang)
     return replace(lowered, faults=faults_of(meant, lowered)) if verify else lowered
+
+
+def _texts(lang: str, flag_names: str) -> Texts:
+    """Return the texts of a language, with the names of flags after that of step 1."""
+    texts = TEXTS.get(lang)
+    if texts is None:
+        raise LoweringError(f"there are no texts in {lang!r}", hint="There are: " + ", ".join(TEXTS))
+    try:
+        return texts.with_flags(flag_names) if flag_names else texts
+    except ValueError:
+        raise LoweringError(
+            f"{flag_names!r} is no name of the flag of step 1", hint="It ends with its number: SR01, Step_1."
+        ) from None
 
 
 def _lowered(
@@ -387,3 +391,94 @@ def _with(
         project.pous[place : place + 1] = [pou, *blocks]
     project.data_types += data_types
     return project, pou
+
+
+class LoweringOptions(TypedDict, total=False):
+    """Options of `lower` but for the construction, the target and the proof."""
+
+    style: Style | str
+    language: Language | str | None
+    profile: Profile | str | None
+    init: str | None
+    stop: str | None
+    reset_actions: bool
+    states: States | str | None
+    actions: ActionPlace | str
+    flags: str
+    flag_names: str
+    modes: Iterable[OperatingMode | str]
+    at_rest: Iterable[str]
+    lang: str
+
+
+@dataclass(frozen=True)
+class LoweredProject:
+    """A project with code instead of charts: `project` has that of all `pous`; `refused` has an error for each other.
+
+    Charts that were lowered together with one that calls them are in neither.
+    """
+
+    project: Project
+    pous: tuple[LoweredPou, ...]
+    refused: dict[str, LoweringError]
+
+
+def lower_project(
+    project: Project,
+    construction: Construction | str = Construction.AUTO,
+    *,
+    pou: str | None = None,
+    without: Collection[str] = (),
+    target: str | None = None,
+    **options: Unpack[LoweringOptions],
+) -> LoweredProject:
+    """Lower all charts of a project, or the one called `pou`, but for those `without`; nothing is proven yet.
+
+    Raises `LoweringError` where there is no chart, or an option is wrong for all of them.
+    """
+    names = [pou] if pou is not None else [chart.name for chart in project.charts()]
+    if not names:
+        raise LoweringError("there is no chart to be lowered")
+    flags = options.get("flags", "local")
+    options["modes"], options["at_rest"] = tuple(options.get("modes", ())), options.get("at_rest", ())
+    left = set(names) - set(without)
+    found: list[LoweredPou] = []
+    refused: dict[str, LoweringError] = {}
+    current, following = project, ""
+    while left:
+        name = pou or next_chart(chart for chart in current.charts() if chart.name in left)
+        if name is None:  # all others were lowered with those that call them
+            break
+        left.remove(name)
+        if len(names) > 1:
+            options["flags"] = flags_of_several(flags, name, following)
+        try:
+            lowered = lower(current, construction, pou=name, target=target, verify=False, **options)
+        except LoweringError as error:
+            if error.location.path is None:  # an option that concerns all charts
+                raise
+            refused[name] = error
+            continue
+        found.append(replace(lowered, chart=resolve(project, name)))
+        current, following = lowered.project, lowered.following or following
+    return LoweredProject(current, tuple(found), refused)
+
+
+def next_chart(charts: Iterable[Chart]) -> str | None:
+    """Return the name of the chart to lower first: of a POU, else of an action that no other chart uses.
+
+    Lowering a chart lowers those of the actions that it calls too. Code that an action has already would be taken for a
+    part of the chart itself.
+    """
+    charts = list(charts)
+    used = {f"{chart.pou.name}.{name}".casefold() for chart in charts for name in _actions_of(chart)}
+    bodies = [chart.name for chart in charts if chart.name == chart.pou.name]
+    outer = [chart.name for chart in charts if chart.name.casefold() not in used]
+    return next(iter([*bodies, *outer, *(chart.name for chart in charts)]), None)
+
+
+def _actions_of(chart: Chart) -> Iterator[str]:
+    """Yield the names of the actions that the steps of a chart use, but for its own."""
+    for step in chart.chart.steps:
+        used = [*(each.target for each in step.actions), step.entry_action, step.main_action, step.exit_action]
+        yield from (name for name in used if isinstance(name, str) and f"{chart.pou.name}.{name}" != chart.name)

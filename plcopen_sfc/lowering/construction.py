@@ -12,10 +12,9 @@ from plcopen_sfc.languages.st.nodes import Expression, Name, Node
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.actions.drive_block import drive_block
 from plcopen_sfc.lowering.code.code_bodies import assemble
-from plcopen_sfc.lowering.code.code_declarations import LOCAL, FlagPlaces, Naming, names_of
 from plcopen_sfc.lowering.code.code_memory import BitMemory, BlockMemory, Memory, OperandMemory
 from plcopen_sfc.lowering.code.flat_statements import flatten
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import LOCAL, FlagPlaces, LoweredCode, Naming, names_of
 from plcopen_sfc.lowering.code.single_use import inline_single_uses
 from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEncoding, no_regions, one_step_at_a_time
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepBitEncoding

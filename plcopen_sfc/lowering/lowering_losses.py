@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.lowering.code.code_declarations import names_of
+from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody, StBody

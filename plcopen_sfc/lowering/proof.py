@@ -19,7 +19,7 @@ from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import UntestedError, Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, SfcError
 from plcopen_sfc.languages.translation.renames import identifier, is_identifier, is_reserved
-from plcopen_sfc.lowering.code.code_declarations import BOOL, names_of
+from plcopen_sfc.lowering.code.lowered_code import BOOL, names_of
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import Variable

@@ -14,7 +14,7 @@ from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.errors import ArgumentError, LossError, LoweringError, SfcError
 from plcopen_sfc.languages.networks import draw_fbd
 from plcopen_sfc.languages.st import parse_statements
-from plcopen_sfc.lowering.proof_as_written import refuse_uncompiled
+from plcopen_sfc.lowering.written_code import refuse_uncompiled
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.lowering.charts import boolean, training_chain
 

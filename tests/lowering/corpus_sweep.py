@@ -22,10 +22,10 @@ from plcopen_sfc.api import convert
 from plcopen_sfc.errors import LoweringError, ModelError, OldVersionError, SfcError
 from plcopen_sfc.formats.plcopen.tc6_versions import version_of
 from plcopen_sfc.lowering import LoweredPou, lower
+from plcopen_sfc.lowering.chart_lowering import next_chart
 from plcopen_sfc.lowering.lowering_options import without_version
-from plcopen_sfc.lowering.project_lowering import next_chart
 from plcopen_sfc.lowering.proof import prove
-from plcopen_sfc.lowering.proof_as_written import refuse_comments
+from plcopen_sfc.lowering.written_code import refuse_comments
 from plcopen_sfc.report import ConversionReport
 from plcopen_sfc.semantics.subjects import Subject, resolve
 from tests.corpus import corpus_files, require_official_schema

@@ -13,9 +13,8 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import LoweredPou, lower
-from plcopen_sfc.lowering.code.code_declarations import Naming
 from plcopen_sfc.lowering.code.code_memory import BitMemory
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, Naming
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.encodings.step_flags import StepBitEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_reading import read_grafcet

@@ -9,7 +9,7 @@ import pytest
 
 from plcopen_sfc import model as m
 from plcopen_sfc.lowering import lower
-from plcopen_sfc.lowering.code.code_declarations import Naming
+from plcopen_sfc.lowering.code.lowered_code import Naming
 from plcopen_sfc.model.dialect import Dialect
 from tests.analysis.nets import chart_of
 from tests.lowering.charts import act, pou_with

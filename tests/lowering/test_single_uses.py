@@ -5,8 +5,7 @@ from __future__ import annotations
 from plcopen_sfc import model as m
 from plcopen_sfc.languages.st import parse_statements, print_node
 from plcopen_sfc.languages.st.nodes import Name, Statements
-from plcopen_sfc.lowering.code.code_declarations import Naming
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, Naming
 from plcopen_sfc.lowering.code.single_use import inline_single_uses
 
 

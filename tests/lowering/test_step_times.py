@@ -11,8 +11,7 @@ from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.lowering import Construction, Language
-from plcopen_sfc.lowering.code.code_declarations import Naming
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, Naming
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules

@@ -10,7 +10,7 @@ from plcopen_sfc.analysis import Verdict, VerdictKind
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.lowering.other_bodies import with_actions_inside
-from plcopen_sfc.lowering.proof_as_written import prove_written
+from plcopen_sfc.lowering.written_code import prove_written
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.charts import boolean, training_chain
 

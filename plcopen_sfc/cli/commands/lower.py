@@ -16,7 +16,7 @@ from plcopen_sfc.errors import LossError, LoweringError
 from plcopen_sfc.files import folder_exists
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou
-from plcopen_sfc.lowering.project_lowering import LoweringOptions
+from plcopen_sfc.lowering.chart_lowering import LoweringOptions
 from plcopen_sfc.report import ConversionReport, Item
 
 _FINDINGS = 1

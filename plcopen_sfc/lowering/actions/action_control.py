@@ -23,9 +23,8 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     is_constant,
     negation,
 )
-from plcopen_sfc.lowering.code.code_declarations import BOOL, TIME
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
+from plcopen_sfc.lowering.code.lowered_code import BOOL, TIME, LoweredCode, StepValue
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
 from plcopen_sfc.lowering.reading.step_variables import StepTimers

@@ -27,9 +27,8 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.code_bodies import comment_lines
-from plcopen_sfc.lowering.code.code_declarations import BOOL
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import GuardedText, LoweredCode, StepValue, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import BOOL, GuardedText, LoweredCode, StepValue, TextNetwork
 from plcopen_sfc.lowering.code_texts import Suffix, Texts
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource

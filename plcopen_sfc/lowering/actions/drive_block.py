@@ -15,10 +15,9 @@ from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, standard_block
 from plcopen_sfc.lowering.actions.action_execution import OwnVariables
 from plcopen_sfc.lowering.code.boolean_logic import negation
 from plcopen_sfc.lowering.code.code_bodies import body_of
-from plcopen_sfc.lowering.code.code_declarations import BOOL, free_name
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.flat_statements import flatten
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode, free_name
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.dialect import Dialect

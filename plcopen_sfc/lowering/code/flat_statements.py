@@ -19,8 +19,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.code_declarations import BOOL
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode
 from plcopen_sfc.model.types import Variable
 
 _BOOLEAN = frozenset(

@@ -12,8 +12,7 @@ from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.effects import Path, is_impure, may_change, reads, writes
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.boolean_logic import simplified
-from plcopen_sfc.lowering.code.code_declarations import BOOL
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode, TextNetwork
 from plcopen_sfc.model.types import DerivedType, ElementaryType
 
 _TIMERS = ("TON", "TOF", "TON_TIME", "TOF_TIME")

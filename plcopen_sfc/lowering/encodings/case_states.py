@@ -29,8 +29,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
 )
 from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented, region, spaced
-from plcopen_sfc.lowering.code.code_declarations import Naming, integer
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, Naming, integer
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, States, tool_of
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, number_in_name, step_numbers

@@ -14,8 +14,7 @@ from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, conjunction, is_constant
 from plcopen_sfc.lowering.code.code_bodies import function_block_diagram, ladder_diagram, structured_text
-from plcopen_sfc.lowering.code.code_declarations import Naming
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, Naming
 from plcopen_sfc.lowering.faults.fault_kinds import FaultKind
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
 from plcopen_sfc.model.actions import Qualifier

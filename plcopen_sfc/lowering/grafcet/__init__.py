@@ -1,9 +1,8 @@
 """Lowering of what only GRAFCET (IEC 60848) has; internal to `plcopen_sfc.lowering`.
 
 `grafcet_reading`     terms, actions and forcing orders read from the model
-`grafcet_terms`       edges and times in conditions
 `grafcet_actions`     stored, continuous, delayed and limited actions
-`grafcet_stability`   the most evolutions that a scan can have
+`grafcet_evolutions`  edges and times in conditions, and the most evolutions that a scan can have
 `grafcet_encodings`   CASE and flip-flops, and how an evolution changes them
 `grafcet_scan`        the schedule: evolutions up to a stable situation, then outputs
 """

@@ -22,7 +22,7 @@ from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, one_step_at_a_time
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding
-from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency
+from plcopen_sfc.lowering.grafcet.grafcet_evolutions import Concurrency
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.schedule.scan_schedule import exclude

@@ -23,8 +23,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.code_bodies import indented, paragraph
-from plcopen_sfc.lowering.code.code_declarations import BOOL, INT
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, CodeNetwork, TextNetwork
 from plcopen_sfc.lowering.encodings.case_states import StateVariables
 from plcopen_sfc.lowering.encodings.step_flags import StepFlagEncoding, StepFlags
 from plcopen_sfc.lowering.grafcet.grafcet_actions import (
@@ -43,8 +42,7 @@ from plcopen_sfc.lowering.grafcet.grafcet_encodings import (
     GrafcetFlipFlops,
     forced_assignments,
 )
-from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency, Stability, leaving_and_entering
-from plcopen_sfc.lowering.grafcet.grafcet_terms import TermCode
+from plcopen_sfc.lowering.grafcet.grafcet_evolutions import Concurrency, Stability, TermCode, leaving_and_entering
 from plcopen_sfc.lowering.lowering_options import ActionPlace
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, GrafcetSource
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule

@@ -8,5 +8,4 @@
 `sequencer_actions`   the actions of steps, and their S5 timers
 `step_supervision`    interlock, supervision and step times
 `block_parameters`    commands, operating modes and reports of the block
-`sequencer_texts`     titles and comments, in English and German
 """

@@ -17,11 +17,10 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.code_declarations import INT
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import INT, LoweredCode
+from plcopen_sfc.lowering.code_texts import GraphTexts
 from plcopen_sfc.lowering.graph.sequencer_source import GraphSource
-from plcopen_sfc.lowering.graph.sequencer_texts import GraphTexts
 from plcopen_sfc.lowering.graph.step_supervision import SupervisionChecks
 from plcopen_sfc.semantics.charts.graph.graph_parameters import MODES, Mode
 

@@ -24,11 +24,9 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.code_declarations import INT, TIME
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
-from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering.code.lowered_code import INT, TIME, LoweredCode, StepValue
+from plcopen_sfc.lowering.code_texts import GraphTexts, Texts
 from plcopen_sfc.lowering.graph.sequencer_source import COUNTERS, TIMERS, ActionRow, GraphSource, texts_of
-from plcopen_sfc.lowering.graph.sequencer_texts import GraphTexts
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import SectionKind

@@ -13,8 +13,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment
-from plcopen_sfc.lowering.code.code_declarations import BOOL
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode
 from plcopen_sfc.lowering.graph.sequencer_source import (
     COILS,
     COUNTERS,

@@ -18,6 +18,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code_texts import graph_texts
 from plcopen_sfc.lowering.graph.block_parameters import BlockCommands, add_reports
 from plcopen_sfc.lowering.graph.sequencer_actions import SequencerActions, SequencerStepCode, StepSignals
 from plcopen_sfc.lowering.graph.sequencer_reading import show
@@ -29,7 +30,6 @@ from plcopen_sfc.lowering.graph.sequencer_source import (
     StepNames,
     step_quantity,
 )
-from plcopen_sfc.lowering.graph.sequencer_texts import graph_texts
 from plcopen_sfc.lowering.graph.step_supervision import CheckedStep, StepClock, SupervisionChecks
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.schedule.added_inputs import declare_restart

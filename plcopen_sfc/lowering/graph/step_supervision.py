@@ -21,8 +21,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.code_declarations import TIME
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
+from plcopen_sfc.lowering.code.lowered_code import TIME, LoweredCode, StepValue
 from plcopen_sfc.lowering.code_texts import Suffix, Texts
 from plcopen_sfc.lowering.graph.sequencer_source import AskedStepData, CyclePhase, GraphSource, StepNames
 from plcopen_sfc.lowering.reading.step_variables import FOREVER

@@ -22,8 +22,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.code_declarations import TIME
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
+from plcopen_sfc.lowering.code.lowered_code import TIME, LoweredCode, StepValue
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import LdBody, SfcBody

@@ -11,9 +11,8 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, assignment, conjunction, disjunction, equal, negation
-from plcopen_sfc.lowering.code.code_declarations import BOOL, free_name, integer
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode, free_name, integer
 from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, Style
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
 from plcopen_sfc.model.dialect import Dialect

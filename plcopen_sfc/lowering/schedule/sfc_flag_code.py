@@ -22,9 +22,8 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.code_declarations import BOOL, INT
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
+from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, LoweredCode, StepValue
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, HoldingOperand, StepTimeLimit
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
