@@ -33,6 +33,7 @@ def main(folder: str) -> None:
     tank = sfc.loads(TANK.encode()).pous[0].chart
     cylinders = (FIXTURES / "grafcet" / "two_cylinders.gct").read_bytes()
     renamed = cylinders.replace(b"1B", b"B1").replace(b"2B", b"B2").replace(b"1M1", b"M1").replace(b"2M1", b"M2")
+    station = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml")
     converted = sfc.loads(sfc.convert(sfc.loads(renamed), "codesys").data)
     pictures = {
         "pusher": sorting.pou("FB_Pusher").chart.to_svg(),
@@ -42,6 +43,9 @@ def main(folder: str) -> None:
         "grafcet": press().to_svg(),
         "timing": sfc.simulate(sorting, pou="FB_Pusher", inputs=sfc.RandomInputs(4), scans=40).to_svg(),
         "flip-flops": flip_flops.body.to_svg(),
+        "cap-station": station.pou("CapStation").chart.to_svg(),
+        "cap-station-fbd": networks(station, "FBD"),
+        "cap-station-ld": networks(station, "LD"),
         "tank": tank.to_svg(),
         "tank-s7graph": sfc.loads(sfc.convert(sfc.loads(TANK.encode()), "simaticml").data).pous[0].chart.to_svg(),
         "tank-grafcet": tank.to_svg(style="grafcet"),
@@ -51,6 +55,11 @@ def main(folder: str) -> None:
     }
     for name, svg in pictures.items():
         Path(folder, f"{name}.svg").write_bytes(svg.encode("ascii"))
+
+
+def networks(station: sfc.Project, language: str) -> str:
+    """Return the picture of a chart as flip-flops."""
+    return sfc.lower(station, "flipflop", pou="CapStation", language=language, verify=False).pou.body.to_svg()
 
 
 def press() -> sfc.SfcNetwork:

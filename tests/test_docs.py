@@ -300,7 +300,8 @@ def test_the_pictures_of_the_documentation_are_those_of_today(tmp_path: Path) ->
     assert run.returncode == 0, run.stderr
     drawn = sorted(tmp_path.iterdir())
     pages = "".join(
-        (DOCS / name).read_text(encoding="utf-8") for name in ("drawing.md", "pages.md", "gallery.md", "one-chart.md")
+        (DOCS / name).read_text(encoding="utf-8")
+        for name in ("drawing.md", "pages.md", "gallery.md", "one-chart.md", "lowering.md")
     )
     for picture in drawn:
         assert picture.read_bytes() == (DOCS / "images" / picture.name).read_bytes(), "run examples/draw_gallery.py"
