@@ -30,9 +30,7 @@ CAUTIOUS = {
     ("qualifier P1", "codesys-export"): _IMPORT,
     ("qualifier P0", "codesys-export"): _IMPORT,
     ("retain", "codesys"): _IMPORT,
-    ("condition: wired", "codesys"): _IMPORT,
     ("macro-step", "codesys"): _IMPORT,
-    ("drawn logic", "codesys"): _IMPORT,
     ("negated action", "codesys"): _IMPORT,
     ("two sequences", "codesys"): _IMPORT,
     ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",
@@ -63,14 +61,14 @@ REASONS = {
     },
     "codesys|twincat|codesys-export": {
         "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
-        "negated action|macro-step|drawn logic": "charts of CODESYS have no such element",
+        "negated action|macro-step": "charts of CODESYS have no such element",
         "two sequences": "a chart begins with one step",
     },
     "plcopen-2.01": {
         "SFCInit|SFCReset|SFCPause|maximum time": "TC6 has no SFC flags; statements for them are not written yet",
     },
     "codesys23": {
-        "qualifier P1|qualifier P0|negated action|macro-step|drawn logic": "CoDeSys 2.3 has no such element",
+        "qualifier P1|qualifier P0|negated action|macro-step": "CoDeSys 2.3 has no such element",
         "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
         "two sequences": "a chart begins with one step",
     },

@@ -13,7 +13,7 @@ from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
-from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
+from plcopen_sfc.model.types import DataType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -36,7 +36,10 @@ class ChartRewriting:
         """Prepare to read conditions."""
         self.source_steps = {step.id: step for step in self.source.steps}
         self.source_transitions = {transition.id: transition for transition in self.source.transitions}
-        self._read = condition_reader(self.chart.chart, self.host.dialect, transitions=self.chart.pou.transitions)
+        self.read = condition_reader(
+            self.chart.chart, self.host.dialect, transitions=self.chart.pou.transitions, taken=self.taken
+        )
+        """Reads a condition as an expression and the statements before it."""
 
     def note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
         """Report what became of something at `place` in the chart."""
@@ -49,7 +52,7 @@ class ChartRewriting:
             return None
         if is_empty_network(condition):
             return "TRUE"
-        found = self._read(condition)
+        found = self.read(condition)
         if found.tree is None or found.before or found.helpers or not found.complete:
             return None
         return print_node(found.tree, self.host.dialect)
@@ -63,16 +66,21 @@ class ChartRewriting:
 
     def new_variable(self, wish: str) -> str:
         """Declare a Boolean variable of the POU that the source does not have; its name."""
+        name = self.new_name(wish)
+        self.declare(name, ElementaryType(name=Elementary.BOOL))
+        return name
+
+    def declare(self, name: str, kind: DataType) -> None:
+        """Declare a variable of the POU that the source does not have."""
+        self.taken.add(name.casefold())
         interface = self.chart.pou.interface
         if interface is None:
             interface = self.chart.pou.interface = Interface()
         if self._added is None:
             interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
             self._added = interface.sections[-1]
-        name = self.new_name(wish)
-        self._added.variables.append(Variable(name=name, type=ElementaryType(name=Elementary.BOOL)))
+        self._added.variables.append(Variable(name=name, type=kind))
         self.marks[id(self._added)] = added_section(self._added)
-        return name
 
     def new_name(self, wish: str) -> str:
         """Return a name that nothing in the POU or around it has."""

@@ -15,6 +15,7 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import (
     as_term,
     conjunction,
     does_something,
+    guarded,
     is_network,
     is_supervised,
     taken_names,
@@ -30,15 +31,26 @@ from plcopen_sfc.conversion.adaptation.step_rewriting import (
 )
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import (
+    REWRITTEN_FIELD,
     SourceMarks,
     rewritten_transition,
 )
-from plcopen_sfc.languages.networks import is_empty_network
+from plcopen_sfc.languages.networks import (
+    NetworkText,
+    chart_statements,
+    feeding_nodes,
+    is_empty_network,
+    kept_conditions,
+)
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
+from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
+from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -58,10 +70,15 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
     if host.is_codesys:
         bodies: list[object] = [row.body for _, row in chart.associations()]
         bodies += [action for s in chart.steps for action in (s.entry_action, s.main_action, s.exit_action)]
-        own = ("P1", "P0") if options.final_scan else ("P1", "P0", "P", "N", "None")
+        own = ("P1", "P0", "DL") if options.final_scan else ("P1", "P0", "DL", "P", "N", "None")
         rows = any(row.negated or row.qualifier in own for _, row in chart.associations())
         conditions = any(_is_foreign(transition.condition, host) for transition in chart.transitions)
-        return rows or conditions or any(isinstance(body, StBody | IlBody | FbdBody | LdBody) for body in bodies)
+        return (
+            rows
+            or conditions
+            or bool(chart.logic)
+            or any(isinstance(body, StBody | IlBody | FbdBody | LdBody) for body in bodies)
+        )
     if any(step.main_action is not None or step.min_time or step.max_time for step in chart.steps):
         return True
     excluded = any(s.exclude for s in chart.steps) or any(t.exclude for t in chart.transitions)
@@ -109,6 +126,8 @@ class _ChartRewriter:
         self._note = rewriting.note
         self._checks = StepChecks(rewriting)
 
+        self._boxes = _DrawnBoxes(rewriting)
+
     def rewrite(self) -> None:
         """Change the chart, by `CHART_RULES`."""
         for rule in CHART_RULES:
@@ -117,7 +136,8 @@ class _ChartRewriter:
     def conditions(self) -> None:
         """Rewrite the conditions, with the supervisions and minimum times of the steps that they leave."""
         steps = {step.id: step for step in self._chart.steps}
-        for transition in self._chart.transitions:
+        # boxes of a condition are executed unless a competing transition before it fires
+        for transition in sorted(self._chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
             self._transition(transition, [steps[i] for i in transition.sources if i in steps])
         self._shown = ShownState(self._rewriting, self._checks)
 
@@ -133,7 +153,12 @@ class _ChartRewriter:
 
     def surroundings(self) -> None:
         """Add the actions for permanent instructions, edges of inputs and outputs that show the state."""
-        PermanentRewriter(self._rewriting, self._steps, self._checks, self._shown).rewrite()
+        self._permanent = PermanentRewriter(self._rewriting, self._steps, self._checks, self._shown)
+        self._permanent.rewrite()
+
+    def drawn_logic(self) -> None:
+        """Add the action for logic that is drawn in the chart."""
+        self._boxes.store(self._steps, self._permanent)
 
     def losses(self) -> None:
         """Report what has no counterpart."""
@@ -146,7 +171,9 @@ class _ChartRewriter:
         held = self._rewrite_condition(transition, sources)
         if transition.condition != source.condition:
             uses = [name for step, field in held if field == "supervision" for name in self._checks.names(step)]
-            self._rewriting.marks[id(transition)] = rewritten_transition(transition, source, uses, held)
+            uses += self._boxes.uses.get(transition.id, ())
+            drawn = self._boxes.drawn(source)
+            self._rewriting.marks[id(transition)] = rewritten_transition(transition, source, uses, held, drawn)
 
     def _rewrite_condition(self, transition: Transition, sources: list[Step]) -> list[tuple[int, str]]:
         """Change a condition; the ids of steps and the fields of them that it executes now."""
@@ -164,7 +191,7 @@ class _ChartRewriter:
         if condition is None or not (supervised or timed or foreign):
             return []
         label = f"transition {self._chart.label(transition)}"
-        text = self._rewriting.text(condition)
+        text = self._boxes.value(transition) if foreign else self._rewriting.text(condition)
         if text is None:
             text = self._rewriting.new_name(f"Condition_of_{self._chart.label(transition)}_is_missing")
             why = f"it cannot be written as an expression; the undeclared name {text} is in its place"
@@ -231,6 +258,159 @@ class _ChartRewriter:
                 self._note(Outcome.NOT_EXECUTED, "max time", f"step {step.name}", why)
 
 
+class _DrawnBoxes:
+    """Logic drawn in a chart, such as timers and edges before conditions, as an action; CODESYS draws none in a chart.
+
+    Actions come before the transitions there. So the action calls the boxes of a condition after all other actions,
+    while the steps that its transition leaves are active, as IEC 61131-3 executes what is drawn before a condition.
+    Beremiz executes all boxes in every scan, after the transitions: its conditions read what they gave a scan ago.
+    """
+
+    def __init__(self, rewriting: ChartRewriting) -> None:
+        self._rewriting, self._chart = rewriting, rewriting.chart.chart
+        self._lines: list[str] = []
+        self._kept: dict[int, n.Expression] | None = None
+        self._tried: list[tuple[Transition, str]] = []
+        self._added: list[str] = []
+        self._instances: set[str] = set()
+        self._before: dict[str, str] = {}
+        self.uses: dict[int, list[str]] = {}
+        """The added variables that conditions read, by the ids of transitions."""
+
+    def value(self, transition: Transition) -> str | None:
+        """Return the expression for the condition of a transition; its boxes are in the action then."""
+        condition, dialect = transition.condition, self._rewriting.host.dialect
+        text = self._rewriting.text(condition)
+        if text is None and condition is not None:
+            found = self._rewriting.read(condition)
+            if found.tree is None or not found.complete or self._initial is None:
+                return None
+            if self._rewriting.options.of_matiec:
+                text = self._value_before(transition)
+            else:
+                self.uses[transition.id] = self._declare(found)
+                statements = print_node(n.Statements(found.before), dialect).splitlines()
+                self._lines += guarded(self._when(transition), statements)
+                text = print_node(found.tree, dialect)
+        if text is not None:
+            self._tried.append((transition, text))
+        return text
+
+    def drawn(self, source: Transition) -> dict[int, Node]:
+        """Return the logic that feeds a condition of the source and leaves the chart, by its places there."""
+        rewriting = self._rewriting
+        if not rewriting.host.is_codesys:
+            return {}
+        feeding = feeding_nodes(rewriting.source, source.condition, rewriting.host.dialect)
+        return {at: node for at, node in enumerate(rewriting.source.logic) if any(node is each for each in feeding)}
+
+    def store(self, steps: StepRewriter, surroundings: PermanentRewriter) -> None:
+        """Let the initial step store the action, and take the logic out of the chart."""
+        rewriting, initial = self._rewriting, self._initial
+        if not rewriting.host.is_codesys or initial is None:
+            return
+        acting = self._acting()
+        if acting is None:
+            return  # the logic stays, and the writer tells what its tool makes of it
+        lines = [*acting, *self._lines]
+        marks = [rewriting.marks.get(id(each), {}).get(REWRITTEN_FIELD, {}) for each in self._chart.transitions]
+        kept = {place for mark in marks for place, _ in mark.get("logic", ())}
+        rest = {place: node for place, node in enumerate(rewriting.source.logic) if place not in kept}
+        if rest and not lines:
+            return  # it does nothing
+        if lines:
+            uses = [*self._added, *(name for names in self.uses.values() for name in names)]
+            name = steps.store(
+                initial,
+                surroundings.name("boxes"),
+                StBody(text="\n".join(lines)),
+                first=False,
+                instead_of=None,
+                uses=dict.fromkeys(uses),
+                logic=rest,
+            )
+            for transition in self._chart.transitions:
+                if transition.id in self.uses:  # one comes back with the other
+                    rewriting.marks[id(transition)][REWRITTEN_FIELD]["uses"].append(name.casefold())
+            why = f"the action {name} of the step {initial.name} executes it, and the boxes drawn before conditions"
+            if acting:
+                why += "; it follows its inputs at once, and the actions of steps a scan later than in the source"
+            rewriting.note(Outcome.APPROXIMATED if acting else Outcome.TRANSLATED, "drawn logic", "", why)
+        self._chart.logic = []
+
+    def _acting(self) -> list[str] | None:
+        """Return the logic that does more than feed conditions as statements; None where it cannot be written."""
+        dialect, rewriting = self._rewriting.host.dialect, self._rewriting
+        if not self._chart.logic or rewriting.options.of_matiec:  # Beremiz does not execute it
+            return []
+        found = chart_statements(rewriting.source, dialect, taken=rewriting.taken)
+        if found.obstacles:
+            return None
+        self._added += self._declare(found)
+        return print_node(found.tree, dialect).splitlines()
+
+    @property
+    def _initial(self) -> Step | None:
+        return next((step for step in self._chart.steps if step.initial), None)
+
+    def _when(self, transition: Transition) -> str:
+        """Return when the condition of a transition is tested: no competing transition before it fires."""
+        active = {step.id: self._rewriting.host.active(step) for step in self._chart.steps}
+        terms = [active[source] for source in transition.sources if source in active]
+        for other, text in self._tried:
+            if not set(other.sources).isdisjoint(transition.sources):
+                more = [active[source] for source in other.sources if source not in transition.sources]
+                terms.append(f"NOT {as_term(' AND '.join([*more, as_term(text)]))}")
+        return " AND ".join(terms)
+
+    def _declare(self, found: NetworkText) -> list[str]:
+        """Declare the variables that boxes need and the source does not have; their names."""
+        for helper in found.helpers:
+            known = Elementary.__members__.get((helper.type_name or "BOOL").upper())
+            kind = ElementaryType(name=known) if known is not None else DerivedType(name=helper.type_name or "")
+            self._rewriting.declare(helper.name, kind)
+        return [helper.name for helper in found.helpers]
+
+    def _value_before(self, transition: Transition) -> str | None:
+        """Return a condition of Beremiz, which reads what the boxes gave in the scan before."""
+        dialect = self._rewriting.host.dialect
+        if self._kept is None:
+            objects, taken = self._rewriting.chart.pou.transitions, self._rewriting.taken
+            needed = [each for each in self._rewriting.source.transitions if self._needs_boxes(each)]
+            chart = self._rewriting.source.model_copy(update={"transitions": needed})
+            found, self._kept = kept_conditions(chart, dialect, transitions=objects, taken=taken)
+            self._added += self._declare(found)
+            self._instances = {name.casefold() for name in found.instances}
+            self._lines += print_node(found.tree, dialect).splitlines()
+        tree = self._kept.get(transition.id)
+        if tree is None:
+            return None
+        text = print_node(transform(tree, self._as_before), dialect)
+        self.uses[transition.id] = [*self._added, *self._before.values()]
+        return text
+
+    def _needs_boxes(self, transition: Transition) -> bool:
+        return isinstance(transition.condition, WiredCondition) and self._rewriting.text(transition.condition) is None
+
+    def _as_before(self, node: n.Node) -> n.Node:
+        """Return the variable with the value that a box gave in the scan before."""
+        instances = self._instances
+        match node:
+            case n.Member(base=n.Name() as owner) if owner.identifier.casefold() in instances:
+                is_given = node.name.identifier.upper() == "Q"
+            case n.Name():
+                is_given = node.identifier in self._added and node.identifier.casefold() not in instances
+            case _:
+                is_given = False
+        if not is_given:
+            return node
+        value = print_node(node, self._rewriting.host.dialect)
+        if value not in self._before:
+            self._before[value] = self._rewriting.new_variable(f"{value.replace('.', '_')}_before")
+            self._lines.insert(0, f"{self._before[value]} := {value};")
+        return n.Name(self._before[value])
+
+
 @dataclass(frozen=True)
 class ChartRule:
     """A rule for charts: what it is about, and what it makes of that; see `AdaptationRule`."""
@@ -262,6 +442,12 @@ CHART_RULES = (
         "permanent instructions, `S_NO`, `S_ACTIVE`, `S_MORE`, `ERR_FLT`, edges of ACK_EF and REG_EF",
         "actions that the initial step stores, named so that CODESYS executes them before or after all others",
         _ChartRewriter.surroundings,
+    ),
+    ChartRule(
+        "timers, edges and other logic drawn in a chart, in CODESYS",
+        "an action that the initial step stores: it calls what is drawn before a condition while its transition is "
+        "enabled, and executes the rest in every scan",
+        _ChartRewriter.drawn_logic,
     ),
     ChartRule(
         "SkipSteps; SFC flags and maximum times in TC6",

@@ -209,6 +209,7 @@ _NAMES = {
     "edges": ("edges_of_inputs", "A_edges_of_inputs", "A0_edges_of_inputs"),
     "before": ("before_sequence", "A_before_sequence", "A0_before_sequence"),
     "after": ("sequence_after", "Z_after_sequence", "ZZZ_after_sequence"),
+    "boxes": ("timers_and_edges", "Z_timers_and_edges", "ZZZZ_timers_and_edges"),
 }
 """Names of the actions: CODESYS executes actions in the order of their names."""
 
@@ -234,7 +235,7 @@ class PermanentRewriter:
         initial = next((step for step in chart.steps if step.initial), None)
         if self._shown.lines and initial is not None:
             body = StBody(text="\n".join(self._shown.lines))
-            self._steps.store(initial, self._name("shown"), body, first=False, instead_of=None)
+            self._steps.store(initial, self.name("shown"), body, first=False, instead_of=None)
         for when, operations in (("after", chart.permanent_post), ("before", chart.permanent_pre)):
             found = [operation for operation in operations if does_something(operation.body)]
             if found:
@@ -249,7 +250,7 @@ class PermanentRewriter:
         if initial is None:
             return  # nothing is ever executed
         own = self._effects(body)
-        name = self._steps.store(initial, self._name("edges"), body, first=True, instead_of=None)
+        name = self._steps.store(initial, self.name("edges"), body, first=True, instead_of=None)
         late = [
             row.target for _, row in self._chart.associations() if row.target is not None and _sorts(row.target, name)
         ]
@@ -272,7 +273,7 @@ class PermanentRewriter:
         body = StBody(text="\n".join(text for text in texts if text))
         own = self._effects(body)
         difference = self._before(own, initial) if when == "before" else self._after(own, initial)
-        name = self._steps.store(initial, self._name(when), body, first=when == "before", instead_of=_FIELDS[when])
+        name = self._steps.store(initial, self.name(when), body, first=when == "before", instead_of=_FIELDS[when])
         if difference:
             self._rewriting.note(Outcome.APPROXIMATED, what, "", difference)
         else:
@@ -352,7 +353,7 @@ class PermanentRewriter:
     def _effects(self, body: StBody) -> Effects:
         return effects(parse_statements(body.text, self._host.dialect).tree.statements, self._standard)
 
-    def _name(self, when: str) -> str:
+    def name(self, when: str) -> str:
         """Return a name by which CODESYS executes an action before, or after, all others of the chart."""
         others = [row.target for _, row in self._chart.associations() if row.target is not None]
         wishes = _NAMES[when]

@@ -11,7 +11,7 @@ The rules are those of `plcopen_sfc.semantics.charts.graph`, and the tests compa
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -21,6 +21,7 @@ from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, re
 from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Action
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.report import Outcome
@@ -119,6 +120,7 @@ class StepRewriter:
             self._stated |= self._mixed | timed_operands(self._chart)
         self._uses: dict[int, list[str]] = {}
         self._permanent: dict[int, list[str]] = {}
+        self._logic: dict[int, Mapping[int, Node] | None] = {}
 
     def _is_entered(self, step: Step) -> bool:
         """True if an excluded step can become active in a tool that knows no exclusion."""
@@ -190,14 +192,27 @@ class StepRewriter:
         source = self._rewriting.source_steps[step.id]
         if any(getattr(step, name) != getattr(source, name) for name in STEP_FIELDS):
             permanent = self._permanent.get(step.id, ())
-            self._rewriting.marks[id(step)] = rewritten_step(step, source, self._uses[step.id], permanent)
+            logic = self._logic.get(step.id)
+            self._rewriting.marks[id(step)] = rewritten_step(step, source, self._uses[step.id], permanent, logic)
 
-    def store(self, step: Step, wish: str, body: StBody, *, first: bool, instead_of: str | None) -> str:
+    def store(
+        self,
+        step: Step,
+        wish: str,
+        body: StBody,
+        *,
+        first: bool,
+        instead_of: str | None,
+        uses: Iterable[str] = (),
+        logic: Mapping[int, Node] | None = None,
+    ) -> str:
         """Let a step, rewritten already, store an action that is executed in every scan from then on; its name.
 
-        `first`: before the other actions of the step. `instead_of`: the field of the chart that it executes.
+        `first`: before the other actions of the step. `instead_of`: the field of the chart that it executes. `uses`:
+        the added variables in it. `logic`: the elements drawn in the chart that it executes, by their places.
         """
-        self._uses[step.id] += self._checks.names(step.id)
+        self._logic[step.id] = logic
+        self._uses[step.id] += [*self._checks.names(step.id), *uses]
         if self._host.is_codesys:
             self._add_row(step, Qualifier.S, target=self._action(wish, body, self._uses[step.id]))
         else:
@@ -339,6 +354,9 @@ class StepRewriter:
         stated = row.target is not None and _key(row) in self._stated
         if row.negated and self._host.is_codesys:
             self._leave_out(step, row, "CODESYS has no action that acts while its step is not active")
+            return
+        if row.qualifier is Qualifier.DL and self._host.is_codesys:
+            self._leave_out(step, row, "CODESYS has no qualifier DL, and no standard tells what it does")
             return
         if not _is_special(row) and not stated:
             rows.kept.append(row)

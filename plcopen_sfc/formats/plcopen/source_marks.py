@@ -18,6 +18,7 @@ from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Configuration
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.variables import VariableSection
@@ -49,30 +50,46 @@ STEP_FIELDS = ("actions", "entry_action", "main_action", "exit_action")
 
 
 def rewritten_step(
-    step: Step, source: Step, uses: Iterable[str] = (), permanent: Collection[str] = ()
+    step: Step,
+    source: Step,
+    uses: Iterable[str] = (),
+    permanent: Collection[str] = (),
+    logic: Mapping[int, Node] | None = None,
 ) -> dict[str, Any]:
     """Return the mark of `step`, which is written in place of `source`.
 
     `uses`: the added actions that it executes, and the added variables in them. `permanent`: the fields of the chart
-    with permanent instructions that it executes.
+    with permanent instructions that it executes. `logic`: the elements drawn in the chart that its actions execute, by
+    their places in the list of them.
     """
     fields = source.model_dump(mode="json", include=set(STEP_FIELDS), exclude_none=True)
     names = sorted({name.casefold() for name in uses})
     mark = {"source": fields, "digest": _of_step(step), "uses": names}
-    return {REWRITTEN_FIELD: mark | ({"permanent": [*permanent]} if permanent else {})}
+    return {REWRITTEN_FIELD: mark | ({"permanent": [*permanent]} if permanent else {}) | _of_logic(logic)}
 
 
 def rewritten_transition(
-    transition: Transition, source: Transition, uses: Iterable[str] = (), held: Iterable[tuple[int, str]] = ()
+    transition: Transition,
+    source: Transition,
+    uses: Iterable[str] = (),
+    held: Iterable[tuple[int, str]] = (),
+    logic: Mapping[int, Node] | None = None,
 ) -> dict[str, Any]:
     """Return the mark of `transition`, which is written in place of `source` and reads the added variables `uses`.
 
-    `held`: the ids of steps and the fields of them that the condition executes, such as the minimum time.
+    `held`: the ids of steps and the fields of them that the condition executes, such as the minimum time. `logic`: the
+    elements drawn in the chart that the condition is wired to, by their places in the list of them.
     """
     fields = source.model_dump(mode="json", include={"condition"}, exclude_none=True)
     names = sorted({name.casefold() for name in uses})
     mark = {"source": fields, "digest": _of_condition(transition.condition), "uses": names}
-    return {REWRITTEN_FIELD: mark | {"held": [[*each] for each in held]}}
+    return {REWRITTEN_FIELD: mark | {"held": [[*each] for each in held]} | _of_logic(logic)}
+
+
+def _of_logic(logic: Mapping[int, Node] | None) -> dict[str, Any]:
+    items = logic.items() if logic else ()
+    drawn = [[at, node.model_dump(mode="json", exclude_defaults=True) | {"kind": node.kind}] for at, node in items]
+    return {"logic": drawn} if drawn else {}
 
 
 def added_element(added: Step | Transition, uses: Iterable[str]) -> dict[str, Any]:
@@ -133,6 +150,7 @@ def restore_chart(
     """
     executed: set[str] = set()
     outdated = _outdated(chart, marks, edited)
+    _put_logic(chart, [mark for number, mark in marks.items() if number not in outdated])
     _take_out(chart, {number for number, mark in marks.items() if mark.get("added") and number not in outdated})
     for step in chart.steps:
         mark = marks.get(step.id)
@@ -229,6 +247,36 @@ def _put(thing: Step | Transition, mark: dict[str, Any], names: Iterable[str]) -
     source = type(thing).model_validate({**thing.model_dump(include={"id", "name"}), **mark["source"]})
     for name in names:
         setattr(thing, name, getattr(source, name))
+
+
+def _put_logic(chart: SfcNetwork, marks: Iterable[dict[str, Any]]) -> None:
+    """Draw logic of the source in the chart, under other ids where others have them in the file."""
+    drawn: dict[int, Fields] = {}
+    for mark in (mark for mark in marks if isinstance(mark.get("logic"), list)):
+        drawn |= dict(mark["logic"])
+    if not drawn:
+        return
+    symbols = chart.drawing.symbols if chart.drawing is not None else ()
+    used = {each.id for each in (*chart.steps, *chart.transitions, *chart.logic, *symbols)}
+    used |= {row.id for _, row in chart.associations()}
+    renamed: dict[int, int] = {}
+    for node in drawn.values():
+        renamed[node["id"]] = node["id"] if node["id"] not in used else max(used) + 1
+        used.add(renamed[node["id"]])
+    nodes = [_with_ids(drawn[place], renamed) for place in sorted(drawn)]
+    chart.logic += SfcNetwork.model_validate({"logic": nodes}).logic
+    for mark in marks:
+        mark["source"] = _with_ids(mark["source"], renamed)
+
+
+def _with_ids(fields: Any, renamed: Mapping[int, int]) -> Any:
+    """Return the fields of elements and wires with other ids of elements."""
+    if isinstance(fields, list):
+        return [_with_ids(each, renamed) for each in fields]
+    if not isinstance(fields, dict):
+        return fields
+    ids = {key: renamed.get(fields[key], fields[key]) for key in ("id", "source") if isinstance(fields.get(key), int)}
+    return {key: _with_ids(each, renamed) for key, each in fields.items()} | ids
 
 
 def _fitting(kind: type[_M], fields: Fields) -> _M | None:

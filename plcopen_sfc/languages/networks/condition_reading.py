@@ -21,7 +21,7 @@ from plcopen_sfc.languages.words import is_plain
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import Coil, InputPin
+from plcopen_sfc.model.network import Coil, InputPin, Node
 from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 
@@ -113,6 +113,15 @@ def chart_statements(
     reader = reader_of_chart(chart, left, dialect, taken=taken, known=known)
     reader.run()
     return reader.result()
+
+
+def feeding_nodes(chart: SfcNetwork, condition: Condition | None, dialect: Dialect = Dialect.IEC) -> list[Node]:
+    """Return the elements of the logic drawn in a chart that a condition depends on."""
+    if not isinstance(condition, WiredCondition):
+        return []
+    whole = reader_of_chart(chart, chart.logic, dialect)
+    needed = _feeding(whole, [whole.graph.resolve(None, condition.input)])
+    return [node for node in chart.logic if node.id in needed]
 
 
 def kept_conditions(
