@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from plcopen_sfc.conversion.executed_parts import (
     OPERATING_KINDS,
     PLAIN_VARIABLES,
+    PROGRAM_CALL,
     SHOWN_STATE,
     STORED,
     UNDECLARED,
@@ -41,7 +42,7 @@ class ExecutionDifference:
 
 _OF_NO_EFFECT = frozenset(
     {"type", "POU", "action of the POU", "global variable", "variable", "task", "program instance"}
-    | {"unit", "property", "data of the tool"}
+    | {"unit", "property", "data of the tool", PROGRAM_CALL}
     | OPERATING_KINDS
 )
 """Kinds of parts that may be added: what nothing names does nothing."""
@@ -89,8 +90,11 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
         | _competing_transitions(left, right)
         | renamed_tasks(left, right)
     )
+    reached = {ObjectPath.of(part.path).last for name, part in right.parts.items() if name.kind == PROGRAM_CALL}
     for inner, part in left.parts.items():
         other = right.parts.get(renamed.get(inner, inner))
+        if other is None and inner.kind == PROGRAM_CALL and ObjectPath.of(part.path).last in reached:
+            continue  # others do reach it, and the texts are compared themselves
         if other is None and inner.kind in (UNDECLARED, UNDECLARED_TYPE, "action of the POU"):
             continue  # whatever calls the action names what is not declared, or has no program
         if other is None:

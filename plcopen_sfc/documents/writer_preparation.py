@@ -81,7 +81,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if not options.same:
         _in_structured_text(copy, kind, report)
     if dialect is not None:
-        _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour))
+        calls_actions = kind.name == TIA_FORMAT  # its writer puts statements in the place of the calls
+        _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour), calls_actions=calls_actions)
     _note_counted_words(project, kind, report)
     if options.flavour:
         kind.codec().fit(copy, options, report)
@@ -183,7 +184,9 @@ def _in_structured_text(project: Project, kind: Format, report: ConversionReport
         report.add(Outcome.TRANSLATED, "body", path, "from a drawing into structured text")
 
 
-def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionReport, *, wholly: bool) -> None:
+def _put_into_dialect(
+    project: Project, dialect: Dialect, report: ConversionReport, *, wholly: bool, calls_actions: bool
+) -> None:
     """Translate the program text between SCL and the others.
 
     IEC 61131-3 and CODESYS are left as they are unless `wholly`: their tools read most of each other's text, and
@@ -198,7 +201,7 @@ def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionRepo
         texts = translate_foreign(project, dialect) if family(own) is not family(dialect) else []
         project.dialect = dialect
     else:
-        texts = translate_project(project, dialect)
+        texts = translate_project(project, dialect, calls_actions=calls_actions)
     for text in texts:
         for note in text.notes:
             outcome = _OUTCOMES[note.severity]

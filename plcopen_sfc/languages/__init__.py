@@ -3,7 +3,7 @@
 * `st`: structured text. `il`: instruction lists. `networks`: FBD and LD. `declarations`: to the model and back.
 * `binding`: name sites, scopes and effects. `pragmas`: the remainder of the model in texts.
 * `translation`: between dialects, with `expression_types`, `standard_blocks`, `start_values` and `words` (keywords).
-* S7 has its own `s7_boxes`, `s7_globals`, `s7_programs` and `s7_types`.
+* S7 has its own `s7_actions`, `s7_boxes`, `s7_globals`, `s7_programs` and `s7_types`.
 * `task_schedules`: times of tasks.
 * `edits` of a text; `problems` of one, `syntax_problems` of those in a file.
 """

@@ -9,11 +9,12 @@ variable without a list, an address and a value that never changes is in a data 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import groupby
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Kind, Names
+from plcopen_sfc.languages.binding.text_sites import TextSite
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.translation.literal_translation import translated_address
@@ -292,13 +293,16 @@ def unconnected(project: Project) -> Iterator[tuple[str, str, str]]:
             yield "config variables", configuration.name, why
 
 
-def called_actions(project: Project) -> frozenset[int]:
-    """The ids (``id``) of the actions that a step has or a program calls, or may call."""
+def called_actions(project: Project, is_replaced: Callable[[TextSite], bool] = lambda _: False) -> frozenset[int]:
+    """The ids (``id``) of the actions that a step has or a program calls, or may call.
+
+    `is_replaced`: whether the calls in a text are written as something else.
+    """
     actions = [action for pou in project.pous for action in pou.actions]
     found: set[int] = set()
     for each in Names(project).occurrences(*(action.name for action in actions)) if actions else ():
         declaration = each.meaning.declaration
-        if isinstance(each.text_site.holder, ExtensionData | ForeignData | TreeNode):
+        if isinstance(each.text_site.holder, ExtensionData | ForeignData | TreeNode) or is_replaced(each.text_site):
             continue
         if declaration is not None and declaration.kind is Kind.ACTION:
             found.add(id(declaration.holder))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
-from plcopen_sfc.languages.binding.symbols import inside
+from plcopen_sfc.languages.binding.symbols import Kind, inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.expression_types import BIT_STRINGS, CALCULATING, ExpressionTypes
 from plcopen_sfc.languages.networks import body_statements, condition_reader, is_empty_network
@@ -83,8 +83,10 @@ _NOTATIONS = {
 }
 
 
-def translate_project(project: Project, target: Dialect) -> list[TranslatedText]:
+def translate_project(project: Project, target: Dialect, *, calls_actions: bool = False) -> list[TranslatedText]:
     """Put every body, condition and expression of `project` into `target`; gives what became of each.
+
+    `calls_actions`: calls of actions in SCL are no loss, since the writer puts the statements of the actions there.
 
     What has no counterpart is left as it stands and noted. Names that only SCL can write (with blanks, umlauts) get
     others, in the declarations as well. Declarations that a file keeps as text are left out: they are written from the
@@ -100,6 +102,7 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
         *(s7_types(project), frozenset(_global_names(project)), functions, _other_names(project, target)),
         Resolver(project, source),
         local_tags(project) if (source is Dialect.SCL) is not (target is Dialect.SCL) else {},
+        calls_actions,
     )
     texts = [
         text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
@@ -325,7 +328,7 @@ class _Globals:
     """The types of a project as S7 has them, its global names, the inputs of functions, and names of lists.
 
     `tags` are variables of POUs that are tags in S7. `resolver` tells the types of variables; None: arithmetic stays as
-    it is.
+    it is. `calls_actions`: calls of actions are no loss.
     """
 
     types: S7Types
@@ -334,6 +337,7 @@ class _Globals:
     listed: dict[str, tuple[str, ...]]
     resolver: Resolver | None
     tags: dict[str, dict[str, Tag]] = field(default_factory=dict)
+    calls_actions: bool = False
 
 
 def _names_of_own_tags(pou: Pou | None, target: Dialect, known: _Globals) -> dict[str, tuple[str, ...]]:
@@ -364,7 +368,7 @@ def _translated(
         listed=known.listed | own,
     )
     if known.resolver is not None:
-        context = _with_types(context, text_site.site, known.resolver, text_site)
+        context = _with_types(context, text_site.site, known.resolver, text_site, calls_actions=known.calls_actions)
     if text_site.site.transition is not None and (body := text_site.text.rstrip()).endswith(";"):
         expression = parse_condition(body[:-1], source)  # ``Ready;`` would be a call among statements
         if not expression.problems:
@@ -379,7 +383,12 @@ def _translated(
 
 
 def _with_types(
-    context: TranslationContext, site: Site, resolver: Resolver, text_site: TextSite | None = None
+    context: TranslationContext,
+    site: Site,
+    resolver: Resolver,
+    text_site: TextSite | None = None,
+    *,
+    calls_actions: bool = False,
 ) -> TranslationContext:
     """`context` with the types of expressions at a site."""
 
@@ -389,11 +398,19 @@ def _with_types(
     def parameter_type(call: Call, position: int) -> str:
         return _elementary(resolver.parameter_type(call, position, site))
 
+    def is_instance(callee: Expression) -> bool:
+        found = resolver.called(callee, site)
+        if found is None or found.kind is Kind.METHOD:
+            return False
+        if found.kind is Kind.ACTION:
+            return calls_actions
+        return isinstance(resolver.type_of(callee, site), Pou)
+
     wanted = ""
     holder = text_site.holder if text_site is not None and text_site.key == "value" else None
     if isinstance(holder, ActionAssociation) and holder.target is not None:
         wanted = type_of(parse_expression(holder.target, resolver.dialect).tree)
-    return replace(context, type_of=type_of, parameter_type=parameter_type, wanted=wanted)
+    return replace(context, type_of=type_of, parameter_type=parameter_type, wanted=wanted, is_instance=is_instance)
 
 
 def _boxes_of_other_types(

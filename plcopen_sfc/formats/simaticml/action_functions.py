@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.networks import body_statements
+from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_globals import global_names
 from plcopen_sfc.languages.s7_programs import s7_programs
 from plcopen_sfc.languages.st import nodes as n
@@ -54,8 +55,9 @@ class ActionControls:
 class ActionFunctions:
     """The functions of the actions of a project; they have the same names whenever they are made in the same order."""
 
-    def __init__(self, project: Project) -> None:
+    def __init__(self, project: Project, calls: ActionCalls) -> None:
         self.made: list[Pou] = []
+        self.calls = calls
         self._found: dict[tuple[str, str, str], Pou | str] = {}
         self._is_of_folder = (
             project.source is not None and project.source.format == "simaticml" and project.source.is_folder
@@ -75,6 +77,10 @@ class ActionFunctions:
             body = StBody(text=print_node(drawn.tree, Dialect.SCL))
         if not isinstance(body, StBody):
             return f"it is a body in {body.language}"
+        calls = self.calls.inlined(body.text, pou)
+        if calls.problems:
+            return f"it calls an action that no statements replace: {calls.problems[0]}"
+        body = StBody(text=calls.text)
         if self._is_of_folder:
             return "the function for it is a file of its own, which an edit of the folder does not write"
         key = (pou.name, label, body.text)
@@ -100,9 +106,9 @@ class ActionFunctions:
         # what a block or a function of the project does beside its parameters it does wherever it is called
         found = effects(tree.statements, {(name,) for name in (*blocks, *functions)})
         written = {path[0] for path in found.writes if path} | set(_passed_in_out(tree, {**functions, **blocks}))
-        own = {action.name.casefold() for action in pou.actions} | {method.name.casefold() for method in pou.methods}
+        own = {method.name.casefold() for method in pou.methods}
         if not own.isdisjoint(path[0] for path in found.calls if path):
-            return "it calls an action or a method"
+            return "it calls a method"
         if ANYTHING in found.writes:
             return "it writes what its text does not name"
         for name in sorted(used - known.keys()):

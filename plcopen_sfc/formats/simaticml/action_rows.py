@@ -28,6 +28,7 @@ from plcopen_sfc.formats.simaticml.network_operands import parse_operand
 from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, GRAPH_QUALIFIERS, row_fields, write_row
 from plcopen_sfc.formats.xml.extension_data import Markup, fields_left, markup_of
 from plcopen_sfc.languages.networks import body_statements
+from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
@@ -115,6 +116,8 @@ class RowPlanner:
 
     def _rows(self, body: Body, label: str) -> PlannedRows:
         """Return the statements of a body as rows without a time: as assignments, or as the call of a function."""
+        if self._pou is not None:
+            body = self._functions.calls.body(body, self._pou)
         rows = _assignments(body)
         if rows.outcome is not Outcome.NOT_EXECUTED or self._pou is None:
             return rows
@@ -434,9 +437,9 @@ def _still_means(kept: etree._Element, action: ActionAssociation) -> bool:
     return same == action.model_copy(update={"extension_data": None})
 
 
-def action_functions(project: Project) -> ActionFunctions:
+def action_functions(project: Project, calls: ActionCalls) -> ActionFunctions:
     """Return the functions of all actions of `project` that the rows of its charts call."""
-    functions = ActionFunctions(project)
+    functions = ActionFunctions(project, calls)
     charts = [(pou, body.chart) for pou in project.pous for body in pou.bodies if isinstance(body, SfcBody)]
     for pou, chart in charts:
         controls = action_controls(project, pou, chart, functions)
@@ -453,5 +456,5 @@ def action_functions(project: Project) -> ActionFunctions:
 def functions_of(ctx: DocumentWriting) -> ActionFunctions:
     """Return the functions of all actions of the project that is written; they are made once."""
     if ctx.action_functions is None:
-        ctx.action_functions = action_functions(ctx.project)
+        ctx.action_functions = action_functions(ctx.project, ctx.action_calls)
     return ctx.action_functions

@@ -40,7 +40,7 @@ from plcopen_sfc.formats.simaticml.element_writer import (
 from plcopen_sfc.formats.simaticml.graph_reader import read_graph
 from plcopen_sfc.formats.simaticml.graph_writer import write_graph
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network, report_network, write_network
-from plcopen_sfc.formats.simaticml.replaced_elements import warn_of_edit
+from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, code_digest, warn_of_edit
 from plcopen_sfc.formats.simaticml.scl_tokens import InterfaceNames, read_code, write_code
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.model.base import Element, ExtensionData
@@ -81,8 +81,11 @@ def write_units(ctx: DocumentWriting, parent: etree._Element, body: Body) -> Non
     native = {"language", "title", "comment"}
     also: dict[str, Any] = {}
     if isinstance(body, StBody):
-        write_code(ctx, source, body)
+        written = _without_calls(ctx, body)
+        write_code(ctx, source, written)
         native |= {"text", "markup"}
+        if written is not body:
+            also |= {"text": body.text, WRITTEN: code_digest(source)}
         ctx.keep("ST body")
     elif isinstance(body, SfcBody):
         native.add("chart")
@@ -100,6 +103,21 @@ def write_units(ctx: DocumentWriting, parent: etree._Element, body: Body) -> Non
         keep_fields(unit, {"body": body.model_dump(mode="json", exclude_none=True)})
         return
     finish(ctx, unit, body, frozenset(native), also=also)
+
+
+def _without_calls(ctx: DocumentWriting, body: StBody) -> StBody:
+    """Return a body with statements of actions in place of the calls of them; itself if there are none."""
+    pou = next((each for each in ctx.project.pous if each.name == ctx.body_name), None)
+    if pou is None:
+        return body
+    found = ctx.action_calls.inlined(body.text, pou)
+    if found.called:
+        why = f"the statements of actions are in place of the calls of {', '.join(dict.fromkeys(found.called))}"
+        ctx.note(Outcome.TRANSLATED, "code", why=why)
+    for problem in found.problems:
+        why = f"a call stays that TIA Portal does not have, as blocks have no actions there: {problem}"
+        ctx.note(Outcome.NOT_EXECUTED, "code", why=why)
+    return body if found.text == body.text else body.model_copy(update={"text": found.text, "markup": None})
 
 
 def block_language(languages: list[str]) -> str:
@@ -160,6 +178,10 @@ def _read_unit(ctx: DocumentReading, unit: etree._Element, late: Fields) -> tupl
             keep_attribute(own, f"@{key}", value)
     read_comments(ctx, unit, own)
     parts = children(source) if source is not None else []
+    written = own.pop(WRITTEN, None)
+    if written is not None and source is not None and written != code_digest(source):
+        warn_of_edit(ctx, "the text", unit)
+        own.pop("text", None)
     instead = own.pop("body", None)
     if instead is not None and _is_empty(parts):
         return name, instead

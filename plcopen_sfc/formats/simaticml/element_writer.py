@@ -15,6 +15,7 @@ from plcopen_sfc.formats.simaticml.declaration_spelling import LAYOUT
 from plcopen_sfc.formats.simaticml.element_reader import VERBATIM, N
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, concrete, namespace
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, add_markup, fields_left, legal_text, parsed_markup
+from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_globals import called_actions
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import ExtensionData, Model
@@ -78,8 +79,13 @@ class DocumentWriting:
 
     @cached_property
     def called_actions(self) -> frozenset[int]:
-        """Ids of the actions that a step has or a program calls."""
-        return called_actions(self.project)
+        """Ids of the actions that a step has or a program calls, where no statements are in place of the call."""
+        return called_actions(self.project, self.action_calls.is_replaced)
+
+    @cached_property
+    def action_calls(self) -> ActionCalls:
+        """Statements in place of the calls of actions."""
+        return ActionCalls(self.project)
 
     def note(self, outcome: Outcome, what: str, name: str = "", why: str = "") -> None:
         """Put the outcome of an item into the report."""

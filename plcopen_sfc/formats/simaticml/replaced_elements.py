@@ -56,6 +56,12 @@ def rows_digest(actions: etree._Element) -> str:
     return _digest([row_fields(row) for row in rows])
 
 
+def code_digest(source: etree._Element) -> str:
+    """Return the digest of a text in SCL in a ``NetworkSource``; blanks between its tokens do not count."""
+    code = [each for each in _structure(source) if each[0] not in ("Blank", "NewLine")]
+    return _digest(code[1:])
+
+
 def member_digests(element: etree._Element) -> dict[str, str]:
     """Return the digests of the type and of the start value of a member, by the fields that hold them."""
     starts: list[Any] = []

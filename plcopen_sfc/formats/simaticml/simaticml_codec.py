@@ -37,6 +37,7 @@ from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT, TiaVersion, vers
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup, markup_of, misfit
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
+from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_boxes import put_boxes
 from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of, unconnected
 from plcopen_sfc.languages.s7_programs import report_tasks, s7_programs
@@ -191,7 +192,7 @@ def added_objects(project: Project) -> list[Pou | DataBlock | TagTable]:
         caller.block.bodies = [FbdBody(networks=[_call(*each) for each in caller.called])]
     tables = [*s7_types(project).tables(), *tag_tables_of(project)]
     blocks = [*data_blocks_of(project), *programs.blocks]
-    functions = action_functions(project).made
+    functions = action_functions(project, ActionCalls(project)).made
     return [*tables, *blocks, *functions, *(caller.block for caller in programs.callers)]
 
 

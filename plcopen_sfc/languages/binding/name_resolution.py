@@ -349,6 +349,15 @@ class Resolver:
             return self.settled(interface.return_type, site.place)
         return Untyped.FOREIGN
 
+    def called(self, callee: n.Expression, site: Site) -> Declaration | None:
+        """Return the declaration of what a call names: an action, a method, an instance, a POU; None: not known."""
+        if isinstance(callee, n.Name):
+            return self.lookup(named(callee, role=Role.ACTION), site).declaration
+        if isinstance(callee, n.Member):
+            name = callee.name.identifier
+            return self.member(self.type_of(callee.base, site, name), name).declaration
+        return None
+
     def _callable(self, callee: n.Expression | n.Node, site: Site) -> Pou | Method | Type:
         """Return the POU, method or type that a call names."""
         if isinstance(callee, n.Name):

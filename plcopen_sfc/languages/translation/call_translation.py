@@ -133,7 +133,7 @@ class CallTranslator:
             inputs = self._names.inputs_of(callee)
             if inputs is not None:
                 return self._with(node, self._names.function(callee), self._by_name(node, inputs))
-            if self._names.is_action(callee):
+            if self._names.is_action(callee) and not self._names.is_instance(callee):
                 self._notes.add(Severity.ERROR, f"S7 has no actions and methods to call: {callee.identifier}", callee)
         if isinstance(callee, n.Name) and self._is_function(callee):
             return self._function(node, callee)
@@ -146,7 +146,7 @@ class CallTranslator:
 
     def action(self, callee: Expression) -> Expression:
         """Return the action that is called without parentheses, as in CODESYS."""
-        if self._target is Dialect.SCL:
+        if self._target is Dialect.SCL and not self._names.is_instance(callee):
             self._notes.add(Severity.ERROR, "SCL has no actions to call", callee)
         return n.Call(self._callee(callee), span=callee.span)
 
@@ -161,7 +161,8 @@ class CallTranslator:
         if self._target is not Dialect.SCL or self._source is Dialect.SCL:
             return self._callee(callee)
         if block is None:
-            if isinstance(callee, n.Member) and not self._names.type_of(callee):
+            is_known = self._names.type_of(callee) or self._names.is_instance(callee)
+            if isinstance(callee, n.Member) and not is_known:
                 reason = "S7 calls instances, neither methods nor actions: this is right only if it is an instance"
                 self._notes.add(Severity.WARNING, reason, callee)
             return self._callee(callee)

@@ -66,6 +66,10 @@ class NameTranslator:
         """True for the name of an action or a method of the POU."""
         return name.identifier.casefold() in {each.casefold() for each in self._context.actions}
 
+    def is_instance(self, callee: Expression) -> bool:
+        """True if a callee is known to be something that S7 calls."""
+        return self._context.is_instance is not None and self._context.is_instance(callee)
+
     def is_local(self, name: n.Name) -> bool | None:
         """True if the POU declares `name`; None: that is not known."""
         if name.quoting is not Quoting.NONE:

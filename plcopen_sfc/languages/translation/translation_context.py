@@ -61,7 +61,8 @@ class TranslationContext:
     names of their inputs. `listed`: global names that are others in the target, part by part, by the name in lower
     case: ``x`` is ``"GVL".x`` and ``gvl.y`` is ``"y"`` in SCL. `type_of`: the elementary type of a variable or of the
     result of a function of the project, in capitals, empty where it has another; without, arithmetic stays as it is.
-    `parameter_type`: the same of the parameter for an argument of a call, by its place. `wanted`: the type of the
+    `parameter_type`: the same of the parameter for an argument of a call, by its place. `is_instance`: whether a callee
+    is known to be something that S7 calls. `wanted`: the type of the
     variable that gets the value of an expression.
     """
 
@@ -78,6 +79,7 @@ class TranslationContext:
     type_of: Callable[[Expression], str] | None = None
     parameter_type: Callable[[Call, int], str] | None = None
     wanted: str = ""
+    is_instance: Callable[[Expression], bool] | None = None
 
 
 def family(dialect: Dialect) -> Dialect:

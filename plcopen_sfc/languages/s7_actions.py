@@ -1,0 +1,255 @@
+"""Calls of actions in texts of SCL: S7 has no actions, so their statements take the place of the calls.
+
+An action has no parameters and no variables of its own. Its statements do the same wherever they are, as long as their
+names mean the same: those of the block get the path of the instance whose action is called. CODESYS has arguments in
+such calls as well; they are assignments to inputs of the instance, before the statements (CODESYS V3, seen in
+exports)::
+
+    #Gripper.Release(Slow := TRUE);      #Gripper.Slow := TRUE;
+                                         // action Release of #Gripper
+                                         #Gripper.Valve := FALSE;
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.name_sites import named
+from plcopen_sfc.languages.binding.symbols import Declaration, Kind
+from plcopen_sfc.languages.binding.text_sites import Site, TextSite
+from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.networks import body_statements
+from plcopen_sfc.languages.s7_programs import names_of_programs
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_statements, print_node, walk
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import SimpleValue, Variable
+from plcopen_sfc.model.variables import SectionKind
+
+_MOST_CHARACTERS = 100_000
+_INDENT = "    "
+_UNSEEN = {
+    SectionKind.TEMP: "a temporary variable",
+    SectionKind.IN_OUT: "an in-out parameter",
+    SectionKind.EXTERNAL: "an external variable",
+}
+"""Variables of a block that no other block reaches."""
+
+
+class _NoStatementsError(Exception):
+    """No statements do what a call does."""
+
+
+@dataclass(slots=True)
+class InlinedText:
+    """A text without calls of actions: `text`, the actions that it called, and why a call is still there."""
+
+    text: str
+    called: list[str] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+
+
+class ActionCalls:
+    """Puts the statements of the actions of a project in SCL in the place of calls of them."""
+
+    def __init__(self, project: Project) -> None:
+        self._resolver = Resolver(project, Dialect.SCL)
+        self._names = frozenset(action.name.casefold() for pou in project.pous for action in pou.actions)
+        programs = names_of_programs(project) if self._names else {}
+        self._programs = {
+            programs[pou.name].casefold(): pou for pou in project.pous if pou.name in programs and pou.actions
+        }
+        self._inlined: dict[tuple[int, str], InlinedText] = {}
+
+    def inlined(self, text: str, pou: Pou) -> InlinedText:
+        """Return a text of `pou` with statements instead of calls of actions, where there are such."""
+        if not self._names:
+            return InlinedText(text)
+        key = (id(pou), text)
+        if key not in self._inlined:
+            self._inlined[key] = self._inline(text, pou, ())
+        return self._inlined[key]
+
+    def body(self, body: Body, pou: Pou) -> Body:
+        """Return a body of `pou` without calls of actions, as far as statements do the same; itself if it has none."""
+        if not isinstance(body, StBody):
+            return body
+        found = self.inlined(body.text, pou)
+        return body if found.text == body.text else StBody(text=found.text)
+
+    def is_replaced(self, text_site: TextSite) -> bool:
+        """True for a text in which statements are in the place of all calls of actions."""
+        site = text_site.site
+        if not isinstance(text_site.holder, StBody) or site.pou is None or site.method is not None:
+            return False
+        return not self.inlined(text_site.text, site.pou).problems
+
+    def _inline(self, text: str, pou: Pou, around: tuple[Action, ...]) -> InlinedText:
+        parsed = parse_statements(text, Dialect.SCL)
+        if parsed.problems:
+            is_suspect = any(name in text.casefold() for name in self._names)
+            return InlinedText(text, problems=["the text cannot be read"] if is_suspect else [])
+        found = InlinedText(text)
+        edits: list[Edit] = []
+        for statement in walk(parsed.tree):
+            if not isinstance(statement, n.CallStatement) or statement.span is None:
+                continue
+            callee = statement.call.callee if isinstance(statement.call, n.Call) else statement.call
+            declaration = self._action(callee, pou)
+            if declaration is None:
+                continue
+            shown = text[slice(*callee.span)] if callee.span is not None else declaration.name
+            start, end = statement.span
+            try:
+                statements = self._statements(declaration, callee, statement.call, text, around)
+            except _NoStatementsError as error:
+                found.problems.append(f"{shown}: {error}")
+                continue
+            end += len(text[end:]) - len(text[end:].lstrip(" ").removeprefix(";"))
+            found.called.append(shown)
+            least = edits[-1].end if edits else 0
+            edits.append(_edit(statements, text, (least, start, end)))
+        found.text = apply_edits(text, edits)
+        if len(found.text) > _MOST_CHARACTERS:
+            return InlinedText(text, problems=["with the statements of its actions it is too long"])
+        return found
+
+    def _action(self, callee: n.Expression, pou: Pou) -> Declaration | None:
+        """Return the action that an expression names; None for anything else."""
+        program = self._program(callee.base) if isinstance(callee, n.Member) else None
+        if program is not None and isinstance(callee, n.Member):
+            found = self._resolver.member(program, callee.name.identifier).declaration
+        else:
+            found = self._resolver.called(callee, Site(pou=pou, place=pou.place))
+        return found if found is not None and found.kind is Kind.ACTION else None
+
+    def _program(self, base: n.Expression) -> Pou | None:
+        """Return the program whose instance data block an expression names."""
+        is_global = isinstance(base, n.Name) and base.quoting is n.Quoting.GLOBAL
+        return self._programs.get(base.identifier.casefold()) if is_global else None  # type: ignore[union-attr]
+
+    def _is_type(self, name: n.Name) -> bool:
+        """True for the name of a block, which is no instance."""
+        found = self._resolver.lookup(named(name), Site()).declaration if name.quoting is n.Quoting.GLOBAL else None
+        return found is not None and found.kind is Kind.POU
+
+    def _statements(
+        self,
+        declaration: Declaration,
+        callee: n.Expression,
+        call: n.Expression,
+        text: str,
+        around: tuple[Action, ...],
+    ) -> str:
+        """Return the statements in place of a call of an action."""
+        action, owner = declaration.holder, declaration.pou
+        if not isinstance(action, Action) or owner is None:
+            raise _NoStatementsError("it is no action of a block")
+        if any(action is each for each in around):
+            raise _NoStatementsError("it calls itself")
+        head = callee
+        while isinstance(head, n.Member):
+            head = head.base
+        if isinstance(callee, n.Member) and isinstance(head, n.Name) and self._is_type(head):
+            raise _NoStatementsError(f"{head.identifier} is a block without a data block of its own")
+        path = text[slice(*callee.base.span)] if isinstance(callee, n.Member) and callee.base.span is not None else ""
+        inner = self._inline(_code(action), owner, (*around, action))
+        if inner.problems:
+            raise _NoStatementsError(inner.problems[0])
+        before, after = _arguments(call, path, text)
+        code = self._at(inner.text, owner, path) if path else inner.text
+        of = f" of {path}" if path else ""
+        lines = [*before, f"// action {action.name}{of}", code.strip("\r\n") or ";", *after]
+        return "\n".join(lines)
+
+    def _at(self, text: str, owner: Pou, path: str) -> str:
+        """Return statements of a block as others write them that have an instance of it."""
+        interface = owner.interface
+        known = {
+            v.name.casefold(): (section.kind, section.constant or section.kind is SectionKind.CONSTANT, v)
+            for section in (interface.sections if interface is not None else ())
+            for v in section.variables
+        }
+        edits: list[Edit] = []
+        for token in tokenize(text, Dialect.SCL).tokens:
+            if not token.value.startswith("#"):
+                continue
+            name = token.value[1:].strip('"')
+            kind, constant, variable = known.get(name.casefold(), (None, False, None))
+            if kind in _UNSEEN:
+                raise _NoStatementsError(f"it uses {name}, {_UNSEEN[kind]} of {owner.name}")
+            new = f"{path}.{token.value[1:]}"
+            if constant and variable is not None:
+                new = _constant(variable)
+            edits.append(Edit(*token.span, new))
+        return apply_edits(text, edits)
+
+
+def _constant(variable: Variable) -> str:
+    """Return the value of a constant, which other blocks cannot name."""
+    if not isinstance(variable.initial, SimpleValue) or not variable.initial.text:
+        raise _NoStatementsError(f"it uses {variable.name}, a constant without a plain value")
+    return variable.initial.text
+
+
+def _code(action: Action) -> str:
+    """Return the statements of an action."""
+    body = action.body
+    if body is None:
+        return ""
+    if isinstance(body, FbdBody | LdBody):
+        drawn = body_statements(body, Dialect.SCL)
+        if drawn.obstacles or drawn.helpers or drawn.open_ends:
+            raise _NoStatementsError("its network is no list of statements")
+        return print_node(drawn.tree, Dialect.SCL)
+    if not isinstance(body, StBody):
+        raise _NoStatementsError(f"it is a body in {body.language}")
+    parsed = parse_statements(body.text, Dialect.SCL)
+    if parsed.problems:
+        raise _NoStatementsError("its text cannot be read")
+    for node in walk(parsed.tree):
+        if isinstance(node, n.ReturnStatement):
+            raise _NoStatementsError("it ends with RETURN, which would end what calls it too")
+        if isinstance(node, n.LabelStatement | n.Goto):
+            raise _NoStatementsError("it has jumps")
+    return body.text
+
+
+def _arguments(call: n.Expression, path: str, text: str) -> tuple[list[str], list[str]]:
+    """Return the assignments of arguments before and after the statements of an action."""
+    before: list[str] = []
+    after: list[str] = []
+    for argument in call.arguments if isinstance(call, n.Call) else ():
+        if argument.name is None:
+            raise _NoStatementsError("it has an argument without a name")
+        if argument.value is None or argument.value.span is None:
+            continue
+        member = f"{path}.{argument.name.identifier}" if path else f"#{argument.name.identifier}"
+        value = text[slice(*argument.value.span)]
+        if argument.output:
+            after.append(f"{value} := {'NOT ' if argument.negated else ''}{member};")
+        else:
+            before.append(f"{member} := {value};")
+    return before, after
+
+
+def _edit(statements: str, text: str, place: tuple[int, int, int]) -> Edit:
+    """Return the edit that puts statements into lines of their own; `place`: the least place, the start and the end."""
+    least, start, end = place
+    line = text[text.rfind("\n", 0, start) + 1 : start]
+    indent = line[: len(line) - len(line.lstrip())]
+    inner, before = indent, ""
+    if line.strip():  # behind THEN or another statement
+        inner = indent + _INDENT
+        before = f"\n{inner}"
+        start = max(least, start - len(line) + len(line.rstrip()))
+    rest = text[end:].partition("\n")[0]
+    after = "" if not rest.strip() else f"\n{indent}"
+    end += len(rest) - len(rest.lstrip()) if after else 0
+    lines = statements.replace("\r\n", "\n").split("\n")
+    return Edit(start, end, before + "\n".join(lines).replace("\n", f"\n{inner}") + after)

@@ -1,0 +1,176 @@
+"""Calls of actions from program text: TIA Portal has no actions, so statements are in place of the calls."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import Outcome
+from tests.conversion.features import Feature, Rig, feature_project, variable
+
+
+def project_of(build: object) -> m.Project:
+    """A chart of CODESYS that `build` adds something to."""
+    return feature_project(Feature("x", ("codesys",), build), "codesys")  # type: ignore[arg-type]
+
+
+def text_of(pou: m.Pou) -> str:
+    """The statements of a block."""
+    (body,) = pou.bodies
+    assert isinstance(body, m.StBody)
+    return body.text
+
+
+def motor() -> m.Pou:
+    """A function block whose actions call each other, with a constant."""
+    sections = [
+        m.VariableSection(kind=m.SectionKind.INPUT, variables=[variable("slow")]),
+        m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[variable("run"), variable("count", "INT")]),
+        m.VariableSection(
+            kind=m.SectionKind.LOCAL,
+            constant=True,
+            variables=[variable("WIDTH", "INT", initial=m.SimpleValue(text="2"))],
+        ),
+    ]
+    actions = {
+        "Start": "run := NOT slow;\nBump();",
+        "Stop": "run := FALSE;",
+        "Bump": "count := WIDTH - count;",
+    }
+    return m.Pou(
+        name="Motor",
+        kind=m.PouKind.FUNCTION_BLOCK,
+        interface=m.Interface(sections=sections),
+        bodies=[m.StBody(text=";")],
+        actions=[m.Action(name=name, body=m.StBody(text=text)) for name, text in actions.items()],
+    )
+
+
+def own(rig: Rig) -> None:
+    """An action that calls another one, in each way that CODESYS has."""
+    rig.action("Count", m.StBody(text="n := n + 1;\nIF n > 3 THEN Clear(); END_IF;\nTHIS^.Swap(); Swap;"))
+    rig.action("Clear", m.StBody(text="n := 0;\nr := NOT r;"))
+    rig.action("Swap", m.StBody(text="q := NOT q;"))
+    rig.act("Work", "Count")
+
+
+def of_instances(rig: Rig) -> None:
+    """An action that calls those of an instance in another one, with an argument."""
+    rig.project.pous.append(motor())
+    axis = m.VariableSection(kind=m.SectionKind.LOCAL, variables=[variable("motor", "Motor")])
+    rig.project.pous.append(
+        m.Pou(
+            name="Axis",
+            kind=m.PouKind.FUNCTION_BLOCK,
+            interface=m.Interface(sections=[axis]),
+            bodies=[m.StBody(text="motor.Stop();")],
+        )
+    )
+    rig.declare(m.SectionKind.LOCAL, variable("axis", "Axis"))
+    rig.action("Go", m.StBody(text="axis.motor.Start(slow := NOT axis.motor.slow);\nn := axis.motor.count;"))
+    rig.action("Halt", m.StBody(text="axis();\nq := axis.motor.run;"))
+    rig.act("Work", "Go")
+    rig.act("Done", "Halt")
+
+
+@pytest.mark.parametrize("build", [own, of_instances])
+def test_charts_with_calls_of_actions_do_the_same(build: object) -> None:
+    converted = sfc.convert(project_of(build), "simaticml", strict=True, limit=8)
+    assert not converted.report.losses
+    assert converted.report.compared["POU Main"].startswith("equal")
+    assert not converted.report.untested
+
+
+@pytest.mark.parametrize("build", [own, of_instances])
+def test_the_calls_come_back(build: object) -> None:
+    source = project_of(build)
+    back = sfc.loads(sfc.dumps(sfc.loads(sfc.dumps(source, format="simaticml")), format="codesys"))
+    before = sfc.loads(sfc.dumps(source, format="codesys"))
+    named = {(pou.name, action.name): action.body for pou in before.pous for action in pou.actions}
+    for pou in back.pous:
+        for action in pou.actions:
+            was = named.pop((pou.name, action.name))
+            assert isinstance(was, m.StBody)
+            assert isinstance(action.body, m.StBody)
+            assert action.body.text == was.text.replace("THIS^.", "").replace("Swap;", "Swap();")
+    assert not named
+    assert "motor.Stop();" in [text_of(pou) for pou in back.pous if pou.name == "Axis"] or build is own
+
+
+def test_statements_are_those_of_the_instance() -> None:
+    tool = sfc.loads(sfc.dumps(project_of(of_instances), format="simaticml"), as_tool=True)
+    assert text_of(tool.pou("Axis")) == "// action Stop of #motor\n#motor.run := FALSE;"
+    assert text_of(tool.pou("Main_Go")).splitlines()[:5] == [
+        "#axis.motor.slow := NOT #axis.motor.slow;",
+        "// action Start of #axis.motor",
+        "#axis.motor.run := NOT #axis.motor.slow;",
+        "// action Bump",
+        "#axis.motor.count := 2 - #axis.motor.count;",
+    ]
+
+
+def test_edited_statements_count() -> None:
+    data = sfc.dumps(project_of(of_instances), format="simaticml")
+    edited = data.replace(b'<Component Name="run" UId="28" />', b'<Component Name="slow" UId="28" />')
+    assert edited != data
+    again = sfc.loads(edited)
+    assert "XML214" in {each.code for each in again.diagnostics}
+    assert "#motor.slow := FALSE;" in text_of(again.pou("Axis"))
+
+
+def test_the_action_of_a_program_is_that_of_its_data_block() -> None:
+    def build(rig: Rig) -> None:
+        section = m.VariableSection(kind=m.SectionKind.LOCAL, variables=[variable("lamp")])
+        rig.project.pous.append(
+            m.Pou(
+                name="Panel",
+                kind=m.PouKind.PROGRAM,
+                interface=m.Interface(sections=[section]),
+                bodies=[m.StBody(text=";")],
+                actions=[m.Action(name="Blink", body=m.StBody(text="lamp := NOT lamp;"))],
+            )
+        )
+        rig.action("Show", m.StBody(text="Panel.Blink();\nq := Panel.lamp;"))
+        rig.act("Work", "Show")
+
+    converted = sfc.convert(project_of(build), "simaticml", strict=True, limit=5)
+    assert converted.report.compared["POU Main"].startswith("equal")
+    tool = sfc.loads(converted.data, as_tool=True)
+    assert '"Panel_DB".lamp := NOT "Panel_DB".lamp;' in text_of(tool.pou("Main_Show"))
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("IF a THEN RETURN; END_IF;\nq := TRUE;", "RETURN"),
+        ("Count();", "calls itself"),
+    ],
+)
+def test_what_no_statements_do_is_told(text: str, why: str) -> None:
+    def build(rig: Rig) -> None:
+        rig.action("Count", m.StBody(text="n := n + 1;\nInner();"))
+        rig.action("Inner", m.StBody(text=text))
+        rig.act("Work", "Count")
+
+    report = sfc.convert(project_of(build), "simaticml", partial=True).report
+    reasons = [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)]
+    assert any(why in reason for reason in reasons), reasons
+
+
+def test_variables_that_nobody_else_reaches_are_told() -> None:
+    def build(rig: Rig) -> None:
+        block = motor()
+        assert block.interface is not None
+        block.interface.sections.append(
+            m.VariableSection(kind=m.SectionKind.TEMP, variables=[variable("scratch", "INT")])
+        )
+        block.actions.append(m.Action(name="Work", body=m.StBody(text="scratch := 1; count := scratch;")))
+        rig.project.pous.append(block)
+        rig.declare(m.SectionKind.LOCAL, variable("drive", "Motor"))
+        rig.action("Go", m.StBody(text="drive.Work();\nIF a THEN q := TRUE; END_IF;"))
+        rig.act("Work", "Go")
+
+    report = sfc.convert(project_of(build), "simaticml", partial=True).report
+    reasons = [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)]
+    assert any("scratch, a temporary variable of Motor" in reason for reason in reasons), reasons
