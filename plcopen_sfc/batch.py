@@ -31,12 +31,21 @@ from plcopen_sfc.comparison.project_comparison import diff
 from plcopen_sfc.documents.folder_projects import edited_files, files_below
 from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.documents.storage import load_project, refuse_mistakes, save_project
-from plcopen_sfc.errors import FileAccessError, FormatError, Location, ScriptError, SfcError, nearest
+from plcopen_sfc.errors import (
+    FileAccessError,
+    FormatError,
+    Location,
+    ScriptError,
+    SfcError,
+    nearest,
+    told_when_exhausted,
+)
 from plcopen_sfc.files import folder_exists, read_bytes, write_all
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
 _START = 100_000
 """Bytes by which a file is recognised."""
@@ -56,7 +65,8 @@ class AppliedFile:
     """What a script did to the project at `path`, a file or a folder. `error`: why it failed, and nothing changes.
 
     `proofs`: whether what it changed still does the same, where that was asked for. `resumed`: the run that was resumed
-    had done it; what changed is not known any more.
+    had done it; what changed is not known any more. `returned` is what the script returned, `lost` has the items that
+    are not whole in the saved files.
     """
 
     path: str
@@ -64,6 +74,8 @@ class AppliedFile:
     error: str = ""
     resumed: bool = False
     proofs: tuple[Proof, ...] = ()
+    returned: Any = None
+    lost: tuple[Item, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -74,8 +86,12 @@ class Script:
     text: str | None = None
 
 
+Edit = Callable[[Project], Any]
+"""What changes a project. Several processes need one that can be pickled; a journal knows it by its `repr`."""
+
+
 def apply(
-    script: str,
+    script: str | Edit,
     paths: Iterable[str],
     *,
     settings: Mapping[str, str] | None = None,
@@ -87,10 +103,10 @@ def apply(
 ) -> Iterator[AppliedFile]:
     """Run a script on each of `paths` (see `project_files`), and yield what came of it, in their order.
 
-    `script` is a file or the name of a plugin, `settings` are texts by the names of its parameters. Files are changed
-    with `write` only. A file for which the script fails stays as it is, and does not stop the others. With `prove` that
-    is also a file of which something that changed does not do the same as before, by proof or in runs that reached all
-    of it, or of which nothing tells that.
+    `script` is a file, the name of a plugin or a function, `settings` are texts by the names of its parameters. Files
+    are changed with `write` only. A file for which the script fails stays as it is, and does not stop the others. With
+    `prove` that is also a file of which something that changed does not do the same as before, by proof or in runs that
+    reached all of it, or of which nothing tells that.
 
     `jobs` files are worked on at a time, each in a process of its own; `scheduler` is the address of a Dask scheduler,
     whose workers do it. They return what changes, and this process alone writes: a process or worker that ends in the
@@ -101,11 +117,13 @@ def apply(
     script or of other settings.
     """
     given = dict(settings or {})
-    prepared = _read_script(script)
-    _function(prepared, given)  # before any file is touched
+    prepared = _read_script(script) if isinstance(script, str) else script
+    if isinstance(prepared, Script):
+        _function(prepared, given)  # before any file is touched
     wanted = list(paths)
     work = partial(_applied, prepared, given, prove)
-    with _Journal(journal, [script, prepared.text or "", given, write, prove]) if journal else nullcontext() as kept:
+    run = [prepared.path, prepared.text or ""] if isinstance(prepared, Script) else [repr(prepared), ""]
+    with Journal(journal, [*run, given, write, prove]) if journal else nullcontext() as kept:
         done = kept.done if kept is not None else {}
         fresh = results(work, [each for each in wanted if each not in done], jobs, scheduler=scheduler, lost=_lost)
         for path in wanted:
@@ -120,7 +138,7 @@ def _lost(path: str, why: str) -> AppliedFile:
     return AppliedFile(path, error=why)
 
 
-def _finished(found: AppliedFile, journal: _Journal | None, *, write: bool) -> AppliedFile:
+def _finished(found: AppliedFile, journal: Journal | None, *, write: bool) -> AppliedFile:
     """Write what changes, and note it in the journal: before, so that an interruption in between is seen, and after."""
     try:
         if write and not found.error:
@@ -130,7 +148,7 @@ def _finished(found: AppliedFile, journal: _Journal | None, *, write: bool) -> A
     except SfcError as error:
         found = AppliedFile(found.path, error=str(error))
     if journal is not None:
-        journal.end(found)
+        journal.end(found.path, found.error)
     return found
 
 
@@ -147,15 +165,19 @@ def _write(changes: Sequence[FileChange]) -> None:
             Path(change.path).unlink(missing_ok=True)
 
 
-class _Journal:
-    """What a run has done, in lines of JSON: a head, then for each path one before it is written and one after."""
+class Journal:
+    """What a run has done, in lines of JSON: a head, then for each path one before it is written and one after.
+
+    `done` has by path why it failed, empty where it did not. `run` is what the run does, as plain data. Raises
+    `ScriptError` for the journal of another run.
+    """
 
     def __init__(self, path: str, run: object) -> None:
         self._path = path
         self._head = blake2b(json.dumps(run, sort_keys=True).encode(), digest_size=16).hexdigest()
         self.done: dict[str, str] = {}
 
-    def __enter__(self) -> _Journal:
+    def __enter__(self) -> Journal:
         lines = read_bytes(self._path).decode("utf-8", "replace").split("\n")[:-1] if Path(self._path).exists() else []
         try:
             read: Iterable[dict[str, Any]] = map(json.loads, lines) if lines else [{"run": self._head}]
@@ -188,9 +210,9 @@ class _Journal:
             files = [[each.path, _digest(each.before), _digest(each.after)] for each in found.changes]
             self._add({"path": found.path, "files": files})
 
-    def end(self, found: AppliedFile) -> None:
+    def end(self, path: str, error: str) -> None:
         """Note what is done."""
-        self._add({"path": found.path, "error": found.error})
+        self._add({"path": path, "error": error})
 
     def _add(self, entry: Mapping[str, object]) -> None:
         self._file.write((json.dumps(entry) + "\n").encode())
@@ -220,10 +242,8 @@ def project_files(paths: Iterable[str]) -> list[str]:
 
     A folder with documents of TIA Portal Openness or TwinCAT is one project; in others each file of a known format is.
     """
-    found: list[str] = []
-    for path in paths:
-        found += _in_folder(path) if folder_exists(path) else [path]
-    return list(dict.fromkeys(found))
+    found = (_in_folder(path) if folder_exists(path) else [path] for path in paths)
+    return list(dict.fromkeys(name for each in found for name in each))
 
 
 def difference(change: FileChange) -> list[str]:
@@ -241,14 +261,23 @@ def _encoding(data: bytes, name: str) -> str:
     return detect_encoding(data, file=name).codec
 
 
+def documents_in(folder: str) -> list[str]:
+    """Return the files of known formats in a folder and those below."""
+    return [*_kinds_in(folder)]
+
+
 def _in_folder(folder: str) -> list[str]:
-    kinds = {name: kind for name in files_below(folder) if (kind := _kind(Path(folder, name))) is not None}
-    if any(kind.folders for kind in kinds.values()):
-        return [folder]
-    return [str(Path(folder, name)) for name in sorted(kinds)]
+    kinds = _kinds_in(folder)
+    return [folder] if any(kind.folders for kind in kinds.values()) else [*kinds]
 
 
-def _kind(path: Path) -> Format | None:
+def _kinds_in(folder: str) -> dict[str, Format]:
+    paths = (Path(folder, name) for name in sorted(files_below(folder)))
+    return {str(path): kind for path in paths if (kind := known_format(path)) is not None}
+
+
+def known_format(path: Path) -> Format | None:
+    """Return the format of a file by its content; None for a folder, and where it is no known one."""
     if not path.is_file():
         return None
     with path.open("rb") as file:
@@ -259,36 +288,39 @@ def _kind(path: Path) -> Format | None:
         return None
 
 
-def _applied(script: Script, settings: Mapping[str, str], prove: bool, path: str) -> AppliedFile:
-    function, values = _function(script, settings)
+def _applied(script: Script | Edit, settings: Mapping[str, str], prove: bool, path: str) -> AppliedFile:
+    function, values = _function(script, settings) if isinstance(script, Script) else (script, {})
+    name = script.path if isinstance(script, Script) else __file__
     try:
-        project = load_project(path)
-        function(project, **values)
-        changes = tuple(_changes(project, path))
+        with told_when_exhausted(path):
+            project = load_project(path)
+            returned = function(project, **values)
+            changes, report = _changes(project, path)
         proofs = diff(load_project(path), project, prove=True).proofs if prove and changes else ()
         failed = next((each for each in proofs if not each.equal), None)
         error = f"{path}: not proven to do the same: {failed}" if failed is not None else ""
-        return AppliedFile(path, () if error else changes, error=error, proofs=proofs)
+        lost = tuple(report.with_outcome(*LOSSES, Outcome.DROPPED))
+        return AppliedFile(path, () if error else changes, error, proofs=proofs, returned=returned, lost=lost)
     except SfcError as error:
         return AppliedFile(path, error=str(error))
     except Exception as error:  # whatever a script does wrong, the other files go on
         frames = traceback.extract_tb(error.__traceback__)
-        line = next((each.lineno for each in reversed(frames) if each.filename == script.path), 0)
-        return AppliedFile(path, error=f"{script.path}:{line}: {type(error).__name__}: {error}")
+        line = next((each.lineno for each in reversed(frames) if each.filename == name), 0)
+        return AppliedFile(path, error=f"{name}:{line}: {type(error).__name__}: {error}")
 
 
-def _changes(project: Project, path: str) -> Iterator[FileChange]:
+def _changes(project: Project, path: str) -> tuple[tuple[FileChange, ...], ConversionReport]:
+    """Return what saving the project where it was read from would change, and what it would tell."""
     source = project.source
     if isinstance(source, FileSource):
         content = io.BytesIO()
-        save_project(project, content, format=source.format)  # refuses what it would refuse on the disk
-        if content.getvalue() != source.content:
-            yield FileChange(path, source.content, content.getvalue())
-        return
+        report = save_project(project, content, format=source.format)  # refuses what it would refuse on the disk
+        change = FileChange(path, source.content, content.getvalue())
+        return (change,) if change.after != change.before else (), report
     if source is not None:
         refuse_mistakes(project, format_named(source.format)[0])
-    for name, before, after in edited_files(project, path):
-        yield FileChange(name, before, after)
+    report = ConversionReport()
+    return tuple(FileChange(*each) for each in edited_files(project, path, report)), report
 
 
 def _read_script(name: str) -> Script:

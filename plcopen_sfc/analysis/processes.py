@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -51,7 +52,7 @@ def _in_processes(
 ) -> Iterator[Made]:
     waiting = iter(things)
     given: deque[tuple[Given, Future[Made]]] = deque()
-    pool = ProcessPoolExecutor(jobs)
+    pool = ProcessPoolExecutor(jobs, initializer=_wait_uninterrupted)
     try:
         while True:
             for thing in islice(waiting, jobs * _AHEAD - len(given)):
@@ -65,7 +66,7 @@ def _in_processes(
                 # it is not known whose process has ended: this thing is tried alone, the others start anew
                 pool.shutdown(cancel_futures=True)
                 made = _alone(work, thing, lost)
-                pool = ProcessPoolExecutor(jobs)
+                pool = ProcessPoolExecutor(jobs, initializer=_wait_uninterrupted)
                 again = [other for other, _ in given]
                 given = deque((other, _submitted(pool, work, other)) for other in again)
             yield made
@@ -86,11 +87,20 @@ def _submitted(pool: ProcessPoolExecutor, work: Callable[[Given], Made], thing: 
 
 def _unpickled(pickled: bytes) -> Any:
     work, thing = pickle.loads(pickled)  # noqa: S301  # made by `_submitted`
-    return work(thing)
+    # Ctrl-C reaches all processes of a terminal: it ends work, and is no traceback of a process that waits
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        return work(thing)
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _wait_uninterrupted() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _alone(work: Callable[[Given], Made], thing: Given, lost: Callable[[Given, str], Made] | None) -> Made:
-    with ProcessPoolExecutor(1) as pool:
+    with ProcessPoolExecutor(1, initializer=_wait_uninterrupted) as pool:
         try:
             return _submitted(pool, work, thing).result()
         except BrokenProcessPool:

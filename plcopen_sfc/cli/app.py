@@ -76,22 +76,31 @@ def _common(
 def _command(function: Callable[..., int]) -> Callable[..., None]:
     """Make a command of a function that is given a screen and returns the exit code.
 
-    Its parameters are the arguments and options of the command; those that all commands share are added here.
+    Its parameters are the arguments and options of the command; those that all commands share are added here, and those
+    of commands that take many files (`files`).
     """
     own = dict(list(inspect.signature(function).parameters.items())[1:])
+    shared = _SHARED | (_OF_MANY_FILES if "files" in own else {})
 
     def command(**given: Any) -> None:
-        shared = {name: given[name] if name in own else given.pop(name) for name in _SHARED}
-        with guarded(**shared) as screen:
+        options = {name: given[name] if name in own else given.pop(name) for name in _SHARED}
+        if "files" in own:
+            from plcopen_sfc.cli.many_files import ManyFiles
+
+            given["files"] = ManyFiles(tuple(given["files"]), given.pop("jobs"))
+        with guarded(**options) as screen:
             screen.exit_code = function(screen, **given)
 
     # typer reads the signature of what it calls: the options that all commands share are put into it
     added = {
         name: inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
-        for name, (annotation, default) in _SHARED.items()
+        for name, (annotation, default) in shared.items()
         if name not in own
     }
     parameters = [*own.values(), *added.values()]
+    for place, each in enumerate(parameters):
+        if each.name == "files":  # what typer makes a `ManyFiles` of
+            parameters[place] = each.replace(annotation=Annotated[list[str], *each.annotation.__metadata__])
     command.__name__, command.__doc__ = function.__name__, function.__doc__
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # what typer reads
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
@@ -106,6 +115,9 @@ _SHARED: dict[str, tuple[Any, Any]] = {
 }
 """Options of every command, with their declarations and defaults."""
 
+_OF_MANY_FILES: dict[str, tuple[Any, Any]] = {"jobs": (o.FileJobs, 1)}
+"""Options of commands that take many files."""
+
 # The first line of each docstring is its help in the list of commands: one sentence of at most 62 characters, so that
 # it fits on a line of a terminal of 80.
 
@@ -113,9 +125,9 @@ _SHARED: dict[str, tuple[Any, Any]] = {
 @_command
 def _formats(screen: Screen) -> int:
     """List the formats and what of a chart each one preserves."""
-    from plcopen_sfc.cli.commands import formats
+    from plcopen_sfc.cli.commands import catalogues
 
-    return formats.run(screen)
+    return catalogues.formats(screen)
 
 
 @_command
@@ -166,17 +178,16 @@ def _check(
 @_command
 def _rules(screen: Screen, codes: o.Codes = None, markdown: o.Markdown = False) -> int:
     """List the rules of `check`, or explain some of them."""
-    from plcopen_sfc.cli.commands import rules
+    from plcopen_sfc.cli.commands import catalogues
 
-    return rules.run(screen, codes or [], markdown=markdown)
+    return catalogues.rules(screen, codes or [], markdown=markdown)
 
 
 @_command
 def _convert(
     screen: Screen,
-    source: o.Source,
+    files: o.Sources,
     to: o.To,
-    target: o.Target = None,
     flavour: o.For = "",
     tia: o.Tia = "",
     partial: o.Partial = False,
@@ -190,26 +201,18 @@ def _convert(
     accept_untested: o.AcceptUntested = False,
     report: o.ConvertReport = None,
     lang: o.PageLanguage = "en",
+    resume: o.Journal = None,
 ) -> int:
-    """Write a file in another format and report every item."""
+    """Write files in another format and report every item."""
     from plcopen_sfc.cli.commands import convert
 
     page = report if report is not None and report.suffix.casefold() in {".html", ".htm"} else None
     if page is not None:
         screen.report = None
     seconds, resting = convert.limit_in_seconds(limit), o.names(at_rest)
-    how = convert.ConvertOptions(to, flavour, tia, strict, partial, fresh, normalize, seconds, resting)
-    return convert.run(
-        screen,
-        source,
-        target,
-        how,
-        as_tool=as_tool,
-        accept_errors=accept_errors,
-        accept_untested=accept_untested,
-        page=page,
-        lang=lang,
-    )
+    saving = convert.SaveOptions(to, flavour, tia, strict, partial, fresh, normalize, seconds, resting)
+    how = convert.ConvertOptions(saving, as_tool, accept_errors, accept_untested, page, lang)
+    return convert.run(screen, files, how, resume)
 
 
 @_command
@@ -223,6 +226,7 @@ def _diff(
     exit_code: o.ExitCode = False,
     html: o.DiffHtml = None,
     lang: o.PageLanguage = "en",
+    jobs: o.FileJobs = 1,
 ) -> int:
     """Show what changed between two files, in the words of charts.
 
@@ -230,39 +234,51 @@ def _diff(
     """
     from plcopen_sfc.cli.commands import diff
 
-    how = diff.DiffOptions(layout=layout, prove=prove, limit=limit, exit_code=exit_code, html=html, lang=lang)
+    how = diff.DiffOptions(
+        layout=layout, prove=prove, limit=limit, exit_code=exit_code, html=html, lang=lang, jobs=jobs
+    )
     return diff.run(screen, before, after, how)
 
 
 @_command
-def _rename(screen: Screen, file: o.File, old: o.OldName, new: o.NewName, dry_run: o.DryRun = False) -> int:
-    """Rename a step, a variable or a POU wherever the file names it.
+def _rename(
+    screen: Screen,
+    files: o.Files,
+    old: o.OldName,
+    new: o.NewName,
+    dry_run: o.DryRun = False,
+    diff: o.Patch = None,
+    resume: o.Journal = None,
+) -> int:
+    """Rename a step, a variable or a POU wherever files name it.
 
-    Changes the file in place. With - the file is read from standard input and written to standard output.
+    Changes files in place. With - a file is read from standard input and written to standard output.
     """
-    from plcopen_sfc.cli.commands import rename
+    from plcopen_sfc.cli.commands import edits
 
-    return rename.run(screen, file, old, new, dry_run=dry_run)
+    return edits.rename(screen, files, old, new, edits.EditOptions(not dry_run, diff, journal=resume))
 
 
 @_command
 def _renumber(
     screen: Screen,
-    file: o.File,
+    files: o.Files,
     start: o.Start = 1,
     increment: o.Increment = 1,
     names: o.NamesOfSteps = "",
     pou: o.PouName = None,
     dry_run: o.DryRun = False,
+    diff: o.Patch = None,
+    resume: o.Journal = None,
 ) -> int:
     """Number steps along the flow, and name them by their numbers.
 
-    Changes the file in place. With - the file is read from standard input and written to standard output.
+    Changes files in place. With - a file is read from standard input and written to standard output.
     """
-    from plcopen_sfc.cli.commands import renumber
+    from plcopen_sfc.cli.commands import edits
 
-    how = renumber.Numbering(start, increment, names, pou or "")
-    return renumber.run(screen, file, how, dry_run=dry_run)
+    how = edits.EditOptions(not dry_run, diff, journal=resume)
+    return edits.renumber(screen, files, (start, increment, names, pou or ""), how)
 
 
 @_command
@@ -271,9 +287,9 @@ def _merge(screen: Screen, source: o.StepList, file: o.ListedFile, dry_run: o.Dr
 
     The list is what `convert FILE list.xlsx` wrote, with changes. What is the same in it stays as it is in the file.
     """
-    from plcopen_sfc.cli.commands import merge
+    from plcopen_sfc.cli.commands import edits
 
-    return merge.run(screen, source, file, dry_run=dry_run)
+    return edits.merge(screen, source, file, edits.EditOptions(not dry_run))
 
 
 @_command
@@ -284,7 +300,6 @@ def _apply(
     settings: o.ScriptSettings = None,
     write: o.Write = False,
     diff: o.Patch = None,
-    jobs: o.FileJobs = 1,
     scheduler: o.Scheduler = "",
     prove: o.ProveSame = False,
     resume: o.Journal = None,
@@ -293,10 +308,10 @@ def _apply(
 
     The script is a Python file with a function refactor(project), or a plugin. Files are changed with --write only.
     """
-    from plcopen_sfc.cli.commands import apply
+    from plcopen_sfc.cli.commands import edits
 
-    how = apply.ApplyOptions(write, diff, jobs, scheduler, prove, resume)
-    return apply.run(screen, script, files, settings or [], how)
+    how = edits.EditOptions(write, diff, scheduler, prove, resume)
+    return edits.run_script(screen, script, files, settings or [], how)
 
 
 @_command
@@ -418,8 +433,7 @@ def _lower(
 @_command
 def _draw(
     screen: Screen,
-    file: o.File,
-    target: o.Target = None,
+    files: o.Sources,
     pou: o.PouName = None,
     style: o.PictureStyle = None,
     theme: o.Theme = "light",
@@ -430,20 +444,20 @@ def _draw(
 
     A file with several charts needs a folder for them, or --pou.
     """
-    from plcopen_sfc.cli.commands import draw
+    from plcopen_sfc.cli.commands import drawings
 
-    return draw.run(screen, file, target, pou=pou, style=style, theme=theme, format=to, paper=paper)
+    return drawings.pictures(screen, files, drawings.DrawOptions(pou, style, theme, to, paper))
 
 
 @_command
-def _page(screen: Screen, file: o.File, target: o.Target = None, lang: o.PageLanguage = "en") -> int:
+def _page(screen: Screen, files: o.Sources, lang: o.PageLanguage = "en") -> int:
     """Write a project as one HTML page: charts, texts, findings.
 
     The page needs no network: charts, declarations, cross references and the findings of `check` are in it.
     """
-    from plcopen_sfc.cli.commands import page
+    from plcopen_sfc.cli.commands import drawings
 
-    return page.run(screen, file, target, lang=lang)
+    return drawings.pages(screen, files, lang=lang)
 
 
 @_command
@@ -452,9 +466,9 @@ def _normalize(screen: Screen, files: o.Files, dry_run: o.OnlyList = False) -> i
 
     Changes files of TIA Portal in place: the time of an export and the like go. The exit code is 1 where one changed.
     """
-    from plcopen_sfc.cli.commands import normalize
+    from plcopen_sfc.cli.commands import edits
 
-    return normalize.run(screen, files, dry_run=dry_run)
+    return edits.normalize(screen, files, dry_run=dry_run)
 
 
 @_command

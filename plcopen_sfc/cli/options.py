@@ -3,9 +3,12 @@
 # No `from __future__ import annotations`: typer reads the annotations at run time.
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from plcopen_sfc.cli.many_files import ManyFiles
 
 
 def _formats() -> list[str]:
@@ -39,9 +42,19 @@ def _option(name: str, help: str, metavar: str | None = None, **more: Any) -> An
 
 _FILE = "A file, a folder of a TIA export, or - for standard input."
 
-Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Files, folders of TIA exports, patterns, or -.")]
+Files = Annotated[
+    "ManyFiles",
+    typer.Argument(metavar="FILE...", help="Files, folders, patterns, @list.txt (@-: standard input), or -."),
+]
 File = Annotated[str, typer.Argument(metavar="FILE", help=_FILE)]
-Source = Annotated[str, typer.Argument(metavar="SRC", help=_FILE)]
+Sources = Annotated[
+    "ManyFiles",
+    typer.Argument(
+        metavar="SRC... [DST]",
+        help="Files, folders, patterns, @list.txt, or -; then a file, a folder (out/), or - to write to. "
+        "The default is next to each source.",
+    ),
+]
 Target = Annotated[
     str | None,
     typer.Argument(

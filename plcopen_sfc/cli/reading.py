@@ -1,67 +1,31 @@
-"""The files of a command: finding and loading them, and writing to standard output."""
+"""The file of a command: loading it, telling what is wrong with it, and writing to standard output."""
 
 from __future__ import annotations
 
-import glob
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from plcopen_sfc.api import load, loads
-from plcopen_sfc.cli.screen import UNREADABLE, Screen
+from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import FileAccessError, Location, SfcError, told_when_exhausted
-from plcopen_sfc.files import folder_exists, path_exists
+from plcopen_sfc.errors import Location, SfcError
 from plcopen_sfc.model.project import Project
 
 STANDARD_STREAM = "-"
 """The name of standard input and standard output, in every command."""
 
-
 _FINDINGS = 1
-
-
-@dataclass(frozen=True)
-class LoadedFile:
-    """A file or folder that was asked for: its project, or why there is none."""
-
-    name: str
-    project: Project | None = None
-    findings: tuple[Diagnostic, ...] = ()
-    error: SfcError | None = None
-
-
-def load_each(screen: Screen, names: Sequence[str], doing: str = "Reading") -> Iterator[LoadedFile]:
-    """Load every file. The error of one that cannot be read is printed and noted in the exit code."""
-    for name in screen.progress(names, doing):
-        try:
-            screen.detail(f"reading {name}")
-            with told_when_exhausted(name):
-                if folder_exists(name):
-                    project = _load_folder(screen, name, doing, bars=len(names) == 1)
-                else:
-                    project = load_input(screen, name)
-                findings = project.diagnostics  # reads the charts, too, while their errors can be reported
-            found = LoadedFile(name, project, findings)
-        except SfcError as error:
-            failure = error
-        else:
-            yield found
-            continue
-        screen.exit_code = UNREADABLE
-        screen.error(failure)
-        yield LoadedFile(name, error=failure)
 
 
 def load_input(screen: Screen, name: str, *, as_tool: bool = False) -> Project:
     """Load a file, a folder or standard input (``-``)."""
     if name == STANDARD_STREAM:
         return loads(sys.stdin.buffer.read(), path="standard input", as_tool=as_tool)
-    return load(name, progress=lambda files: screen.progress(files, "Loading"), as_tool=as_tool)
+    return load(name, progress=lambda files: screen.progress(files, "Loading", len(files)), as_tool=as_tool)
 
 
 @contextmanager
@@ -83,16 +47,6 @@ def written_to_stdout(screen: Screen, target: str, extension: str) -> Iterator[s
         if path.exists():
             sys.stdout.flush()
             sys.stdout.buffer.write(path.read_bytes())
-
-
-def _load_folder(screen: Screen, name: str, doing: str, *, bars: bool) -> Project:
-    """Load a folder and read all that is in it, with progress bars if no other one runs already."""
-    if not bars:
-        return load(name)
-    project = load(name, progress=lambda files: screen.progress(files, "Loading"))
-    for thing in screen.progress(list(project.objects()), doing):
-        thing.read()
-    return project
 
 
 def exit_code_for(screen: Screen, findings: Sequence[Diagnostic]) -> int:
@@ -120,18 +74,3 @@ def error_data(error: SfcError) -> dict[str, Any]:
 def _place(location: Location) -> dict[str, Any]:
     fields = {"file": location.file, "line": location.line, "column": location.column, "path": location.path}
     return {key: value for key, value in fields.items() if value is not None}
-
-
-def expand(names: Iterable[str]) -> list[str]:
-    """The files that `names` mean, each once. Raises `FileAccessError` where a pattern matches nothing."""
-    found: list[str] = []
-    for name in names:
-        if not glob.has_magic(name) or path_exists(name):
-            found.append(name)
-            continue
-        matching = sorted(match for match in glob.glob(name) if not folder_exists(match))  # noqa: PTH207  # any path
-        if not matching:
-            hint = "Check the pattern and the working folder."
-            raise FileAccessError("no file matches this pattern", location=Location(name), hint=hint)
-        found += matching
-    return list(dict.fromkeys(found))

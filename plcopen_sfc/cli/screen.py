@@ -149,8 +149,8 @@ T = TypeVar("T")
 Line = Sequence[tuple[str, str]]
 """Pieces of a line: text and style (as rich names styles; empty: none)."""
 
-_MANY_FILES = 4
-_MANY_BYTES = 4_000_000
+_MANY = 4
+"""Things of which a bar shows how many are done."""
 _STYLES = {"error": "bold red", "warning": "yellow", "info": "cyan"}
 
 
@@ -209,6 +209,10 @@ class Screen:
         pieces += [(severity, _STYLES.get(severity, "")), (f" {diagnostic.code}: {diagnostic.message}", "")]
         self._write(stream, pieces)
 
+    def print(self, line: Line, *, message: bool, cut: bool) -> None:
+        """Print a line of the result, or of a message."""
+        self._write(sys.stderr if message else self._results, line, cut=cut)
+
     # -- messages -----------------------------------------------------------------------------------------------------
 
     def note(self, text: str) -> None:
@@ -236,20 +240,10 @@ class Screen:
         if error.hint:
             self.advise(error.hint)
 
-    def progress(self, items: Sequence[T], doing: str) -> Iterator[T]:
-        """Go through files or other things, with a progress bar where a person waits for many, or for large files."""
-        if self.quiet or not is_terminal(sys.stderr) or not _takes_time(items):
+    def progress(self, items: Iterable[T], doing: str, total: int) -> Iterator[T]:
+        """Go through `total` things as they come, with a bar that shows how fast they do and how long it will take."""
+        if self.quiet or total < _MANY or not is_terminal(sys.stderr):
             yield from items
-            return
-        from rich.progress import track  # noqa: PLC0415  # only where somebody looks
-
-        console = self._console(sys.stderr)
-        yield from track(items, description=doing, total=len(items), console=console, transient=True)
-
-    def progress_of(self, results: Iterable[T], total: int, doing: str) -> Iterator[T]:
-        """Go through `total` results as they come, with a bar that shows how fast they do and how long it will take."""
-        if self.quiet or total < _MANY_FILES or not is_terminal(sys.stderr):
-            yield from results
             return
         from rich.progress import (  # noqa: PLC0415  # only where somebody looks
             BarColumn,
@@ -264,7 +258,7 @@ class Screen:
 
         class Speed(ProgressColumn):
             def render(self, task: Task) -> Text:
-                return Text(f"{task.speed:.1f} files/s" if task.speed else "")
+                return Text(f"{task.speed:.1f}/s" if task.speed else "")
 
         columns = (
             TextColumn("{task.description}"),
@@ -274,7 +268,7 @@ class Screen:
             TimeRemainingColumn(),
         )
         with Progress(*columns, console=self._console(sys.stderr), transient=True) as bar:
-            yield from bar.track(results, total=total, description=doing)
+            yield from bar.track(items, total=total, description=doing)
 
     @contextmanager
     def searching(self) -> Iterator[Callable[[SearchProgress], None] | None]:
@@ -332,20 +326,6 @@ class Screen:
 
         text = Text.assemble(*((text, style) for text, style in line), overflow="ellipsis" if cut else "fold")
         console.print(text, no_wrap=cut, soft_wrap=not cut)
-
-
-def _takes_time(items: Sequence[object]) -> bool:
-    if len(items) >= _MANY_FILES:
-        return True
-    size = 0
-    for file in items:
-        if not isinstance(file, str):
-            continue
-        try:
-            size += Path(file).stat().st_size
-        except (OSError, ValueError):
-            continue
-    return size >= _MANY_BYTES
 
 
 def prepare_streams() -> None:

@@ -355,10 +355,12 @@ def _relisted(folder: str, kind: Format, added: Sequence[str], gone: Sequence[st
     return found
 
 
-def edited_files(project: Project, path: str) -> Iterator[tuple[str, bytes, bytes]]:
+def edited_files(
+    project: Project, path: str, report: ConversionReport | None = None
+) -> Iterator[tuple[str, bytes, bytes]]:
     """Yield what saving a project where it was read from would change: path, bytes before and after.
 
-    A file that is not there has no bytes. Raises `LossError` as saving does.
+    A file that is not there has no bytes. `report` gets the items. Raises `LossError` as saving does.
     """
     source = project.source
     if isinstance(source, FileSource):
@@ -366,7 +368,7 @@ def edited_files(project: Project, path: str) -> Iterator[tuple[str, bytes, byte
     if not isinstance(source, FolderSource):
         return
     kind = format_named(source.format)[0]
-    report = ConversionReport()
+    report = ConversionReport() if report is None else report
     after = _encode(
         plan_like(project, source, kind, is_own=True), source, source.format, report, flavour="", fresh=False
     )

@@ -50,7 +50,7 @@ def test_files_are_changed_and_a_failing_one_stops_no_other(cli, fixtures, expor
     broken = exports / "distribution_belt.xml"
     broken.write_bytes(broken.read_bytes()[:5000])
     outcome = cli("apply", "script.py", "exports/*.xml", "--set", "prefix=Z", "--write", "--jobs", jobs, "--json")
-    assert outcome.code == 1
+    assert outcome.code == 2
     data = json.loads(outcome.out)
     assert [each["outcome"] for each in data["files"]] == ["changed", "failed", "changed"]
     assert "distribution_belt.xml" in data["files"][1]["error"]
@@ -64,7 +64,7 @@ def test_mistakes_of_a_script_are_told_with_their_line(cli, exports):
     outcome = cli(
         "apply", "script.py", *(f"exports/{name}" for name in CODESYS), "--set", "prefix=Z", "--set", "twice=true"
     )
-    assert outcome.code == 1
+    assert outcome.code == 2
     assert "script.py:9: RuntimeError: no more than once: Z_Standby" in outcome.err
     assert outcome.out.splitlines()[-1].startswith("0 changed, 0 unchanged, 3 failed")
 
@@ -86,7 +86,7 @@ def test_settings_are_those_of_the_script(cli, exports, settings, message):
 
 def test_standard_input_lists_files(cli, exports, monkeypatch):
     monkeypatch.setattr("sys.stdin", io.StringIO("exports/device_export.xml\n\n"))
-    outcome = cli("apply", "script.py", "-", "--set", "prefix=Z")
+    outcome = cli("apply", "script.py", "@-", "--set", "prefix=Z")
     assert outcome.out.splitlines()[0].startswith("changed: exports/device_export.xml, ")
 
 

@@ -229,7 +229,7 @@ def test_findings_in_the_source(cli, fixtures, tmp_path):
     ("arguments", "message"),
     [
         (["nowhere.xml", "--to", "json"], "nowhere.xml: the file does not exist"),
-        (["codesys", "--to", "json"], "codesys: the folder has no document of simaticml"),
+        (["codesys", BELT, "--to", "json"], f"{BELT}: several files need a folder to be written into"),
         ([BELT, "--to", "word"], "there is no format 'word'"),
         ([BELT, "nowhere/x.json", "--to", "json"], "nowhere/x.json: the folder to write into does not exist"),
         ([BELT, "codesys", "--to", "json"], "codesys: the target is a folder, not a file"),

@@ -40,10 +40,10 @@ def test_names_made_of_numbers(cli, tmp_path: Path) -> None:
 def test_what_cannot_be_numbered_is_an_error(cli) -> None:
     sorting = FIXTURES / "codesys" / "sorting_conveyor.xml"
     for file, arguments, message in (
-        (sorting, [], "has no chart with numbers"),
+        (sorting, [], "there is no chart with numbers"),
         (CHAIN, ["--names", "S"], "gets this name too"),
         (CHAIN, ["--names", "{x}"], "is no form of names"),
-        (CHAIN, ["--names", "S{number}", "--pou", "Nil"], "has no chart 'Nil'"),
+        (CHAIN, ["--names", "S{number}", "--pou", "Nil"], "there is no chart 'Nil'"),
     ):
         outcome = cli("renumber", file, *arguments, "--dry-run")
         assert (outcome.code, outcome.out) == (2, "")

@@ -105,10 +105,10 @@ class TestInfo:
         assert good["totals"]["charts"] == 3
         assert "broken/empty.xml:1:1: the file is empty" in outcome.err
 
-    def test_a_folder_without_documents_is_an_error(self, cli, fixtures):
-        outcome = cli("info", "codesys")
+    def test_a_folder_without_documents_is_an_error(self, cli, tmp_path):
+        outcome = cli("info", tmp_path)
         assert outcome.code == 2
-        assert outcome.err.startswith("error: codesys: the folder has no document of simaticml")
+        assert outcome.err.startswith(f"error: {tmp_path}: the folder has no document of simaticml")
 
     def test_patterns_that_the_shell_did_not_expand(self, cli, fixtures):
         files = json.loads(cli("info", "--json", "codesys/*.xml").out)["files"]
@@ -134,7 +134,7 @@ class TestValidate:
     def test_sound_files(self, cli, fixtures):
         outcome = cli("validate", *SOUND[:2])
         assert outcome.code == 0
-        assert outcome.out == "".join(f"{file}: valid\n" for file in SOUND[:2])
+        assert outcome.out == "".join(f"{file}: valid\n" for file in SOUND[:2]) + "2 fine\n"
         assert outcome.err == ""
 
     def test_findings_are_the_result(self, cli, fixtures):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from plcopen_sfc.cli.reading import expand
+from plcopen_sfc.cli.many_files import ManyFiles
 from plcopen_sfc.cli.screen import Table
 from plcopen_sfc.errors import FileAccessError
 
@@ -57,9 +57,16 @@ def test_expand(tmp_path, monkeypatch):
     for name in ("b.xml", "a.xml", "c.txt", "[1].xml"):
         Path(name).touch()
     Path("folder.xml").mkdir()
-    assert expand(["*.xml"]) == ["[1].xml", "a.xml", "b.xml"]
-    assert expand(["b.xml", "*.xml"]) == ["b.xml", "[1].xml", "a.xml"]
-    assert expand(["[1].xml"]) == ["[1].xml"]
-    assert expand(["missing.xml"]) == ["missing.xml"]
+    assert list(ManyFiles(("*.xml",)).found) == ["[1].xml", "a.xml", "b.xml"]
+    assert list(
+        ManyFiles(
+            (
+                "b.xml",
+                "*.xml",
+            )
+        ).found
+    ) == ["b.xml", "[1].xml", "a.xml"]
+    assert list(ManyFiles(("[1].xml",)).found) == ["[1].xml"]
+    assert list(ManyFiles(("missing.xml",)).found) == ["missing.xml"]
     with pytest.raises(FileAccessError, match="no file matches"):
-        expand(["*.zip"])
+        _ = ManyFiles(("*.zip",)).found

@@ -1,1 +1,1 @@
-"""The commands, one module each: ``run(screen, ..) -> exit code``."""
+"""What the commands do: functions that are given a screen and return the exit code."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path, PurePath, PurePosixPath
 from typing import Any
@@ -16,7 +16,8 @@ from urllib.parse import quote
 
 from plcopen_sfc.analysis.checks import Rule, all_rules
 from plcopen_sfc.checking import check
-from plcopen_sfc.cli.reading import LoadedFile, error_data, expand, finding_data, load_each
+from plcopen_sfc.cli.many_files import ManyFiles, for_each
+from plcopen_sfc.cli.reading import finding_data, load_input
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, ModelError, SfcError
@@ -242,29 +243,14 @@ def codes(texts: Sequence[str] | None) -> tuple[str, ...] | None:
     return found or ("",)  # nothing at all is no code, and not the same as no option
 
 
-def run(screen: Screen, patterns: Sequence[str], how: CheckOptions) -> int:
+def run(screen: Screen, files: ManyFiles, how: CheckOptions) -> int:
     """Print the findings of all files."""
     _validate(how)
     configurations = Configurations()
-    results: list[dict[str, Any]] = []
-    everything: list[Diagnostic] = []
-    errors: list[SfcError] = []
-    for loaded in load_each(screen, expand(patterns), "Checking"):
-        if loaded.project is None:
-            if loaded.error is not None:
-                errors.append(loaded.error)
-                results.append({"file": loaded.name, "error": error_data(loaded.error)})
-            continue
-        wanted = _with(how, configurations.of(loaded.name))
-        found = check(loaded.project, profile=wanted.profile, select=wanted.select or (), ignore=wanted.ignore or ())
-        others = [finding for finding in loaded.findings if finding.code not in _SAID_BY_RULES]
-        screen.exit_code = max(screen.exit_code, _exit_code(found, others, wanted.fail_on or "warning"))
-        everything += found
-        results.append({"file": loaded.name, "findings": [finding_data(finding) for finding in found]})
-        for finding in others:
-            screen.finding(finding, result=False)
-        if how.format == "text":
-            _print(screen, loaded, found)
+    wanted = {name: _with(how, configurations.of(name)) for name in files.found}
+    outcomes = for_each(screen, wanted, _check, "Checking", jobs=files.jobs)
+    everything = [finding for each in outcomes if each.value is not None for finding in each.value]
+    errors = [each.error for each in outcomes if each.error is not None]
     if how.format == "github":
         screen.as_json = False
         for line in github_annotations(everything, errors):
@@ -272,8 +258,26 @@ def run(screen: Screen, patterns: Sequence[str], how: CheckOptions) -> int:
     if how.format == "sarif":
         screen.json(sarif(everything, errors))
         screen.as_json = False
-    screen.result({"files": results})
+    listed = (replace(each, value=_data(each.path, each.value)) if each.error is None else each for each in outcomes)
+    screen.result({"files": [each.as_dict() for each in listed]})
     return screen.exit_code
+
+
+def _check(screen: Screen, name: str, wanted: CheckOptions) -> list[Diagnostic]:
+    project = load_input(screen, name)
+    read = project.diagnostics  # reads the charts, too, before anything is printed of them
+    found = check(project, profile=wanted.profile, select=wanted.select or (), ignore=wanted.ignore or ())
+    others = [finding for finding in read if finding.code not in _SAID_BY_RULES]
+    screen.exit_code = max(screen.exit_code, _exit_code(found, others, wanted.fail_on or "warning"))
+    for finding in others:
+        screen.finding(finding, result=False)
+    if wanted.format == "text":
+        _print(screen, name, found)
+    return found
+
+
+def _data(name: str, found: list[Diagnostic]) -> dict[str, Any]:
+    return {"file": name, "findings": [finding_data(finding) for finding in found]}
 
 
 def _validate(how: CheckOptions) -> None:
@@ -304,6 +308,7 @@ def _with(how: CheckOptions, configuration: CheckSettings) -> CheckOptions:
         ignore=how.ignore if how.ignore is not None else configuration.ignore,
         profile=how.profile or configuration.profile,
         fail_on=how.fail_on or configuration.fail_on,
+        format=how.format,
     )
 
 
@@ -315,7 +320,7 @@ def _exit_code(found: Sequence[Diagnostic], others: Sequence[Diagnostic], fail_o
     return _FINDINGS if wrong or any(finding.severity is Severity.ERROR for finding in others) else 0
 
 
-def _print(screen: Screen, loaded: LoadedFile, found: list[Diagnostic]) -> None:
+def _print(screen: Screen, name: str, found: list[Diagnostic]) -> None:
     for finding in found:
         screen.finding(finding, result=True)
         if finding.hint and not screen.quiet:
@@ -325,4 +330,4 @@ def _print(screen: Screen, loaded: LoadedFile, found: list[Diagnostic]) -> None:
     counts = Counter(finding.severity.value for finding in found)
     what = ", ".join(f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts.items())
     worst = "bold red" if counts["error"] else "yellow" if counts["warning"] else "green"
-    screen.line((f"{loaded.name}: ", "bold"), (what or "nothing found", worst))
+    screen.line((f"{name}: ", "bold"), (what or "nothing found", worst))

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 
 from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.api import load, save
+from plcopen_sfc.batch import known_format
+from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
-from plcopen_sfc.errors import LossError
+from plcopen_sfc.errors import InputError, Location, LossError
 from plcopen_sfc.files import folder_exists, refuse_empty, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
@@ -31,7 +34,7 @@ _OUTCOME_STYLES = {
 
 
 @dataclass(frozen=True)
-class ConvertOptions:
+class SaveOptions:
     """Options of the command: those of `plcopen_sfc.api.save`."""
 
     format: str
@@ -45,66 +48,110 @@ class ConvertOptions:
     at_rest: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class ConvertOptions:
+    """Options of the command, with those of saving.
+
+    `as_tool`: as its tool sees the source. A chart of which not all was reached when it was run in both tools is a
+    finding, unless `accept_untested`. `page`: the report as HTML with the charts of both, in the language `lang`.
+    """
+
+    saving: SaveOptions
+    as_tool: bool = False
+    accept_errors: bool = False
+    accept_untested: bool = False
+    page: Path | None = None
+    lang: str = "en"
+
+
 def limit_in_seconds(limit: str) -> float:
     """Return the limit of the command line in seconds; 0: the charts are not run."""
     return 0 if limit.strip() == "0" else seconds(limit) or 0
 
 
-def run(
-    screen: Screen,
-    source: str,
-    target: str | None,
-    how: ConvertOptions,
-    *,
-    as_tool: bool,
-    accept_errors: bool,
-    accept_untested: bool,
-    page: Path | None = None,
-    lang: str = "en",
-) -> int:
-    """Convert `source` to `target` (None: next to it, ``-``: standard output). `as_tool`: as its tool sees `source`.
+def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | None = None) -> int:
+    """Convert files to the last one that is named (none: next to each, ``-``: standard output).
 
-    From standard input (``-``) None is standard output.
-
-    A chart of which not all was reached when it was run in both tools is a finding, unless `accept_untested`. `page`:
-    the report as HTML with the charts of both, in the language `lang`.
+    From standard input (``-``) none is standard output. Several files are written into a folder.
     """
-    if page is not None:
-        refuse_unwritable(page)
-    extension = format_named(how.format)[0].extensions[0]
-    refuse_empty(source)
-    if target is None:
-        from_stdin = source == STANDARD_STREAM
-        target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.format, extension)
-    with written_to_stdout(screen, target, extension) as place:
-        project = load_input(screen, source, as_tool=as_tool)
-        for finding in project.diagnostics:
-            screen.finding(finding, result=False)
-        if accept_errors:
-            project.accept_errors()
-        try:
-            report = save(project, place, **asdict(how))
-        except LossError as loss:
-            _show(screen, loss.report)
-            if page is not None:
-                _write_page(screen, page, project, loss.report, None, lang=lang)
-            screen.result(loss.report.as_dict())
-            screen.error(loss)
-            return _FINDINGS
-        report.written = [target] if target == STANDARD_STREAM else report.written
+    if how.page is not None:
+        refuse_unwritable(how.page)
+    kind = format_named(how.saving.format)[0]
+    extension = kind.extensions[0]
+    sources, target = files.with_target()
+    for name in sources.named:
+        refuse_empty(name)
+    if sources.alone and journal is None:
+        (source,) = sources.named
+        if target is None:
+            from_stdin = source == STANDARD_STREAM
+            target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.saving.format, extension)
+        _refuse_another_source(source, target, kind.name)
+        with written_to_stdout(screen, target, extension) as place:
+            report = _convert(how, target, screen, source, place)
+        screen.result(report)
+        return screen.exit_code
+    if how.page is not None:
+        raise InputError("a report with charts is about one file", hint="Convert that file alone.")
+    made = targets(
+        sources,
+        target,
+        lambda path: _beside(path, how.saving.format, extension),
+        lambda name: f"{name}/" if kind.folders and not Path(name).suffix else str(Path(name).with_suffix(extension)),
+    )
+    work = partial(_convert_one_of_many, how)
+    kept = (journal, ["convert", repr(how), target]) if journal is not None else None
+    outcomes = for_each(screen, made, work, "Converting", jobs=files.jobs, journal=kept)
+    screen.result({"files": [{"file": each.path, **each.as_dict()} for each in outcomes]})
+    return screen.exit_code
+
+
+def _refuse_another_source(source: str, target: str, written: str) -> None:
+    """Refuse to write over a file of the format of the source: a shell may have made two names of a pattern."""
+    read, there = (known_format(Path(each)) for each in (source, target))
+    if read is not None and read is there and read.name != written and not Path(source).samefile(target):
+        hint = "To convert both, name a folder last: out/. To write over it, remove it first."
+        raise InputError(f"this is a file of {read.name} too, as {source} is", location=Location(target), hint=hint)
+
+
+def _convert_one_of_many(how: ConvertOptions, screen: Screen, source: str, target: str) -> object:
+    Path(target).parent.mkdir(parents=True, exist_ok=True)
+    if not screen.as_json and not screen.quiet:
+        screen.line((f"{source}:", "bold"))
+    return _convert(how, target, screen, source, target)
+
+
+def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, place: str) -> dict[str, object]:
+    """Convert one file to `target`, in place of which `place` is written; returns the report."""
+    project = load_input(screen, source, as_tool=how.as_tool)
+    for finding in project.diagnostics:
+        screen.finding(finding, result=False)
+    if how.accept_errors:
+        project.accept_errors()
+    page, lang = how.page, how.lang
+    try:
+        report = save(project, place, **asdict(how.saving))
+    except LossError as loss:
+        _show(screen, loss.report)
         if page is not None:
-            _write_page(screen, page, project, report, load(place, as_tool=True), lang=lang)
+            _write_page(screen, page, project, loss.report, None, lang=lang)
+        screen.exit_code = _FINDINGS
+        screen.error(loss)
+        return loss.report.as_dict()
+    report.written = [target] if target == STANDARD_STREAM else report.written
+    if page is not None:
+        _write_page(screen, page, project, report, load(place, as_tool=True), lang=lang)
     _show(screen, report)
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         _show_written(screen, target, report)
-    screen.result(report.as_dict())
-    if report.untested and not accept_untested:
+    if report.untested and not how.accept_untested:
         charts = "1 chart" if len(report.untested) == 1 else f"{len(report.untested)} charts"
         screen.note(
             f"not all of {charts} was run in both tools: a longer --limit, or --accept-untested if you have looked"
         )
-        screen.exit_code = max(screen.exit_code, _FINDINGS)
-    return exit_code_for(screen, project.diagnostics)
+        screen.exit_code = _FINDINGS
+    screen.exit_code = exit_code_for(screen, project.diagnostics)
+    return report.as_dict()
 
 
 def _write_page(

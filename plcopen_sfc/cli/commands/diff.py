@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, load_input
-from plcopen_sfc.cli.screen import UNREADABLE, Screen
+from plcopen_sfc.cli.many_files import for_each
+from plcopen_sfc.cli.reading import STANDARD_STREAM, load_input
+from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.comparison import ChangeKind, ProjectDiff, diff
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.errors import FormatError, InputError, SfcError
+from plcopen_sfc.errors import FormatError, InputError
 from plcopen_sfc.files import file_exists, folder_exists, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.registry import all_formats
 from plcopen_sfc.model.dialect import Dialect
@@ -34,6 +36,7 @@ class DiffOptions:
     exit_code: bool = False
     html: Path | None = None
     lang: str = "en"
+    jobs: int = 1
 
 
 def run(screen: Screen, before: str, after: str, how: DiffOptions) -> int:
@@ -55,30 +58,27 @@ def run(screen: Screen, before: str, after: str, how: DiffOptions) -> int:
 
 def _run_folders(screen: Screen, before: str, after: str, how: DiffOptions) -> int:
     """Compare the files of two folders that are no projects themselves, each with that of the same name."""
-    names = sorted({*_files(before), *_files(after)})
-    results: list[dict[str, Any]] = []
-    equal = True
-    for name in screen.progress(names, "Comparing"):
-        paths = [path if file_exists(path) else None for path in (Path(before, name), Path(after, name))]
-        if all(paths) and len({path.read_bytes() for path in paths if path is not None}) == 1:
-            continue
-        old, new = (os.devnull if path is None else str(path) for path in paths)
-        try:
-            found = _compared(screen, old, new, how)
-        except SfcError as error:
-            screen.exit_code = UNREADABLE
-            screen.error(error)
-            results.append({"file": name, "error": error_data(error)})
-            continue
-        equal = equal and found.equal
-        results.append({"file": name, **found.as_dict()})
-        if found.changes and not screen.as_json:
-            screen.line((f"== {name}", "bold"))
-            _show(screen, found)
-    if equal and not screen.exit_code and not screen.quiet and not screen.as_json:
+    names = [name for name in sorted({*_files(before), *_files(after)}) if not _same_bytes(before, after, name)]
+    outcomes = for_each(screen, names, partial(_compare, before, after, how), "Comparing", jobs=how.jobs, told=False)
+    equal = all(each.error is None and each.value["equal"] for each in outcomes)
+    if equal and not screen.quiet and not screen.as_json:
         screen.line("no differences")
-    screen.result({"a": before, "b": after, "equal": equal, "files": results})
+    screen.result({"a": before, "b": after, "equal": equal, "files": [each.as_dict() for each in outcomes]})
     return screen.exit_code or (_DIFFERENCES if how.exit_code and not equal else 0)
+
+
+def _same_bytes(before: str, after: str, name: str) -> bool:
+    paths = Path(before, name), Path(after, name)
+    return all(map(file_exists, paths)) and paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def _compare(before: str, after: str, how: DiffOptions, screen: Screen, name: str) -> dict[str, Any]:
+    old, new = (str(path) if file_exists(path) else os.devnull for path in (Path(before, name), Path(after, name)))
+    found = _compared(screen, old, new, how)
+    if found.changes and not screen.as_json:
+        screen.line((f"== {name}", "bold"))
+        _show(screen, found)
+    return {"file": name, **found.as_dict()}
 
 
 def _files(folder: str) -> Iterator[str]:

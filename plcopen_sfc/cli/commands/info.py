@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
-from plcopen_sfc.cli.reading import error_data, exit_code_for, expand, finding_data, load_each
+from plcopen_sfc.cli.many_files import ManyFiles, for_each
+from plcopen_sfc.cli.reading import exit_code_for, finding_data, load_input
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.cli.summary import FileSummary, all_charts, outline, summarise
 from plcopen_sfc.model.project import Project
@@ -13,31 +14,30 @@ from plcopen_sfc.model.project import Project
 _FEW_CHARTS = 4
 
 
-def run(screen: Screen, patterns: Sequence[str], *, outlines: bool | None) -> int:
-    """Print a summary of every file. `outlines`: of every chart too; None: where there are few."""
-    names = expand(patterns)
-    results: list[dict[str, Any]] = []
-    for loaded in load_each(screen, names):
-        if loaded.project is None:
-            if loaded.error is not None:
-                results.append({"file": loaded.name, "error": error_data(loaded.error)})
-            continue
-        project, findings = loaded.project, loaded.findings
-        summary = summarise(loaded.name, project)
-        if not screen.as_json:
-            if results:
-                screen.line()
-            _print_file(screen, summary)
-            few = len(names) == 1 and len(summary.charts) <= _FEW_CHARTS
-            if outlines or (outlines is None and few):
-                _print_outlines(screen, project)
-            screen.flush()
-        results.append(summary.as_dict() | {"findings": [finding_data(finding) for finding in findings]})
-        for finding in findings:
-            screen.finding(finding, result=False)
-        screen.exit_code = exit_code_for(screen, findings)
-    screen.result({"files": results})
+def run(screen: Screen, files: ManyFiles, *, outlines: bool | None) -> int:
+    """Print a summary of every file. `outlines`: of every chart too; None: where there are few, of one file."""
+    several = len(files.found) > 1
+    work = partial(_inform, not several if outlines is None else outlines, outlines is None, several)
+    outcomes = for_each(screen, [*files.found], work, "Reading", jobs=files.jobs)
+    screen.result({"files": [each.as_dict() for each in outcomes]})
     return screen.exit_code
+
+
+def _inform(outlines: bool, few_only: bool, several: bool, screen: Screen, name: str) -> dict[str, Any]:
+    project = load_input(screen, name)
+    findings = project.diagnostics  # reads the charts, too, before anything is printed of them
+    summary = summarise(name, project)
+    if not screen.as_json:
+        _print_file(screen, summary)
+        if outlines and not (few_only and len(summary.charts) > _FEW_CHARTS):
+            _print_outlines(screen, project)
+        if several:
+            screen.line()
+        screen.flush()
+    for finding in findings:
+        screen.finding(finding, result=False)
+    screen.exit_code = exit_code_for(screen, findings)
+    return summary.as_dict() | {"findings": [finding_data(finding) for finding in findings]}
 
 
 def _print_file(screen: Screen, summary: FileSummary) -> None:

@@ -1,0 +1,108 @@
+"""``plcopen-sfc draw`` and ``page``: charts and networks as pictures, and projects as HTML pages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
+from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.documents.picture_files import PICTURE_FORMATS, draw, drawn_bodies
+from plcopen_sfc.files import folder_exists, refuse_empty, write_atomic
+
+
+@dataclass(frozen=True)
+class DrawOptions:
+    """Options of `draw`: those of `plcopen_sfc.documents.picture_files.draw`."""
+
+    pou: str | None = None
+    style: str | None = None
+    theme: str = "light"
+    format: str | None = None
+    paper: str | None = None
+
+
+def pictures(screen: Screen, files: ManyFiles, how: DrawOptions) -> int:
+    """Draw charts into the last file that is named (none: next to each, ``-``: standard output)."""
+    sources, target = files.with_target()
+    if sources.alone:
+        screen.result(_draw(how, screen, sources.named[0], target))
+        return screen.exit_code
+    made = targets(sources, target, lambda path: f"{_place(path, '-charts')}/", lambda name: f"{Path(name).stem}/")
+    return _listed(screen, files, made, partial(_draw, how), "Drawing")
+
+
+def _draw(how: DrawOptions, screen: Screen, source: str, target: str | None) -> dict[str, Any]:
+    extension = PICTURE_FORMATS.get((how.format or "svg").lower(), "")
+    project = load_input(screen, source)
+    for finding in project.diagnostics:
+        screen.finding(finding, result=False)
+    if target is None and source == STANDARD_STREAM:
+        target = STANDARD_STREAM
+    elif target is None:
+        several = len(drawn_bodies(project, how.pou)) > 1
+        target = f"{_place(Path(source), '-charts')}/" if several else str(Path(source).with_suffix(extension))
+    with written_to_stdout(screen, target, extension) as place:
+        drawn = draw(project, place, **vars(how))
+    written = [(name, target if target == STANDARD_STREAM else str(path)) for name, path in drawn]
+    if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
+        if len(written) == 1:
+            screen.line("written: ", (written[0][1], "bold"))
+        else:
+            screen.line("written: ", (target, "bold"), f", {len(written)} pictures")
+            for _, path in written:
+                screen.detail(f"  {path}")
+    screen.exit_code = exit_code_for(screen, project.diagnostics)
+    return {"file": source, "pictures": [{"chart": name, "file": path} for name, path in written]}
+
+
+def pages(screen: Screen, files: ManyFiles, *, lang: str) -> int:
+    """Write pages to the last file that is named (none: next to each, ``-``: standard output)."""
+    sources, target = files.with_target()
+    if sources.alone:
+        screen.result(_write_page(lang, screen, sources.named[0], target))
+        return screen.exit_code
+    made = targets(
+        sources, target, lambda path: str(_page_beside(path)), lambda name: f"{Path(name).with_suffix('')}.html"
+    )
+    return _listed(screen, files, made, partial(_write_page, lang), "Writing")
+
+
+def _write_page(lang: str, screen: Screen, source: str, target: str | None) -> dict[str, Any]:
+    from plcopen_sfc.pages import page  # noqa: PLC0415  # brings the checks with it
+
+    project = load_input(screen, source)
+    for finding in project.diagnostics:
+        screen.finding(finding, result=False)
+    if target is None:
+        target = STANDARD_STREAM if source == STANDARD_STREAM else str(_page_beside(Path(source)))
+    refuse_empty(target)
+    text = page(project, lang=lang)
+    with written_to_stdout(screen, target, ".html") as place:
+        write_atomic(place, text.encode("ascii"))
+    if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
+        screen.line("written: ", (target, "bold"))
+    screen.exit_code = exit_code_for(screen, project.diagnostics)
+    return {"file": source, "page": target}
+
+
+def _listed(screen: Screen, files: ManyFiles, made: dict[str, str], work: Any, doing: str) -> int:
+    for target in made.values():
+        Path(target).parent.mkdir(parents=True, exist_ok=True)
+    outcomes = for_each(screen, made, work, doing, jobs=files.jobs)
+    screen.result({"files": [each.as_dict() for each in outcomes]})
+    return screen.exit_code
+
+
+def _place(source: Path, more: str) -> Path:
+    """Return a name next to a source: that of a folder is what the folder is called, also as ``.``."""
+    place = source.resolve() if folder_exists(source) else source
+    return place.with_name(f"{place.stem}{more}")
+
+
+def _page_beside(source: Path) -> Path:
+    place = source.resolve() if folder_exists(source) else source
+    return place.with_name(f"{place.name}.html") if folder_exists(source) else place.with_suffix(".html")

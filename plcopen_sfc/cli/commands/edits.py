@@ -1,0 +1,327 @@
+"""``plcopen-sfc rename``, ``renumber``, ``merge``, ``apply``, ``normalize``: commands that change files in place.
+
+All but `normalize` are edits of projects, which `plcopen_sfc.batch.apply` makes in many files.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from plcopen_sfc.api import load, save
+from plcopen_sfc.batch import AppliedFile, FileChange, apply, difference, documents_in
+from plcopen_sfc.cli.many_files import ManyFiles, PrintedLine, RecordedScreen, for_each, replay, show_counts
+from plcopen_sfc.cli.reading import STANDARD_STREAM, load_input, written_to_stdout
+from plcopen_sfc.cli.screen import UNREADABLE, Screen, Table
+from plcopen_sfc.documents.folder_projects import edited_files
+from plcopen_sfc.documents.list_merging import merge_list
+from plcopen_sfc.documents.sources import FolderSource
+from plcopen_sfc.errors import InputError, ModelError, ScriptError
+from plcopen_sfc.files import folder_exists, read_bytes, write_atomic
+from plcopen_sfc.formats.file_recognition import recognise
+from plcopen_sfc.languages.binding import Use
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import LOSSES, Item, Outcome
+
+_FINDINGS = 1
+_SHOWN = 20
+_UNREAD_DOCUMENT = "DIR101"
+DIFF_STYLES = {"+": "green", "-": "red", "@": "cyan"}
+
+
+@dataclass(frozen=True)
+class EditOptions:
+    """Options of a run: those of `plcopen_sfc.batch.apply`. `patch` gets a unified diff of all changes."""
+
+    write: bool = False
+    patch: Path | None = None
+    scheduler: str = ""
+    prove: bool = False
+    journal: Path | None = None
+
+
+@dataclass(frozen=True)
+class _Edit(ABC):
+    """What a command does to a project. Called for each file, in a process of its own where there are several jobs."""
+
+    def __call__(self, project: Project) -> tuple[dict[str, Any], RecordedScreen]:
+        """Edit a project; returns the report on it, and what is printed."""
+        screen = RecordedScreen(verbose=1)
+        return self.on(screen, project), screen
+
+    @abstractmethod
+    def on(self, screen: Screen, project: Project) -> dict[str, Any]:
+        """Edit a project, tell it on the screen, and return the report; findings set the exit code."""
+
+
+@dataclass(frozen=True)
+class _Rename(_Edit):
+    old: str
+    new: str
+
+    def on(self, screen: Screen, project: Project) -> dict[str, Any]:
+        _tell_unread(screen, project)
+        result = project.rename(self.old, self.new)
+        count = len(result.changed)
+        places = f"{count} place{'' if count == 1 else 's'} that name{'s' if count == 1 else ''} it changed too"
+        screen.line((result.path, "bold"), " is called ", (result.new, "bold"), f" now, {places}")
+        for use in result.changed:
+            screen.line(f"  {use}")
+        if result.undecided:
+            screen.exit_code = _FINDINGS
+            screen.note(f"these places have the name {result.old} too; look whether they mean {result.path}:")
+            for undecided in result.undecided:
+                screen.note(f"  {undecided}")
+        return {
+            "path": result.path,
+            "old": result.old,
+            "new": result.new,
+            "changed": [_use(use) for use in result.changed],
+            "undecided": [_use(undecided.use) | {"reason": undecided.reason} for undecided in result.undecided],
+        }
+
+
+def _use(use: Use) -> dict[str, Any]:
+    return {name: getattr(use, name) for name in ("path", "language", "line", "column", "text")}
+
+
+@dataclass(frozen=True)
+class _Renumber(_Edit):
+    """Arguments of `Editor.renumber`, and the POU whose charts are numbered (empty: all)."""
+
+    start: int
+    increment: int
+    names: str
+    pou: str
+
+    def on(self, screen: Screen, project: Project) -> dict[str, Any]:
+        _tell_unread(screen, project)
+        found, wanted = [*project.charts()], self.pou.casefold()
+        charts = [each.chart for each in found if wanted in ("", each.name.casefold(), each.pou.name.casefold())]
+        if not charts:
+            known = ", ".join(each.name for each in found)
+            raise ModelError(
+                f"there is no chart {self.pou!r}", hint=f"There are: {known}" if known else "There is none."
+            )
+        if not self.names:
+            charts = [each for each in charts if any(step.number is not None for step in each.steps)]
+        if not charts:
+            raise ModelError("there is no chart with numbers", hint='Give names: --names "S{number}".')
+        before = [(step, step.name, step.number) for chart in charts for step in chart.steps]
+        project.edit().renumber(self.start, self.increment, charts=charts, names=self.names)
+        changed = [(step, name) for step, name, number in before if (step.name, step.number) != (name, number)]
+        screen.line(f"{len(changed)} of {len(before)} steps have other numbers or names")
+        for step, name in changed:
+            screen.line(f"  {name} -> {step.name}" + (f", number {step.number}" if step.number is not None else ""))
+        return {"changed": [{"old": name, "name": step.name, "number": step.number} for step, name in changed]}
+
+
+@dataclass(frozen=True)
+class _Merge(_Edit):
+    """What was edited in a step list, the path of which is `source`."""
+
+    source: str
+
+    def on(self, screen: Screen, project: Project) -> dict[str, Any]:
+        edited = load(self.source)
+        for finding in edited.diagnostics:
+            screen.finding(finding, result=False)
+        changes = merge_list(project, edited)
+        for change in changes or ["the list changes nothing"]:
+            screen.line(change)
+        return {"list": self.source, "changes": changes}
+
+
+def _tell_unread(screen: Screen, project: Project) -> None:
+    """Tell of documents of a folder that could not be read: what is edited may be named in them too."""
+    if isinstance(project.source, FolderSource):
+        for finding in project.diagnostics:
+            if finding.code == _UNREAD_DOCUMENT:
+                screen.finding(finding, result=False)
+
+
+def rename(screen: Screen, files: ManyFiles, old: str, new: str, how: EditOptions) -> int:
+    """Rename `old` to `new` in files; without `write` only show what would change."""
+    return _edit(screen, files, _Rename(old, new), how)
+
+
+def renumber(screen: Screen, files: ManyFiles, numbering: tuple[int, int, str, str], how: EditOptions) -> int:
+    """Renumber the charts in files: start, increment, form of names, POU."""
+    return _edit(screen, files, _Renumber(*numbering), how)
+
+
+def merge(screen: Screen, source: str, file: str, how: EditOptions) -> int:
+    """Merge the step list `source` into `file`."""
+    return _edit(screen, ManyFiles((file,)), _Merge(source), how)
+
+
+def run_script(screen: Screen, script: str, files: ManyFiles, settings: Sequence[str], how: EditOptions) -> int:
+    """Run a script, or the plugin of this name, on files."""
+    return _edit_many(screen, files, script, dict(map(_setting, settings)), how)
+
+
+def _setting(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise ScriptError(f"a setting is NAME=VALUE, not {text!r}")
+    return name, value
+
+
+# -- one file ---------------------------------------------------------------------------------------------------------
+
+
+def _edit(screen: Screen, files: ManyFiles, edit: _Edit, how: EditOptions) -> int:
+    """Edit files. Of one alone all is told, or with a dry run the diff; ``-`` goes to standard output."""
+    if not files.alone or how.journal is not None:
+        return _edit_many(screen, files, edit, {}, how)
+    (file,) = files.named
+    if file == STANDARD_STREAM:
+        return _edit_stream(screen, edit, how)
+    (done,) = apply(edit, [file], write=how.write)
+    if done.error:
+        screen.complain(done.error)
+        return UNREADABLE
+    data, told = done.returned
+    diff = [line for change in done.changes for line in difference(change)] if not how.write else []
+    written = [change.path for change in done.changes if change.after] if how.write else []
+    _tell_alone(screen, told, diff, written, done.lost)
+    screen.result({"file": file} | data | _outcome(diff, written, done.lost, how))
+    screen.exit_code = max(screen.exit_code, told.exit_code)
+    return screen.exit_code
+
+
+def _edit_stream(screen: Screen, edit: _Edit, how: EditOptions) -> int:
+    project = load_input(screen, STANDARD_STREAM)
+    data, told = edit(project)
+    diff, written, lost = [], [], []
+    if how.write:
+        with written_to_stdout(screen, STANDARD_STREAM, "") as target:
+            report = save(project, target, format=project.source.format if project.source is not None else None)
+        written, lost = [STANDARD_STREAM], report.with_outcome(*LOSSES, Outcome.DROPPED)
+    else:
+        diff = [line for each in edited_files(project, STANDARD_STREAM) for line in difference(FileChange(*each))]
+    _tell_alone(screen, told, diff, written, lost)
+    screen.result({"file": STANDARD_STREAM} | data | _outcome(diff, written, lost, how))
+    screen.exit_code = max(screen.exit_code, told.exit_code)
+    return screen.exit_code
+
+
+def _outcome(diff: list[str], written: list[str], lost: Sequence[Item], how: EditOptions) -> dict[str, Any]:
+    if not how.write:
+        return {"diff": diff}
+    return {"written": written, "losses": [f"{item.place}: {item.why}" for item in lost if item.outcome in LOSSES]}
+
+
+def _tell_alone(
+    screen: Screen, told: RecordedScreen, diff: list[str], written: list[str], lost: Sequence[Item]
+) -> None:
+    """Print the diff of a dry run, or what was changed and written."""
+    is_shown = not screen.as_json and not screen.quiet
+    shown = told.printed
+    results = [each for each in shown if isinstance(each, Table) or not each.message]
+    if len(results) > _SHOWN and not screen.verbose:
+        shown = [each for each in shown if each not in results[_SHOWN:]]
+        shown.append(PrintedLine([(f"  .. and {len(results) - _SHOWN} more: --verbose shows all", "")]))
+    replay(screen, shown, results=is_shown and not diff)
+    for line in diff if not screen.as_json else ():
+        screen.line((line, DIFF_STYLES.get(line[:1], "")))
+    for name in written if is_shown else ():
+        screen.line("written: ", (name, "bold"))
+    for item in lost:
+        screen.note(f"{item.place}: {item.why}")
+
+
+# -- many files -------------------------------------------------------------------------------------------------------
+
+
+def _edit_many(screen: Screen, files: ManyFiles, edit: str | _Edit, settings: dict[str, str], how: EditOptions) -> int:
+    paths = [*files.found]
+    if STANDARD_STREAM in paths:
+        raise InputError("standard input cannot be one of many files", hint="A list of files is @-.")
+    outcomes: Counter[str] = Counter()
+    errors: dict[str, str] = {}
+    data, lines = [], []
+    done = apply(
+        edit,
+        paths,
+        settings=settings,
+        write=how.write,
+        jobs=files.jobs,
+        scheduler=how.scheduler,
+        prove=how.prove,
+        journal=str(how.journal) if how.journal is not None else None,
+    )
+    for each in screen.progress(done, "Editing", len(paths)):
+        outcome = (
+            "failed" if each.error else "done before" if each.resumed else "changed" if each.changes else "unchanged"
+        )
+        outcomes[outcome] += 1
+        if each.error:
+            errors[each.path] = each.error
+            screen.exit_code = max(screen.exit_code, _FINDINGS if each.proofs else UNREADABLE)
+        diff = [line for change in each.changes for line in difference(change)]
+        lines += diff if how.patch is not None else []
+        own, told = each.returned if each.returned is not None and not isinstance(edit, str) else ({}, None)
+        proofs = {"proofs": [proof.as_dict() for proof in each.proofs]} if how.prove else {}
+        data.append({"file": each.path, "outcome": outcome, "error": each.error, "diff": diff, **own, **proofs})
+        if told is not None:
+            screen.exit_code = max(screen.exit_code, told.exit_code)
+        _tell_one_of_many(screen, each, told, diff)
+    if how.patch is not None:
+        write_atomic(str(how.patch), "".join(f"{line}\n" for line in lines).encode())
+    names = ["changed", "unchanged", "failed", *(["done before"] if outcomes["done before"] else [])]
+    unwritten = (
+        ""
+        if how.write or not outcomes["changed"]
+        else "; nothing is written " + ("without --write" if isinstance(edit, str) else "with --dry-run")
+    )
+    show_counts(screen, {name: outcomes[name] for name in names}, errors, unwritten)
+    screen.result({"files": data, "counts": dict(outcomes), "written": how.write})
+    return screen.exit_code
+
+
+def _tell_one_of_many(screen: Screen, done: AppliedFile, told: RecordedScreen | None, diff: list[str]) -> None:
+    if done.error:
+        screen.note(f"failed: {done.path}: {done.error}")
+    is_shown = not screen.as_json and not screen.quiet
+    if is_shown and done.changes:
+        new = sum(line.startswith("+") and not line.startswith("+++") for line in diff)
+        screen.line("changed: ", (done.path, "bold"), f", {new} line{'' if new == 1 else 's'}")
+    if told is not None:
+        replay(screen, told.printed, results=is_shown and screen.verbose > 0)
+    for proof in done.proofs if is_shown else ():
+        screen.line(f"  {str(proof).splitlines()[0]}")
+    for line in diff if is_shown and screen.verbose else ():
+        screen.line((f"  {line}", DIFF_STYLES.get(line[:1], "")))
+    for item in done.lost:
+        screen.note(f"{done.path}: {item.place}: {item.why}")
+
+
+# -- normalize --------------------------------------------------------------------------------------------------------
+
+
+def normalize(screen: Screen, files: ManyFiles, *, dry_run: bool) -> int:
+    """Remove what the tool of a file ignores, or with `dry_run` only list the files of which something would go."""
+    work = partial(_normalize, dry_run)
+    names = [each for path in files.found for each in (documents_in(path) if folder_exists(path) else [path])]
+    outcomes = for_each(screen, names, work, "Normalising", jobs=files.jobs, told=False)
+    screen.result({"files": [each.as_dict() for each in outcomes], "written": not dry_run})
+    return screen.exit_code
+
+
+def _normalize(dry_run: bool, screen: Screen, name: str) -> dict[str, Any]:
+    data = read_bytes(name)
+    normalised = recognise(data, file=name).codec().normalize(data)
+    is_changed = normalised is not None and normalised != data  # None: the format has no such parts
+    if normalised is not None and is_changed:
+        if not dry_run:
+            write_atomic(name, normalised)
+        screen.exit_code = _FINDINGS
+        if not screen.as_json and not screen.quiet:
+            screen.line("would be normalised: " if dry_run else "normalised: ", (name, "bold"))
+    return {"file": name, "changed": is_changed}

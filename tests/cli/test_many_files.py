@@ -1,0 +1,155 @@
+"""Commands on many files: which files are meant, the order, failing ones, targets, and runs that go on."""
+
+from __future__ import annotations
+
+import io
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import plcopen_sfc as sfc
+from tests.samples import FIXTURES
+
+CODESYS = ["device_export.xml", "distribution_belt.xml", "sorting_conveyor.xml"]
+
+
+@pytest.fixture
+def exports(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of exports, one of them broken off, and a folder in it, in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "exports"
+    shutil.copytree(FIXTURES / "codesys", folder)
+    (folder / "Anlage Süd").mkdir()
+    shutil.copy(FIXTURES / "training-chain" / "codesys.xml", folder / "Anlage Süd" / "chain.xml")
+    (folder / "cut.xml").write_bytes((folder / CODESYS[0]).read_bytes()[:4000])
+    return folder
+
+
+IN_ORDER = ["exports/Anlage Süd/chain.xml", "exports/cut.xml", *(f"exports/{name}" for name in CODESYS)]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("command", [["info"], ["validate"], ["check", "--select", "STR"]])
+def test_a_folder_is_its_files_in_order_and_a_broken_one_stops_no_other(
+    cli: Any, exports: Path, command: list[str], jobs: int
+) -> None:
+    outcome = cli(*command, "exports", "--jobs", jobs)
+    assert outcome.code == 2
+    places = [outcome.out.index(name) for name in IN_ORDER if name != "exports/cut.xml"]
+    assert places == sorted(places)
+    assert "cut.xml:" in outcome.err
+    assert outcome.out.splitlines()[-1].endswith("1 failed")
+    files = json.loads(cli(*command, "exports", "--jobs", jobs, "--json").out)["files"]
+    assert [each["file"] for each in files] == IN_ORDER
+    assert ["error" in each for each in files] == [False, True, False, False, False]
+
+
+def test_lists_name_files(cli: Any, exports: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (exports.parent / "list.txt").write_text(f"exports/{CODESYS[2]}\n\nexports/{CODESYS[0]}\n", encoding="utf-8")
+    listed = [each["file"] for each in json.loads(cli("info", "@list.txt", "--json").out)["files"]]
+    assert listed == [f"exports/{CODESYS[2]}", f"exports/{CODESYS[0]}"]
+    monkeypatch.setattr("sys.stdin", io.StringIO("exports/Anlage Süd\n"))
+    (file,) = json.loads(cli("info", "@-", "--json").out)["files"]
+    assert file["file"] == IN_ORDER[0]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_many_are_converted_into_a_folder_under_their_names(cli: Any, exports: Path, jobs: int) -> None:
+    outcome = cli("convert", "exports", "out/", "--to", "json", "--limit", "0", "--jobs", jobs, "--json")
+    assert outcome.code == 2
+    files = json.loads(outcome.out)["files"]
+    assert [each["file"] for each in files] == IN_ORDER
+    written = sorted(str(path.relative_to("out")) for path in Path("out").rglob("*.json"))
+    assert written == ["Anlage Süd/chain.json", *(name.replace(".xml", ".json") for name in CODESYS)]
+    assert sfc.load("out/Anlage Süd/chain.json").pou("Ablauf")
+
+
+def test_many_are_converted_beside_their_sources_and_never_over_one(cli: Any, exports: Path) -> None:
+    (exports / "cut.xml").unlink()
+    before = {path: path.read_bytes() for path in exports.rglob("*.xml")}
+    assert cli("convert", "exports/*.xml", "--to", "json", "--limit", "0").out.splitlines()[-1] == "3 fine"
+    assert (exports / "device_export.json").is_file()
+    refused = cli("convert", "exports", "--to", "json", "--limit", "0")
+    assert refused.code == 2
+    assert "device_export.xml would be written over exports/device_export.json" in refused.err
+    assert "would be written over" in cli("convert", "exports/*.xml", "exports", "--to", "codesys").err
+    shutil.copy(exports / CODESYS[0], "device_export.xml")
+    both = cli("convert", "device_export.xml", f"exports/{CODESYS[0]}", "out/", "--to", "json")
+    assert (both.code, Path("out").exists()) == (2, False)
+    assert "would both be written to" in both.err
+    two = cli("convert", *(f"exports/{name}" for name in CODESYS[:2]), "--to", "plcopen")  # *.xml, where there are two
+    assert (two.code, "is a file of codesys too" in two.err) == (2, True)
+    assert {path: path.read_bytes() for path in exports.rglob("*.xml")} == before
+
+
+def test_a_conversion_of_many_goes_on_where_it_was(cli: Any, exports: Path) -> None:
+    arguments = ["convert", "exports", "out/", "--to", "json", "--limit", "0", "--resume", "run.journal"]
+    cli(*arguments)
+    journal = Path("run.journal").read_text(encoding="utf-8").splitlines(keepends=True)
+    Path("run.journal").write_text("".join(journal[:4]), encoding="utf-8")  # the head, two files and the broken one
+    shutil.rmtree("out")
+    outcome = cli(*arguments)
+    assert outcome.out.splitlines()[-1] == "2 fine, 1 failed, 2 done before"
+    assert len(list(Path("out").rglob("*.json"))) == 2
+    assert "journal of another" in cli(*arguments, "--strict").err
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_rename_in_many_changes_those_that_have_the_name(cli: Any, exports: Path, jobs: int) -> None:
+    before = {path: path.read_bytes() for path in exports.rglob("*.xml")}
+    dry = cli("rename", "exports", "Ablauf.S2", "Fill", "--dry-run", "--diff", "out.patch", "--jobs", jobs)
+    assert dry.code == 2
+    assert dry.out.splitlines()[-1] == "1 changed, 0 unchanged, 4 failed; nothing is written with --dry-run"
+    assert Path("out.patch").read_text(encoding="utf-8").count("+++ ") == 1
+    assert {path: path.read_bytes() for path in exports.rglob("*.xml")} == before
+    done = cli("rename", "exports", "Ablauf.S2", "Fill", "--jobs", jobs, "--json")
+    (changed,) = (each for each in json.loads(done.out)["files"] if each["outcome"] == "changed")
+    assert (changed["file"], changed["path"], changed["new"]) == (IN_ORDER[0], "Ablauf.S2", "Fill")
+    now = {path: path.read_bytes() for path in exports.rglob("*.xml")}
+    assert [path.name for path in before if before[path] != now[path]] == ["chain.xml"]
+
+
+def test_many_are_numbered_drawn_and_put_on_pages(cli: Any, exports: Path) -> None:
+    chain = "exports/Anlage Süd"
+    assert cli("renumber", chain, "--names", "N{number}").out.splitlines()[-1] == "1 changed, 0 unchanged, 0 failed"
+    assert [step.name for step in next(sfc.load(IN_ORDER[0]).charts()).chart.steps] == ["N1", "N2", "N3", "N4"]
+    assert cli("draw", chain, "pictures/").code == 0
+    assert list(Path("pictures").rglob("*.svg"))
+    assert cli("page", chain, "pages/").code == 0
+    assert Path("pages/chain.html").is_file()
+
+
+def test_standard_input_is_one_file(cli: Any, exports: Path) -> None:
+    outcome = cli("rename", "-", f"exports/{CODESYS[0]}", "A", "B")
+    assert outcome.code == 2
+    assert "A list of files is @-." in outcome.err
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_an_interruption_ends_all_processes_without_tracebacks(exports: Path) -> None:
+    for number in range(30):
+        shutil.copy(exports / CODESYS[2], exports / f"more{number}.xml")
+    arguments = ["convert", "exports", "out/", "--to", "json", "--jobs", "2", "--resume", "run.journal"]
+    command = [sys.executable, "-m", "plcopen_sfc", *arguments]
+    run = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, process_group=0,
+                           env={"PYTHONPATH": str(FIXTURES.parent)})  # fmt: skip
+    for _ in range(600):
+        if len(list(Path("out").glob("*.json"))) > 1:
+            break
+        time.sleep(0.1)
+    subprocess.run(["kill", f"-{signal.SIGINT.value}", "--", f"-{run.pid}"], check=True)  # as Ctrl-C does in a terminal
+    _, messages = run.communicate(timeout=60)
+    assert run.returncode == 130
+    assert "error: interrupted" in messages
+    assert "Traceback" not in messages
+    assert not [path for path in Path("out").rglob("*.*") if path.suffix != ".json"]
+    for path in Path("out").glob("*.json"):
+        assert sfc.load(path).pous
