@@ -32,7 +32,6 @@ CAUTIOUS = {
     ("retain", "codesys"): _IMPORT,
     ("macro-step", "codesys"): _IMPORT,
     ("negated action", "codesys"): _IMPORT,
-    ("two sequences", "codesys"): _IMPORT,
     ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",
     ("enumeration", "simaticml"): _FINAL,
     ("counter", "codesys-export"): "nothing in the chart reads the counter",
@@ -45,7 +44,7 @@ CAUTIOUS = {
 REASONS = {
     "scl": {"": "a source in SCL holds no charts; `lower` writes their code"},
     "iec-text": {
-        "event|interlock|supervision|value:|permanent|retained member|initial value": (
+        "ON|event|interlock|supervision|value:|permanent|retained member|initial value": (
             "the rules that write statements in place of what S7-GRAPH has are not applied to text yet: nothing there "
             "would keep the source for the way back"
         ),
@@ -62,7 +61,6 @@ REASONS = {
     "codesys|twincat|codesys-export": {
         "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
         "negated action|macro-step": "charts of CODESYS have no such element",
-        "two sequences": "a chart begins with one step",
     },
     "plcopen-2.01": {
         "SFCInit|SFCReset|SFCPause|maximum time": "TC6 has no SFC flags; statements for them are not written yet",
@@ -70,11 +68,9 @@ REASONS = {
     "codesys23": {
         "qualifier P1|qualifier P0|negated action|macro-step": "CoDeSys 2.3 has no such element",
         "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
-        "two sequences": "a chart begins with one step",
     },
     "codesys|twincat|codesys-export|plcopen-2.01|iec-text|codesys23": {
         "SkipSteps": "each step is active for a scan at least in other tools",
-        "ON": "nothing but transitions activates steps in other tools",
         "counter": "other tools have no counters of S5",
     },
 }

@@ -191,7 +191,7 @@ def test_nothing_runs_without_its_interlock(rows: list[Row]) -> None:
 
 
 UNSAID: dict[str, Row] = {
-    "ON": {"qualifier": Qualifier.ON, "target": "Done", "event": S1},
+    "ON": {"qualifier": Qualifier.ON, "target": "Nowhere", "event": S1},
     "CU": {"qualifier": Qualifier.CU, "target": '"Parts"', "event": S1},
     "TD": {"qualifier": Qualifier.TD, "target": '"Time"', "event": S1, "duration": "T#2s"},
 }

@@ -20,7 +20,8 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import (
     is_supervised,
     taken_names,
 )
-from plcopen_sfc.conversion.adaptation.sequencer_rewriting import OperatingInputs, PermanentRewriter, ShownState
+from plcopen_sfc.conversion.adaptation.sequence_loops import SequenceRewriter
+from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter, ShownState
 from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import (
     StepRewriter,
@@ -147,9 +148,9 @@ class _ChartRewriter:
         for step in self._chart.steps:
             self._steps.rewrite(step)
 
-    def operating_inputs(self) -> None:
-        """Add the transitions of INIT_SQ and OFF_SQ."""
-        OperatingInputs(self._rewriting, self._checks).execute()
+    def sequences(self) -> None:
+        """Rewrite sequences that the target cannot hold, and add the transitions of INIT_SQ and OFF_SQ."""
+        SequenceRewriter(self._rewriting, self._checks).rewrite()
 
     def surroundings(self) -> None:
         """Add the actions for permanent instructions, edges of inputs and outputs that show the state."""
@@ -434,9 +435,11 @@ CHART_RULES = (
         _ChartRewriter.steps,
     ),
     ChartRule(
-        "INIT_SQ and OFF_SQ, where one step is active at a time",
-        "transitions that are tried before all others, to the initial step and to a step `Off`",
-        _ChartRewriter.operating_inputs,
+        "steps that actions ON and OFF switch; several sequences in CODESYS; INIT_SQ and OFF_SQ",
+        "transitions that are tried before all others, to the initial step and to a step `Off`; where several steps of "
+        "a sequence may be active, a loop for each step: the step and one that does nothing; a step `Start` that leads "
+        "to all sequences",
+        _ChartRewriter.sequences,
     ),
     ChartRule(
         "permanent instructions, `S_NO`, `S_ACTIVE`, `S_MORE`, `ERR_FLT`, edges of ACK_EF and REG_EF",

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, is_supervised
-from plcopen_sfc.model.actions import ActionEvent
+from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.model.variables import SectionKind
 
@@ -43,6 +43,10 @@ class StepChecks:
             self._wanted[step.id] = {event for event in wanted & COMPUTED if self._can_happen(step, event)}
         self.operated: set[str] = set()
         """The inputs whose edges are computed."""
+        self.start: Step | None = None
+        """The step that leads to all sequences, where OFF_SQ keeps it."""
+        self.switched: dict[int, set[str]] = {}
+        """The steps that actions switch, by their ids: "on" and "off"."""
 
     def _can_happen(self, step: Step, event: ActionEvent) -> bool:
         if event in _INTERLOCK and (step.interlock is None or self._rewriting.interlock(step) == "TRUE"):
@@ -78,9 +82,40 @@ class StepChecks:
 
     def rising(self, name: str) -> str:
         """Return an expression for transitions that is TRUE in the scan in which an input of the block rises."""
+        self.operated.add(name)
         edge, before = self._command(name, "edge"), self._command(name, "before")
         # elsewhere transitions come before the actions that compute the edge
         return edge if self._host.is_codesys else f"{self._inputs[name]} AND NOT {before}"
+
+    # -- steps that actions switch
+
+    def switched_by(self, row: ActionAssociation, owner: Step) -> list[Step]:
+        """Return the steps that a row ON or OFF of the step `owner` switches: by name, by number, or all others."""
+        name = (row.target or "").strip('"#').casefold()
+        steps = self._rewriting.chart.chart.steps
+        if name == "s_all":
+            return [step for step in steps if row.qualifier is Qualifier.ON or len(steps) == 1 or step is not owner]
+        return [step for step in steps if name in (step.name.casefold(), f"s{step.number}")][:1]
+
+    def switch(self, step: Step, word: str) -> str:
+        """Return the variable by which an action switches a step "on" or "off" before the next transitions."""
+        self.switched.setdefault(step.id, set()).add(word)
+        return self._command(step.name, word)
+
+    def is_switched(self, step: Step, word: str) -> str | None:
+        """Return the variable that is TRUE while transitions see that an action switches a step; None: none does."""
+        if word not in self.switched.get(step.id, ()):
+            return None
+        return self._command(step.name, f"switched_{word}" if self._host.is_codesys else word)
+
+    def switches(self) -> Iterator[str]:
+        """Yield the end of the commands of actions: behind all actions in CODESYS, elsewhere before them."""
+        for step in self._rewriting.chart.chart.steps:
+            for word in sorted(self.switched.get(step.id, ())):
+                command, seen = self._command(step.name, word), self.is_switched(step, word)
+                if seen != command:
+                    yield f"{seen} := {command};"
+                yield f"{command} := FALSE;"
 
     # -- conditions
 
@@ -111,13 +146,18 @@ class StepChecks:
     def _edges(self, event: ActionEvent) -> Iterator[str]:
         for name in _COMMANDS[event]:
             if name in self._inputs:
+                self.operated.add(name)
                 yield f"({self._inputs[name]} AND NOT {self._command(name, 'before')})"
 
     def _command(self, name: str, quantity: str) -> str:
-        self.operated.add(name)
         if (name, quantity) not in self._names:
             self._names[name, quantity] = self._rewriting.new_variable(f"{name}_{quantity}")
         return self._names[name, quantity]
+
+    def waits(self, start: Step) -> str:
+        """Return the variable that is TRUE where OFF_SQ rises in the first scan, that of the step `start`."""
+        self.start = start
+        return self._command(start.name, "waits")
 
     # -- statements
 
@@ -127,10 +167,15 @@ class StepChecks:
         for name in sorted(self.operated):
             own, before = self._inputs[name], self._command(name, "before")
             found += [f"{self._command(name, 'edge')} := {own} AND NOT {before};", f"{before} := {own};"]
+        if self.start is not None:
+            rises = f"{self._host.active(self.start)} AND {self._command('OFF_SQ', 'edge')}"
+            found.append(f"{self.waits(self.start)} := {self.waits(self.start)} OR ({rises});")
         return found
 
     def _rising(self, event: ActionEvent) -> str:
-        names = [self._command(name, "edge") for name in _COMMANDS[event] if name in self._inputs]
+        inputs = [name for name in _COMMANDS[event] if name in self._inputs]
+        self.operated.update(inputs)
+        names = [self._command(name, "edge") for name in inputs]
         return " OR ".join(names) if names else "FALSE"
 
     def statements(self, step: Step) -> list[str]:

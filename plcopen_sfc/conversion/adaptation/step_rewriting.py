@@ -17,7 +17,7 @@ from functools import cached_property
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
 from plcopen_sfc.conversion.adaptation.step_checks import COMPUTED, StepChecks
-from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, rewritten_step
+from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, changed_element, rewritten_step
 from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
@@ -27,6 +27,7 @@ from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.report import Outcome
 
 _COILS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.D, Qualifier.L})
+_SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
 _STORING = {Qualifier.S: "TRUE", Qualifier.R: "FALSE"}
 _PULSES = {ActionEvent.S1: Qualifier.P1, ActionEvent.S0: Qualifier.P0}
 _OF_GRAPH = frozenset("CALL ON OFF CS CU CD CR TL TD TR TF".split())
@@ -189,7 +190,12 @@ class StepRewriter:
         self._mark(step)
 
     def _mark(self, step: Step) -> None:
-        source = self._rewriting.source_steps[step.id]
+        source = self._rewriting.source_steps.get(step.id)
+        if source is None:
+            self._rewriting.marks[id(step)] = changed_element(
+                step, self._rewriting.marks[id(step)], self._uses.get(step.id, ())
+            )
+            return
         if any(getattr(step, name) != getattr(source, name) for name in STEP_FIELDS):
             permanent = self._permanent.get(step.id, ())
             logic = self._logic.get(step.id)
@@ -212,7 +218,7 @@ class StepRewriter:
         the added variables in it. `logic`: the elements drawn in the chart that it executes, by their places.
         """
         self._logic[step.id] = logic
-        self._uses[step.id] += [*self._checks.names(step.id), *uses]
+        self._uses.setdefault(step.id, []).extend([*self._checks.names(step.id), *uses])
         if self._host.is_codesys:
             self._add_row(step, Qualifier.S, target=self._action(wish, body, self._uses[step.id]))
         else:
@@ -376,7 +382,7 @@ class StepRewriter:
             driven = f"{row.target} := {self._driven(row)};"
             rows.coils += [driven] if driven not in rows.coils else []
         else:
-            lines = guarded(needed, _statements(row))
+            lines = guarded(needed, self._statements(step, row))
             late = self._host.is_codesys and _key(row) in self._mixed  # its entry and exit actions precede coils
             if event is ActionEvent.S1:
                 (rows.first if late else rows.entry).extend(lines)
@@ -410,9 +416,9 @@ class StepRewriter:
             return f"it depends on a condition of the step, and {_NO_TEXT}"
         if row.forcing is not None or row.kind not in _KINDS:
             return f"{title} has no such action of IEC 60848"
-        if row.qualifier in (Qualifier.ON, Qualifier.OFF):
-            return f"nothing but transitions activates and deactivates steps in {title}"
-        if row.qualifier not in _COILS | _STORING.keys() | {Qualifier.CALL}:
+        if row.qualifier in _SWITCHES and (event is None or not self._checks.switched_by(row, step)):
+            return "it has no event" if event is None else "there is no such step"
+        if row.qualifier not in _COILS | _STORING.keys() | _SWITCHES | {Qualifier.CALL}:
             of_s5 = ", which acts on counters and timers of S5" if row.qualifier.value in _OF_GRAPH else ""
             return f"{title} has no action {row.qualifier.value}{of_s5}"
         if row.negated:
@@ -524,6 +530,12 @@ class StepRewriter:
             terms.append(" AND ".join([*parts, *([as_term(needed)] if needed != "TRUE" else [])]))
         return " OR ".join(terms) or "FALSE"
 
+    def _statements(self, step: Step, row: ActionAssociation) -> list[str]:
+        if row.qualifier in _SWITCHES:
+            switched, word = self._checks.switched_by(row, step), row.qualifier.value.lower()
+            return [f"{self._checks.switch(each, word)} := TRUE;" for each in switched]
+        return _plain_statements(row)
+
     def _leave_out(self, step: Step, row: ActionAssociation, why: str) -> None:
         event = f" (event {row.event})" if row.event is not None else ""
         text = f"`{_called(row)}`{event} is not executed in {self._host.title}: {why}"
@@ -542,7 +554,7 @@ def _key(row: ActionAssociation) -> str:
     return (row.target or "").casefold()
 
 
-def _statements(row: ActionAssociation) -> list[str]:
+def _plain_statements(row: ActionAssociation) -> list[str]:
     if isinstance(row.body, StBody):
         text = row.body.text.strip()
         return (text if text.endswith(";") else f"{text};").splitlines()

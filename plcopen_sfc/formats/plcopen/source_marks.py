@@ -92,11 +92,44 @@ def _of_logic(logic: Mapping[int, Node] | None) -> dict[str, Any]:
     return {"logic": drawn} if drawn else {}
 
 
-def added_element(added: Step | Transition, uses: Iterable[str]) -> dict[str, Any]:
-    """Return the mark of a step or transition that the source does not have; `uses` as in `rewritten_step`."""
+def added_element(
+    added: Step | Transition, uses: Iterable[str], instead_of: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Return the mark of a step or transition that the source does not have; `uses` as in `rewritten_step`.
+
+    `instead_of`: transitions and initial steps of the source that the chart lacks, as `replaced_sequences` gives them.
+    """
     digest = _of_step(added) if isinstance(added, Step) else _of_condition(added.condition)
     names = sorted({name.casefold() for name in uses})
-    return {REWRITTEN_FIELD: {"source": {}, "digest": digest, "uses": names, "added": True}}
+    mark: dict[str, Any] = {"source": {}, "digest": digest, "uses": names, "added": True}
+    return {REWRITTEN_FIELD: mark | ({"instead_of": instead_of} if instead_of else {})}
+
+
+def changed_element(added: Step, mark: Mapping[str, Any], uses: Iterable[str]) -> dict[str, Any]:
+    """Return the mark of a step that was added, and has got actions since."""
+    known = mark[REWRITTEN_FIELD]
+    return added_element(added, [*known["uses"], *uses], known.get("instead_of"))
+
+
+def replaced_sequences(source: SfcNetwork, written: SfcNetwork) -> dict[str, Any]:
+    """Return the transitions of `source` that `written` lacks, with their places, and the initial steps."""
+    left = {transition.id for transition in written.transitions}
+    missing = [
+        [at, each.model_dump(mode="json", exclude_none=True)]
+        for at, each in enumerate(source.transitions)
+        if each.id not in left
+    ]
+    return {"transitions": missing, "initial": [step.id for step in source.steps if step.initial]}
+
+
+def _put_sequences(chart: SfcNetwork, found: object) -> None:
+    """Put the transitions and initial steps of the source back, in whose place others were written."""
+    if not isinstance(found, dict):
+        return
+    for at, fields in found["transitions"]:
+        chart.transitions.insert(at, Transition.model_validate(fields))
+    for step in chart.steps:
+        step.initial = step.id in found["initial"]
 
 
 def added_part(body: StBody | IlBody) -> dict[str, Any]:
@@ -151,7 +184,12 @@ def restore_chart(
     executed: set[str] = set()
     outdated = _outdated(chart, marks, edited)
     _put_logic(chart, [mark for number, mark in marks.items() if number not in outdated])
-    _take_out(chart, {number for number, mark in marks.items() if mark.get("added") and number not in outdated})
+    added = {number for number, mark in marks.items() if mark.get("added") and number not in outdated}
+    _take_out(chart, added)
+    for number in sorted(added):
+        _put_sequences(chart, marks[number].get("instead_of"))
+    if any(marks[number].get("added") for number in outdated):
+        chart.graph_settings = None  # what stands for its operating inputs counts now
     for step in chart.steps:
         mark = marks.get(step.id)
         if step.id in outdated:

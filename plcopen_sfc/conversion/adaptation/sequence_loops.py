@@ -1,0 +1,198 @@
+"""Sequences that charts of other tools cannot hold as they are: each step as a loop of its own.
+
+Actions of S7-GRAPH switch steps of any sequence (ON, OFF), the manual mode does, and INIT_SQ and OFF_SQ end all
+branches of a simultaneous sequence at once. Nothing but transitions does that elsewhere, and several steps of one
+sequence may be active then. So each step of such a sequence becomes a sequence of two steps: the step itself, and one
+that does nothing. Their conditions tell whether the step is active in the next situation of S7-GRAPH: which transitions
+fire, in the order of their priorities, and what switches the step. The rules are those of
+`plcopen_sfc.semantics.charts.graph`, and the tests compare both.
+
+Charts of CODESYS begin with one step: where there are several sequences, a step `Start` leads to them all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term
+from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import sequences_of
+from plcopen_sfc.conversion.adaptation.operating_inputs import (
+    INIT,
+    OFF,
+    AddedElements,
+    OperatingInputs,
+    operated_inputs,
+)
+from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
+from plcopen_sfc.formats.plcopen.source_marks import replaced_sequences
+from plcopen_sfc.model.sfc import Step, Transition
+from plcopen_sfc.report import Outcome
+from plcopen_sfc.semantics.net import Net
+
+_TOGETHER = ".sequences"
+"""A name in all marks: an edit of one loop counts for all of them."""
+
+
+class SequenceRewriter:
+    """Rewrites the sequences of a chart whose conditions and actions are rewritten already."""
+
+    def __init__(self, rewriting: ChartRewriting, checks: StepChecks) -> None:
+        self._rewriting, self._checks, self._host = rewriting, checks, rewriting.host
+        self._chart = chart = rewriting.chart.chart
+        self._wanted = operated_inputs(rewriting, (OFF, INIT))
+        net = Net.of_sequencer(rewriting.source)
+        self._initial = {step.step.id for step in net.steps if step.bit & net.initial}
+        self._order = [
+            each for found in net.transitions for each in chart.transitions if each.id == found.transition.id
+        ]
+        self._texts = {each.id: rewriting.text(each.condition) for each in chart.transitions}
+
+    def rewrite(self) -> None:
+        """Change the chart; what it does otherwise is in the report."""
+        added = AddedElements(self._rewriting, self._checks)
+        parts = sequences_of(self._chart)
+        looped = [part for part in parts if self._needs_loops(part)]
+        plain = [part for part in parts if part not in looped and self._initial.intersection(s.id for s in part)]
+        unknown = [each for each in self._order if self._texts[each.id] is None]
+        if looped and unknown:
+            return  # what is missing then is reported as not executed
+        heads = [next(step for step in part if step.id in self._initial) for part in plain]
+        if looped:
+            heads += self._loops([step for part in looped for step in part], added)
+        if self._host.is_codesys and (len(heads) > 1 or looped):
+            self._start(heads, added)
+        instead_of = replaced_sequences(self._rewriting.source, self._chart)
+        added.mark([_TOGETHER], instead_of)
+        told = not any(self._initial.intersection(each.sources) for each in unknown)
+        OperatingInputs(self._rewriting, self._checks, added).execute(plain if told else [], self._initial)
+
+    def _needs_loops(self, part: Sequence[Step]) -> bool:
+        ids = {step.id for step in part}
+        if not self._rewriting.options.of_graph:
+            return False
+        if not ids.isdisjoint(self._checks.switched):
+            return True
+        is_single = len(ids & self._initial) == 1
+        own = [each for each in self._order if not ids.isdisjoint(each.sources)]
+        one_at_a_time = is_single and all(len(each.sources) == 1 and len(each.targets) < 2 for each in own)
+        return bool(self._wanted and not one_at_a_time) or (self._host.is_codesys and not is_single)
+
+    # -- one sequence for each step
+
+    def _loops(self, steps: Iterable[Step], added: AddedElements) -> list[Step]:
+        """Replace the transitions of these steps by loops; the steps with which these begin."""
+        steps = list(steps)
+        ids = {step.id for step in steps}
+        own = [each for each in self._order if not ids.isdisjoint((*each.sources, *each.targets))]
+        edges = {key: self._checks.rising(key) for key in self._wanted}
+        conditions = [(self._begins(step, edges), self._ends(step, edges)) for step in steps]
+        for each in own:
+            self._note(each, "the steps that it connects are loops with its condition")
+            self._rewriting.marks.pop(id(each), None)
+        self._chart.transitions = [each for each in self._chart.transitions if each not in own]
+        heads: list[Step] = []
+        for step, (begins, ends) in zip(steps, conditions, strict=True):
+            rest = added.step(f"{step.name}_rests", f"the step {step.name} is not active")
+            added.transition(rest, step, begins, "the transitions that lead to the step, and what activates it")
+            added.transition(step, rest, ends, "the transitions that leave the step, and what deactivates it")
+            step.initial, rest.initial = step.id in self._initial, step.id not in self._initial
+            heads.append(step if step.initial else rest)
+            if sum(step.id in each.sources for each in own) > 1:
+                why = "conditions tell which transition fires"
+                self._rewriting.note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", why)
+        return heads
+
+    def _note(self, transition: Transition, why: str) -> None:
+        self._rewriting.note(Outcome.TRANSLATED, "transition", f"transition {self._chart.label(transition)}", why)
+
+    def _begins(self, step: Step, edges: dict[str, str]) -> str:
+        """Return when a step that is not active becomes active."""
+        entered = [self._fires(each) for each in self._order if step.id in each.targets and step.id not in each.sources]
+        switched = self._checks.is_switched(step, "on")
+        if switched is not None:
+            entered.append(_all([switched, *(f"NOT {as_term(each)}" for each in self._leaving(step))]))
+        return self._operated(step, _any(entered), edges, begins=True)
+
+    def _ends(self, step: Step, edges: dict[str, str]) -> str:
+        """Return when an active step is not active any more."""
+        left = self._leaving(step)
+        off, on = self._checks.is_switched(step, "off"), self._checks.is_switched(step, "on")
+        if off is not None:
+            left.append(off if on is None else f"{off} AND NOT {on}")
+        found = _any(left)
+        entered = [self._fires(each) for each in self._order if step.id in each.targets and step.id not in each.sources]
+        if entered and found != "FALSE" and self._checks.switched:
+            found = _all([found, f"NOT {as_term(_any(entered))}"])
+        return self._operated(step, found, edges, begins=False)
+
+    def _operated(self, step: Step, text: str, edges: dict[str, str], *, begins: bool) -> str:
+        """Return a condition with what INIT_SQ and OFF_SQ do to the step."""
+        is_initial = step.id in self._initial
+        init, off = edges.get(INIT), edges.get(OFF)
+        if init is not None:
+            text = _any([text, init]) if is_initial is begins else _all([text, f"NOT {as_term(init)}"])
+        if off is not None:
+            text = _all([text, f"NOT {as_term(off)}"]) if begins else _any([text, off])
+        return text
+
+    def _leaving(self, step: Step) -> list[str]:
+        """Return when each transition that leaves an active step fires."""
+        own = [each for each in self._order if step.id in each.sources and step.id not in each.targets]
+        return [self._fires(each, known=step) for each in own]
+
+    def _fires(self, transition: Transition, known: Step | None = None) -> str:
+        """Return when a transition fires; the step `known` is active."""
+        steps = [step for step in self._chart.steps if step.id in transition.sources]
+        terms = [self._is_active(step) for step in steps if step is not known]
+        terms.append(self._texts[transition.id] or "TRUE")
+        for other in self._order[: self._order.index(transition)]:
+            if not set(other.sources).isdisjoint(transition.sources):
+                is_known = len(other.sources) == 1
+                terms.append(f"NOT {as_term((self._texts[other.id] or 'TRUE') if is_known else self._fires(other))}")
+        return _all(terms)
+
+    def _is_active(self, step: Step) -> str:
+        """Return whether a step is active when transitions are tested, behind what actions have switched."""
+        found = self._host.active(step)
+        off, on = self._checks.is_switched(step, "off"), self._checks.is_switched(step, "on")
+        if off is not None:
+            found = _all([found, f"NOT {off}"])
+        return _any([found, on]) if on is not None else found
+
+    # -- the start
+
+    def _start(self, heads: Sequence[Step], added: AddedElements) -> None:
+        start = added.step("Start", "it leads to all sequences: a chart of the target begins with one step")
+        start.initial = True
+        self._chart.steps.insert(0, self._chart.steps.pop())
+        for step in self._chart.steps[1:]:
+            if step.initial and step.id in self._rewriting.source_steps:
+                why = f"the step {start.name} leads to it"
+                self._rewriting.note(Outcome.TRANSLATED, "initial", f"step {step.name}", why)
+            step.initial = False
+        begins = "TRUE"
+        if OFF in self._wanted:
+            begins = f"NOT {self._checks.waits(start)}"
+            if INIT in self._wanted:
+                begins = _any([begins, f"{self._checks.rising(INIT)} AND NOT {self._checks.rising(OFF)}"])
+        added.transition(start, heads, begins, "the sequences begin")
+
+
+def _all(terms: Iterable[str]) -> str:
+    """Return the conjunction of expressions."""
+    found = [term for term in dict.fromkeys(terms) if term != "TRUE"]
+    if "FALSE" in found or "NOT TRUE" in found:
+        return "FALSE"
+    return " AND ".join(_in_conjunction(term) for term in found) if len(found) > 1 else (found or ["TRUE"])[0]
+
+
+def _in_conjunction(term: str) -> str:
+    return term if term.startswith("NOT ") and term[4:] == as_term(term[4:]) else as_term(term)
+
+
+def _any(terms: Iterable[str]) -> str:
+    """Return the disjunction of expressions."""
+    found = [term for term in dict.fromkeys(terms) if term != "FALSE"]
+    if "TRUE" in found:
+        return "TRUE"
+    return " OR ".join(map(as_term, found)) if len(found) > 1 else (found or ["FALSE"])[0]

@@ -1,0 +1,126 @@
+"""Sequences of S7-GRAPH that charts of other tools cannot hold: ON, OFF, several of them, ends of branches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.model.compare import differences
+from tests.conversion.features import Feature, Rig, feature_project, variable
+from tests.conversion.matrix import same_behaviour
+from tests.conversion.test_sequencers_in_charts import as_file
+from tests.sweeps import in_turn
+
+TARGETS = ("codesys", "plcopen-2.01", "twincat", "codesys23")
+
+
+def _switch(rig: Rig, step: str, qualifier: str, target: str, event: str = "S1") -> None:
+    rig.act(step, None, qualifier, event=event).target = target
+
+
+def _two_sequences(rig: Rig) -> None:
+    chart = rig.chart
+    rest, turn = chart.add_step("Rest", initial=True), chart.add_step("Turn")
+    chart.add_transition(rest, turn, "#g")
+    chart.add_transition(turn, rest, "#c")
+    rig.act("Turn", "r")
+    ids = {step.name: step.id for step in chart.steps}
+    names = (("Idle", "Work", "Done"), ("Rest", "Turn"))
+    chart.sequences = [m.Sequence(steps=[ids[name] for name in each]) for each in names]
+
+
+def _on(rig: Rig) -> None:
+    rig.chart.add_step("Side")
+    rig.go("Side", "Idle", "c")
+    _switch(rig, "Work", "ON", "Side")
+    rig.act("Side", "r")
+
+
+def _on_and_off(rig: Rig) -> None:
+    _two_sequences(rig)
+    _switch(rig, "Work", "ON", "Turn")
+    _switch(rig, "Done", "OFF", "Rest")
+
+
+def _all_off(rig: Rig) -> None:
+    _switch(rig, "Done", "OFF", "S_ALL", event="S0")
+    _switch(rig, "Work", "OFF", "Done")
+
+
+def _branches(rig: Rig) -> None:
+    """Two simultaneous branches, one of them of two steps, with an alternative end."""
+    chart = rig.chart
+    side, late = chart.add_step("Side"), chart.add_step("Late")
+    chart.transitions[0].targets.append(side.id)
+    chart.transitions[1].sources.append(late.id)
+    chart.add_transition(side, late, "#c")
+    rig.act("Late", "r", "S")
+    rig.act("Done", "r", "R")
+
+
+CASES: dict[str, tuple[Callable[[Rig], None], tuple[str, ...]]] = {
+    "ON": (_on, ()),
+    "ON and OFF in another sequence": (_on_and_off, ()),
+    "OFF of all steps": (_all_off, ()),
+    "two sequences": (_two_sequences, ()),
+    "two sequences that end": (_two_sequences, ("INIT_SQ", "OFF_SQ")),
+    "branches that end": (_branches, ("INIT_SQ", "OFF_SQ")),
+    "branches that begin again": (_branches, ("INIT_SQ",)),
+}
+
+
+def built(name: str) -> m.Project:
+    build, inputs = CASES[name]
+
+    def whole(rig: Rig) -> None:
+        rig.chart.graph_settings = m.GraphSettings(acknowledge_errors_required=False)
+        if inputs:
+            rig.declare(m.SectionKind.INPUT, *map(variable, inputs))
+        rig.act("Work", "q")
+        build(rig)
+
+    return as_file(feature_project(Feature(name, ("simaticml",), whole), "simaticml"))
+
+
+@pytest.mark.parametrize(("number", "name"), [*enumerate(CASES)])
+def test_the_target_does_the_same_and_the_source_comes_back(number: int, name: str) -> None:
+    """Two targets for each case, all with PLCOPEN_SFC_FULL."""
+    source = built(name)
+    for target in {*in_turn(TARGETS[:2], number), *in_turn(TARGETS, number)}:
+        data = sfc.dumps(source, format=target, strict=True, limit=30)
+        verdict = same_behaviour(source, sfc.loads(data, format=target, as_tool=True), operated=CASES[name][1])
+        assert verdict is not None
+        assert verdict.proven, (target, verdict)
+        if target in TARGETS[:2]:
+            assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
+
+
+@pytest.mark.parametrize("target", TARGETS[:2])
+def test_an_edit_of_one_loop_counts_for_all(target: str) -> None:
+    source = built("branches that end")
+    data = sfc.dumps(source, format=target)
+    project = sfc.loads(data, format=target)
+    project.pou("Main").chart.rename_step("Done", "Ready")
+    edited = sfc.dumps(project, format=target)
+    assert len(sfc.loads(edited, format=target).pou("Main").chart.steps) == 5
+    chart = sfc.loads(data, format=target, as_tool=True).pou("Main").chart
+    [condition] = [each.condition.text for each in chart.transitions if each.sources == [chart.step("Late").id]]
+    text = condition.encode()  # edited by a tool that keeps the extension data
+    changed = data.replace(text, b"a OR " + text)
+    kept = sfc.loads(changed, format=target)
+    assert len(kept.pou("Main").chart.steps) == len(chart.steps)
+    again = sfc.loads(sfc.dumps(kept, format=target, fresh=True), format=target, as_tool=True)
+    same = same_behaviour(sfc.loads(changed, format=target, as_tool=True), again, operated=("INIT_SQ", "OFF_SQ"))
+    assert same is not None
+    assert same.proven, same
+
+
+def test_a_sequence_without_trouble_keeps_its_form() -> None:
+    chart = sfc.loads(sfc.dumps(built("two sequences"), format="codesys"), as_tool=True).pou("Main").chart
+    assert [step.name for step in chart.steps] == ["Start", "Idle", "Work", "Done", "Rest", "Turn"]
+    assert [transition.targets for transition in chart.transitions if len(transition.targets) > 1] == [
+        [chart.step("Idle").id, chart.step("Rest").id]
+    ]
