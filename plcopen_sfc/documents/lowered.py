@@ -19,6 +19,7 @@ from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.processes import results
 from plcopen_sfc.analysis.search_limits import SearchProgress
 from plcopen_sfc.analysis.verdict import UntestedError
+from plcopen_sfc.conversion.adaptation.grafcet_variables import with_declarable_variables
 from plcopen_sfc.conversion.executed_parts import UNDECLARED, UNDECLARED_TYPE
 from plcopen_sfc.documents.file_documents import refuse_losses
 from plcopen_sfc.documents.storage import (
@@ -119,6 +120,7 @@ def lower_to_file(
     Raises `LossError` where the target does not execute something else of the project, unless `partial`.
     """
     name = format_to_write(project, format, tia, target)
+    project, declared = with_declarable_variables(project, format_named(name)[0])
     searching: Searching = {
         "free_inputs": free_inputs,
         "functions": functions or {},
@@ -137,6 +139,7 @@ def lower_to_file(
             place.mkdir()
             asked_for, left_out = _asked_for(lowered.project, name, pou)
             draft = _Draft(asked_for, target, place, {"format": name, "partial": True})
+            draft.report.items += declared.items
             if not refused or skip_refused:
                 draft.refuse_losses(lowered.pous, refused, partial=partial)
             for each in left_out:

@@ -278,11 +278,18 @@ def save_project(
         from plcopen_sfc.semantics.charts.graph.graph_parameters import operating_inputs  # noqa: PLC0415  # interpreter
 
         at_rest = operating_inputs(at_rest)
-    refuse_mistakes(project, format_named(name)[0])
+    kind, declared = format_named(name)[0], ConversionReport()
+    if project.source is None or project.source.format != kind.name:
+        from plcopen_sfc.conversion.adaptation.grafcet_variables import (  # noqa: PLC0415  # for conversions only
+            with_declarable_variables,
+        )
+
+        project, declared = with_declarable_variables(project, kind)
+    refuse_mistakes(project, kind)
     if path is not None and is_folder(path, project, name):
         from plcopen_sfc.documents.folder_projects import save_folder  # noqa: PLC0415  # most projects are files
 
-        return save_folder(
+        report = save_folder(
             project,
             path,
             name,
@@ -294,7 +301,10 @@ def save_project(
             limit=limit,
             at_rest=at_rest,
         )
+        report.items += declared.items
+        return report
     data, report = encode(project, name, flavour=flavour, fresh=fresh, limit=limit, at_rest=at_rest)
+    report.items += declared.items
     if normalize:
         before, data = data, normalized(data, name)
         report.unchanged = report.unchanged and data == before

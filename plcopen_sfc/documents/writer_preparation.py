@@ -51,7 +51,10 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
-    if kind.drawing is DrawingNeed.NONE and same_dialect and lacks_nothing and not options.flavour and not results:
+    profile = default_profile(project)
+    of_grafcet = profile.grafcet_terms and bool(kind.tool) and not options.same
+    as_it_is = same_dialect and lacks_nothing and not options.flavour and not results and not of_grafcet
+    if kind.drawing is DrawingNeed.NONE and as_it_is:
         behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None
         return Prepared(project, project, options, behaviour)
     from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
@@ -61,8 +64,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         name_results(copy, report)
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
         translate_boxes(copy, dialect, kind.tool, report)
-    profile = default_profile(project)
-    if profile.grafcet_terms and kind.tool and not options.same:
+    if of_grafcet:
         _put_into_sfc(copy, kind, report)
         profile = PROFILES["iec"]  # the words of the copy
     options = replace(

@@ -52,9 +52,10 @@ class _Token:
     span: tuple[int, int]
 
 
-_OVERLINE = "\u0305"
+OVERLINE = "\u0305"
+"""The character that draws a line over the one before it."""
 _TIME = r"L?T(?:IME)?\#\w+(?:\.\d+\w*)*|\d+(?:[.,]\d+)?[ \t]*(?:ms|min|s|m|h|d)(?![\w\u0305])"
-NAME = rf"\d*[^\W\d](?:\w|{_OVERLINE})*|\d(?:{_OVERLINE}\w|\w)*{_OVERLINE}(?:\w|{_OVERLINE})*"
+NAME = rf"\d*[^\W\d](?:\w|{OVERLINE})*|\d(?:{OVERLINE}\w|\w)*{OVERLINE}(?:\w|{OVERLINE})*"
 """A name: it may begin with digits."""
 _TOKEN = re.compile(
     rf"""\s*(?:
@@ -96,7 +97,7 @@ def condition_problem(text: str) -> Problem | None:
 def program_parts(text: str) -> list[tuple[int, int]]:
     """Return the spans of a condition that are structured text by themselves: operands and comparisons.
 
-    Empty where it cannot be read. An overlined name is left out: its characters are not those of the name.
+    Empty where it cannot be read. A span may be that of an overlined name.
     """
     try:
         reader = _Reader(text, _AsWritten())
@@ -194,7 +195,9 @@ class _Reader:
         self.parts.append((self.tokens[start].span[0], self.tokens[end - 1].span[1]))
         parts, last = [], self.tokens[start].span[0]
         for token in self.tokens[start:end]:
-            text = _COMPARISONS.get(token.text, token.text) if token.kind == "compare" else _plain(token.text)
+            if OVERLINE in token.text:
+                raise ConditionError("an overline in a comparison: write NOT before it", token.span)
+            text = _COMPARISONS.get(token.text, token.text) if token.kind == "compare" else token.text
             parts.append(self._text[last : token.span[0]] + text)
             last = token.span[1]
         return "".join(parts)
@@ -247,16 +250,17 @@ class _Reader:
         if token.kind != "name":
             raise ConditionError(f"an operand is missing before {token.text!r}", token.span)
         behind = self._path(start + 1, end)
-        if _OVERLINE in token.text:
+        if OVERLINE in token.text:
             return f"NOT {self._overlined(start, behind)}", behind
         self.parts.append((token.span[0], self.tokens[behind - 1].span[1]))
         return self._text[slice(*self.parts[-1])], behind
 
     def _overlined(self, start: int, behind: int) -> str:
         token = self.tokens[start]
-        bare = token.text.replace(_OVERLINE, "")
-        if behind > start + 1 or token.text != "".join(character + _OVERLINE for character in bare):
+        bare = token.text.replace(OVERLINE, "")
+        if behind > start + 1 or token.text != "".join(character + OVERLINE for character in bare):
             raise ConditionError("the overline is not over the whole name: write /a or NOT (..)", token.span)
+        self.parts.append(token.span)
         return bare
 
     def _path(self, position: int, end: int) -> int:
@@ -278,10 +282,6 @@ class _Reader:
     def _missing(self, index: int) -> ConditionError:
         place = self.tokens[index].span[0] if index < len(self.tokens) else len(self._text)
         return ConditionError("an operand is missing", (place, place))
-
-
-def _plain(text: str) -> str:
-    return text.replace(_OVERLINE, "")
 
 
 def _time(text: str | None) -> str | None:

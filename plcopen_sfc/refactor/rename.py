@@ -19,6 +19,7 @@ from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, unique_de
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite
 from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.base import Model
@@ -294,6 +295,8 @@ def _text_changes(found: list[Occurrence], wanted: Wanted, dialect: Dialect) -> 
 
 def _spelt(new: str, reference: Reference, text_site: TextSite, dialect: Dialect) -> str:
     """The new name as it is written in a place: in SCL some need quotes, where it is in program text."""
+    if reference.overlined:
+        return "".join(character + OVERLINE for character in new)
     alone = text_site.reading is SiteKind.NAME or reference.role is Role.TYPE
     if dialect is not Dialect.SCL or alone or reference.quoting in (Quoting.GLOBAL, Quoting.LOCAL_QUOTED):
         return new

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.errors import LossError, ModelError
+from plcopen_sfc.errors import LossError
 from plcopen_sfc.model import Expression, Project
 from plcopen_sfc.report import ConversionReport
 
@@ -37,7 +38,7 @@ STEP 2
     ON ACTIVATION n := n + 1
 2 -> 1 : 50ms/X2 * B2 * /B1
 """
-STABILITY = "search for stability"
+STABILITY, START = "search for stability", "start of several sequences"
 
 
 def losses(report: ConversionReport) -> dict[str, str]:
@@ -49,12 +50,12 @@ def converted(text: str, form: str) -> tuple[Project, ConversionReport]:
     return sfc.loads(data), report
 
 
-@pytest.mark.parametrize("form", ["codesys", "twincat", "simaticml", "plcopen"])
+@pytest.mark.parametrize("form", ["codesys", "twincat", "simaticml", "plcopen", "iec-text"])
 def test_a_chart_without_transient_steps_does_the_same(form: str) -> None:
     source = sfc.loads(TEXT.encode())
     result, report = converted(TEXT, form)
     assert losses(report).keys() == {STABILITY}
-    profiles = ("grafcet", {"plcopen": "iec", "simaticml": "s7graph"}.get(form, "codesys"))
+    profiles = ("grafcet", {"plcopen": "iec", "iec-text": "iec", "simaticml": "s7graph"}.get(form, "codesys"))
     verdict = sfc.equivalent(source, result, profiles, delay="auto", cap=300, runs=4, scans=60)
     assert verdict.counterexample is None, verdict
 
@@ -104,15 +105,47 @@ def test_what_the_tool_has_no_words_for_is_told(line: str, what: str, form: str)
 DIGITS = TEXT.replace("B1", "1B1").replace("Q1", "1M1")
 
 
-def test_names_that_begin_with_a_digit_are_for_tia_only() -> None:
-    report = sfc.convert(sfc.loads(DIGITS.encode()), "simaticml").report
+@pytest.mark.parametrize("form", ["codesys", "plcopen", "twincat", "codesys23", "iec-text", "simaticml"])
+def test_names_that_begin_with_a_digit_get_others_where_only_tia_has_them(form: str) -> None:
+    text = DIGITS.replace("1B1 * /B2", "1B1 * /B2 * /(1̅B̅1̅)")
+    source = sfc.loads(text.encode())
+    data, report = sfc.convert(source, form)
     assert losses(report).keys() == {STABILITY}
-    for form in ("codesys", "plcopen", "twincat"):
-        with pytest.raises(ModelError, match="no digit at the start"):
-            sfc.convert(sfc.loads(DIGITS.encode()), form, partial=True)
-    assert (
-        sfc.loads(sfc.convert(sfc.loads(DIGITS.encode()), "grafcet", partial=True).data).pous[0].interface is not None
-    )
+    digit = "1" if form == "simaticml" else "_1"
+    names = {variable.name for variable in sfc.loads(data).pous[0].variables()}
+    assert {f"{digit}B1", f"{digit}M1"} <= names
+    assert b"1B1 " in text.encode()
+    assert source.pous[0].variables()[0].name == "1B1"
+
+
+def test_a_new_name_is_one_that_is_free() -> None:
+    text = DIGITS.replace("    B5\n", "    B5\n    _1B1\n")
+    report = sfc.convert(sfc.loads(text.encode()), "plcopen").report
+    assert ("POU Kette / 1B1", "`_1B1_2` in TC6 tools: a name begins with no digit") in [
+        (item.path, item.why) for item in report.items if item.what == "name"
+    ]
+
+
+@pytest.mark.parametrize("form", ["codesys", "plcopen", "twincat", "iec-text", "simaticml"])
+def test_inputs_with_addresses_are_variables_of_programs_and_tags(form: str) -> None:
+    data, report = sfc.convert(sfc.load("fixtures/grafcet/two_cylinders.gct"), form)
+    assert losses(report).keys() <= {STABILITY, START}
+    result = sfc.loads(data)
+    if form == "simaticml":
+        (table,) = result.tag_tables
+        assert ("1B1", "Bool", "%I0.1") in [(tag.name, tag.type, tag.address) for tag in table.tags]
+    else:
+        assert {section.kind.value for section in result.pous[0].interface.sections} == {"local"}  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("form", ["codesys", "plcopen", "simaticml", "iec-text"])
+def test_the_textbook_chart_is_lowered_for_every_tool(form: str, tmp_path: Path) -> None:
+    project = sfc.load("fixtures/grafcet/two_cylinders.gct")
+    extension = {"iec-text": "st"}.get(form, "xml")
+    made = sfc.lower_to_file(project, str(tmp_path / f"out.{extension}"), "flipflop", format=form, style="classic")
+    assert not made.refused
+    assert made.path is not None
+    assert not [item for item in made.report.items if item.outcome == "not executed"]
 
 
 HIERARCHY = """GRAFCET Ofen AS FUNCTION_BLOCK
@@ -149,21 +182,27 @@ CHART G2
         H
     11 -> 10 : /b
 """
-PROFILES = {"plcopen": "iec", "simaticml": "s7graph"}
+PROFILES = {"plcopen": "iec", "iec-text": "iec", "simaticml": "s7graph"}
 
 
 @pytest.mark.parametrize(
     ("form", "order"),
     [
         *(("plcopen", order) for order in ("{INIT}", "{}", "{*}", "{2}")),
-        *(("simaticml", "{INIT}"), ("simaticml", "{2}"), ("codesys", "{}"), ("twincat", "{INIT}")),
+        *(
+            ("iec-text", "{INIT}"),
+            ("simaticml", "{INIT}"),
+            ("simaticml", "{2}"),
+            ("codesys", "{}"),
+            ("twincat", "{INIT}"),
+        ),
     ],
 )
 def test_charts_that_rule_others_do_the_same_in_one_chart(form: str, order: str) -> None:
     text = HIERARCHY.replace("{INIT}", order)
     source = sfc.loads(text.encode())
     result, report = converted(text, form)
-    assert losses(report).keys() <= {STABILITY, "start of several sequences"}
+    assert losses(report).keys() <= {STABILITY, START}
     profiles = ("grafcet", PROFILES.get(form, "codesys"))
     verdict = sfc.equivalent(source, result, profiles, delay="auto", cap=2000, runs=5, scans=60)
     assert verdict.counterexample is None, verdict

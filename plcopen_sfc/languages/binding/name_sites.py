@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from plcopen_sfc.languages.binding.text_sites import Role
-from plcopen_sfc.languages.grafcet_conditions import program_parts
+from plcopen_sfc.languages.grafcet_conditions import OVERLINE, program_parts
 from plcopen_sfc.languages.il import CALLS, JUMPS, instructions
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.st import declaration_nodes as d
@@ -28,7 +28,7 @@ class Reference:
     parameter in a call of this; `access`: the member of it that is meant (``name.access``); `expected`: it stands
     where a value of the type of this is expected (``expected := name``), or of the type that this names. `unread`: why
     the text around it cannot be read. `declares`: it is declared here, in the type of what
-    `within` leads to.
+    `within` leads to. `overlined`: the name has a line over it, as a GRAFCET negates.
     """
 
     name: str
@@ -42,6 +42,7 @@ class Reference:
     unread: str = ""
     declares: bool = False
     within: tuple[str, ...] = ()
+    overlined: bool = False
 
 
 def in_statements(text: str, dialect: Dialect) -> Iterator[Reference]:
@@ -162,6 +163,9 @@ def in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference
     parsed = parse_condition(text, dialect)
     if parsed.problems and role is Role.VALUE and (parts := program_parts(text)):  # a condition of a GRAFCET
         for start, end in parts:
+            if OVERLINE in text[start:end]:
+                yield Reference(text[start:end].replace(OVERLINE, ""), (start, end), overlined=True)
+                continue
             yield from moved(in_tree(parse_condition(text[start:end], dialect).tree, dialect), start)
         return
     tree = parsed.tree

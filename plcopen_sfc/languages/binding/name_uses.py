@@ -21,6 +21,7 @@ from plcopen_sfc.languages.binding.name_sites import (
 )
 from plcopen_sfc.languages.binding.symbols import Binding, Declaration, Kind, Level
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
+from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.dialect import Dialect
@@ -116,7 +117,7 @@ class Names:
         local = all(each.kind in (Kind.STEP, Kind.TRANSITION) and each.pou is not None for each in of)
         homes = [each.pou for each in of if each.pou is not None] if of and local else None
         for text_site in self.text_sites(keys, homes):
-            text = text_site.text.casefold()
+            text = text_site.text.casefold().replace(OVERLINE, "")
             if any(key in text for key in keys):
                 for reference in references(text_site, self.dialect):
                     if reference.name.casefold() in keys:

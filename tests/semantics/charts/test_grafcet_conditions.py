@@ -76,6 +76,7 @@ def test_messages_have_terms_as_they_are_written() -> None:
         ("5 * a", "5 is no Boolean value", 0),
         ("3s", "a time needs what it is the time of: 3s/X1", 0),
         ("a̅b", "the overline is not over the whole name: write /a or NOT (..)", 0),
+        ("[a̅=b]", "an overline in a comparison: write NOT before it", 1),
         ("a ? b", "'?' is not of a condition", 2),
         ("", "an operand is missing", 0),
     ],
@@ -115,3 +116,12 @@ def test_a_rename_follows_into_conditions_of_a_grafcet() -> None:
     project.rename("Ablauf.1B1", "Taster")
     texts = [t.condition.text for t in chart.transitions if isinstance(t.condition, Expression)]
     assert texts == ["↑Taster * /2B1", "3s/Taster + [n>Taster]"]
+
+
+def test_a_rename_draws_the_line_over_the_new_name() -> None:
+    chart = chain("1", "2", conditions="1̅B̅1̅ * /2B1;a̅ + 1B1")
+    project = Project(name="p", pous=[pou_with(chart, "1B1 2B1 a", "Q")])
+    project.rename("Ablauf.1B1", "Ab")
+    project.rename("Ablauf.a", "b")
+    texts = [t.condition.text for t in chart.transitions if isinstance(t.condition, Expression)]
+    assert texts == ["A̅b̅ * /2B1", "b̅ + Ab"]
