@@ -53,6 +53,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
     profile = default_profile(project)
     of_grafcet = profile.grafcet_terms and bool(kind.tool) and not options.same
+    if kind.drawing is DrawingNeed.NONE and kind.dialect is None:  # textual IEC 61131-3 keeps all others in pragmas
+        of_grafcet = of_grafcet and project.source is not None and project.source.format.startswith("grafcet")
     as_it_is = same_dialect and lacks_nothing and not options.flavour and not results and not of_grafcet
     if kind.drawing is DrawingNeed.NONE and as_it_is:
         behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None

@@ -281,7 +281,7 @@ def test_expansions_take_the_place_of_their_macro_steps() -> None:
     assert "partial chart" not in losses(report)
 
 
-@pytest.mark.parametrize("form", ["plcopen", "codesys"])
+@pytest.mark.parametrize("form", ["plcopen", "codesys", "iec-text", "simaticml"])
 def test_an_action_on_an_event_needs_a_step_that_was_active_before(form: str) -> None:
     head = "GRAFCET G AS FUNCTION_BLOCK\nINPUTS\n    a\n    b\nOUTPUTS\n    Q1\nINTERNALS\n    n : INT\n"
     text = f"{head}INITIAL STEP 1\n1 -> 2 : a\nSTEP 2\n    Q1 IF n > 3\n    ON EVENT ↑b : n := n + 1\n2 -> 1 : /a\n"

@@ -214,13 +214,13 @@ class _Chart:
             return
         flags = {step.id: print_node(step_flag(step)) for step in self._chart.steps}
         last = [f"{name} := {flags[step]};" for step, name in self._was_active.items()]
-        text = "\n".join([*self._events, *self._memories, *last])
-        if self._of_graph:
+        if self._of_graph:  # the sequences see these edges, and events the steps that were active before
+            text = "\n".join([*self._memories, *self._events])
             drawn = draw_ld(parse_statements(text).tree.statements, declared_rules(self._pou.variables()))
             self._chart.permanent_pre.append(PermanentOperation(body=drawn.body))
             why = "a permanent instruction before the sequences"
         else:
-            name = self._new_action("A_edges", text)
+            name = self._new_action("A_edges", "\n".join([*self._events, *self._memories, *last]))
             # of the first scan those steps are active that it begins with, or those that follow them
             follow = {i for t in self._chart.transitions if {s.id for s in starts} & {*t.sources} for i in t.targets}
             for step in self._chart.steps:
@@ -383,21 +383,30 @@ class _Chart:
         one scan later, together with the edge.
         """
         happens = rising(each.condition) if each.condition is not None else None
-        terms = _Terms(self)
+        text = each.body.text if isinstance(each.body, StBody) else f"{each.target} := {each.value or 'TRUE'};"
         try:
-            if not isinstance(happens, Expression) or self._of_graph:
-                raise _TermError("a permanent instruction of S7-GRAPH has no statements")
-            edge = self._text(happens.text, terms)
+            if not isinstance(happens, Expression):
+                raise _TermError("it has no event")
+            edge = self._text(happens.text, _Terms(self))
+            statements = self._drawable(text) if self._of_graph else [text]
         except (ConditionError, _TermError) as error:
             self._note(Outcome.NOT_EXECUTED, "action", place, str(error))
             return
-        was_active = self._was_active.get(step.id)
-        if was_active is None:
-            was_active = self._was_active[step.id] = self._new_variable(f"{step.name}_was_active")
-        text = each.body.text if isinstance(each.body, StBody) else f"{each.target} := {each.value or 'TRUE'};"
-        self._events.append(f"IF {was_active} AND {edge} THEN\n    {text}\nEND_IF;")
+        was_active = print_node(step_flag(step))
+        if not self._of_graph:
+            was_active = self._was_active.setdefault(step.id, "") or self._new_variable(f"{step.name}_was_active")
+            self._was_active[step.id] = was_active
+        self._events += [f"IF {was_active} AND {edge} THEN\n    {line}\nEND_IF;" for line in statements]
         step.actions.remove(each)
-        self._note(Outcome.TRANSLATED, "action", place, "a statement of the action that keeps the edges")
+        where = "permanent instruction" if self._of_graph else "action"
+        self._note(Outcome.TRANSLATED, "action", place, f"a statement of the {where} that keeps the edges")
+
+    def _drawable(self, text: str) -> list[str]:
+        """Return the assignments of a text, which is drawn with a condition before each."""
+        statements = parse_statements(text).tree.statements
+        if not all(isinstance(each, n.Assignment) for each in statements):
+            raise _TermError("a permanent instruction of S7-GRAPH is drawn, and has boxes for assignments only")
+        return [print_node(each) for each in statements]
 
     def _new_action(self, wanted: str, text: str) -> str:
         name = self._new_name(wanted)
