@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import re
 from contextlib import suppress
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 
@@ -151,3 +153,23 @@ def test_a_file_header_with_an_unknown_attribute_and_an_unknown_element_is_kept(
     project = sfc.loads(damaged)
     assert (project.header.extension_data.attributes, len(project.header.extension_data.elements)) == ({"odd": "1"}, 1)
     assert sfc.dumps(project) == damaged
+
+
+def test_variables_of_an_action_are_those_of_its_pou() -> None:
+    project = sfc.load(BROKEN / "variables_of_an_action.st")
+    assert [(each.code, each.location.line) for each in project.diagnostics] == [("IEC108", 4)]
+    assert [variable.name for variable in project.pous[0].interface.variables()] == ["x", "speed"]
+
+
+def test_a_workbook_whose_formats_cannot_be_written_again_keeps_its_sheets() -> None:
+    pytest.importorskip("openpyxl")
+    book = io.BytesIO()
+    with ZipFile(FIXTURES / "steplist" / "mixer.xlsx") as old, ZipFile(book, "w") as new:
+        for name in old.namelist():
+            new.writestr(name, re.sub(rb'(<pageMargins left=")[^"]*', rb"\g<1>" + b"1" * 400, old.read(name)))
+    project = sfc.loads(book.getvalue())
+    edited = next(project.charts()).chart.steps[0]
+    edited.comment = "edited"
+    written = sfc.convert(project)
+    assert [(item.outcome, item.what) for item in written.report.losses] == [(sfc.Outcome.APPROXIMATED, "file")]
+    assert next(sfc.loads(written.data).charts()).chart.steps[0].comment == "edited"

@@ -264,6 +264,10 @@ def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container:
         inner = _container(src, part, gap, f"{place} / {part.kind.lower()} ")
         in_place = [c for c, _ in inner.annotations.changes if c.path == ("in_place",)]
         inner.annotations.changes = [found for found in inner.annotations.changes if found[0] not in in_place]
+        if part.kind is PartKind.ACTION and inner.sections:
+            src.note("IEC108", "variables in an action: they are those of the POU now", part.start, inner.path)
+            container.sections += inner.sections
+            inner.sections = []
         fields = _finished(src, inner)
         body = _body(fields.pop("body", None), fields.pop("chart", None))
         if body is not None:

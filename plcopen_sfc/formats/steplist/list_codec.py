@@ -5,12 +5,13 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 
+from plcopen_sfc.errors import FormatError, StructureError
 from plcopen_sfc.formats.format_interface import Codec, ReadResult, WriteOptions
 from plcopen_sfc.formats.steplist.list_reader import read_list
 from plcopen_sfc.formats.steplist.list_tables import Sheet, laid_out
 from plcopen_sfc.formats.steplist.list_writer import tables_of
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.report import ConversionReport, Outcome
 
 
 class ListCodec(Codec):
@@ -37,5 +38,14 @@ class ListCodec(Codec):
         known = tables_of(self.read(options.source).project, ConversionReport())
         data = self.encode(laid_out(tables, old, known), options.source)
         whole = self.encode(laid_out(tables, old), options.source)
-        # a list that has its actions and transitions in other rows than those that are written of it
-        return data if self.read(data).project == self.read(whole).project else whole
+        try:
+            # a list that has its actions and transitions in other rows than those that are written of it
+            return data if self.read(data).project == self.read(whole).project else whole
+        except StructureError:
+            raise
+        except FormatError as error:  # a workbook with a margin of 400 digits: openpyxl reads it, and writes nothing
+            why = f"its sheets are in a new file without its formats, which cannot be written again: {error.message}"
+            report.add(Outcome.APPROXIMATED, "file", "", why)
+            new = laid_out(tables, old)
+            names = {sheet.name for sheet in new}
+            return self.encode([*new, *(sheet for sheet in old if sheet.name not in names)], b"")

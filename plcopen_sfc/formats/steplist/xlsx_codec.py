@@ -145,7 +145,7 @@ def _format(page: Worksheet, rows: Sequence[Sequence[str]]) -> None:
     """Make a new sheet readable: bold headings that stay in sight, columns as wide as their texts."""
     from openpyxl.styles import Alignment, Font  # noqa: PLC0415  # an extra
 
-    for place, heading in enumerate(rows[0]):
+    for place, heading in enumerate(rows[0] if rows else ()):
         page.cell(1, place + 1).font = Font(bold=True)
         texts = [line for row in rows for line in row[place].splitlines()]
         letters = cell_name(0, place)[:-1]
