@@ -7,7 +7,6 @@ restore from comments what the tool never sees.
 from __future__ import annotations
 
 import os
-import re
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -33,6 +32,8 @@ from plcopen_sfc.documents.storage import (
 from plcopen_sfc.errors import LossError, LoweringError
 from plcopen_sfc.files import refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.languages.binding import names_in
+from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.lowering import LoweredPou, lower_project
 from plcopen_sfc.lowering.chart_lowering import LoweringOptions, faults_of
 from plcopen_sfc.lowering.construction import errors_of
@@ -257,7 +258,8 @@ _DECLARED_ELSEWHERE = frozenset({UNDECLARED, UNDECLARED_TYPE, "global variable",
 def _asked_for(project: Project, name: str, pou: str | None) -> tuple[Project, list[Pou]]:
     """Return the project without the POUs that were not asked for, and these, where they would be no charts any more.
 
-    Only what the POU called `pou` names stays, and what that names in turn. Global variables stay.
+    Only what the POU called `pou` names stays, and what that names in turn: POUs, types and global variables. Facts
+    about the project it came from are none of the code.
     """
     if pou is None or name != "scl":
         return project, []
@@ -266,12 +268,20 @@ def _asked_for(project: Project, name: str, pou: str | None) -> tuple[Project, l
     left_out = [each for each in project.pous if each.name.casefold() not in needed]
     copy.pous = [each for each in copy.pous if each.name.casefold() in needed]
     copy.data_types = [each for each in copy.data_types if each.name.casefold() in needed]
+    for field in _FACTS:
+        setattr(copy, field, Project.model_fields[field].get_default(call_default_factory=True))
+    for section in copy.global_sections():
+        section.variables = [each for each in section.variables if each.name.replace('"', "").casefold() in needed]
     for resource in copy.resources():
         resource.instances = _instances_of(needed, resource.instances)
         for task in resource.tasks:
             task.instances = _instances_of(needed, task.instances)
         resource.tasks = [task for task in resource.tasks if task.instances]
+    copy.global_variables = [each for each in copy.global_variables if each.variables]
     return copy, left_out
+
+
+_FACTS = "name header version modified organization author language content_comment content_extension_data tree".split()
 
 
 def _instances_of(needed: set[str], instances: Iterable[PouInstance]) -> list[PouInstance]:
@@ -279,19 +289,17 @@ def _instances_of(needed: set[str], instances: Iterable[PouInstance]) -> list[Po
 
 
 def _needed(project: Project, pou: str) -> set[str]:
-    """Return what a POU needs of the project, itself included: names in lower case, by the words in its texts."""
+    """Return what a POU needs of the project, itself included: names in lower case, by the names in its texts."""
     variables = [each for section in project.global_sections() for each in section.variables]
     things: list[Pou | DataTypeDeclaration | DataBlock | Variable]
     things = [*project.pous, *project.data_types, *project.data_blocks, *variables]
     by_name = {each.name.replace('"', "").casefold(): each for each in things}
+    dialect = dialect_of(project)
     found: set[str] = set()
     waiting = {pou.casefold()}
     while waiting:
         name = waiting.pop()
         found.add(name)
-        words = set(_WORD.findall(by_name[name].model_dump_json().casefold()))
-        waiting |= (words & by_name.keys()) - found
+        named = {each.replace('"', "").casefold() for each in names_in(by_name[name], dialect)}
+        waiting |= (named & by_name.keys()) - found
     return found
-
-
-_WORD = re.compile(r"\w+")

@@ -218,10 +218,9 @@ def _lines(lowered: LoweredPou) -> Iterator[str]:
 
 def _source(project: Project) -> str:
     """Return the file and the tool of a project, as far as they are known."""
-    source, header = project.source, project.header
+    source = project.source
     name = PurePath(source.path).name if source is not None and source.path else ""
-    tool = " ".join(filter(None, [header.product, header.version])) if header is not None else ""
-    return ", ".join(filter(None, [name, tool]))
+    return ", ".join(filter(None, [name, project.header.tool]))
 
 
 def _reading(lowered: LoweredPou, texts: Texts) -> Iterator[str]:

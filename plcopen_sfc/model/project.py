@@ -41,6 +41,12 @@ class FileHeader(Model):
     description: str | None = None
     extension_data: ExtensionData | None = None
 
+    @property
+    def tool(self) -> str:
+        """The tool and its version in one text, in which no name is twice: ``CODESYS V3.5 SP18``."""
+        repeated = self.product and self.version.startswith(self.product)
+        return self.version if repeated else f"{self.product} {self.version}".strip()
+
 
 class Scaling(Model):
     """Units of the drawings of one language; None where the file has none."""

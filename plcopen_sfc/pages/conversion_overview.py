@@ -157,10 +157,9 @@ def _path_of(project: Project | None) -> str:
 
 
 def _file(caption: str, project: Project, format_name: str, path: str) -> Iterator[tuple[str, str]]:
-    header, source = project.header, project.source
-    made_by = " ".join(filter(None, (header.product, header.version)))
+    source = project.source
     version = source.version if source is not None else ""
-    yield caption, ", ".join(filter(None, (path, f"{format_name} {version}".strip(), made_by)))
+    yield caption, ", ".join(filter(None, (path, f"{format_name} {version}".strip(), project.header.tool)))
     content = getattr(source, "content", None)
     if isinstance(content, bytes):
         yield "SHA-256", sha256(content).hexdigest()

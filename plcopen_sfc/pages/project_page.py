@@ -156,7 +156,7 @@ class _ProjectContent:
         charts = [part.chart for parts in self.index.parts.values() for part in parts]
         facts = [
             (words("Format"), f"{project.source.format} {project.source.version}" if project.source else ""),
-            (words("Tool"), f"{project.header.product} {project.header.version}"),
+            (words("Tool"), project.header.tool),
             (words("Charts"), str(len(charts))),
             (words("Steps"), str(sum(len(chart.steps) for chart in charts))),
             (words("Transitions"), str(sum(len(chart.transitions) for chart in charts))),

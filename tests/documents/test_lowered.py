@@ -222,3 +222,22 @@ def test_a_source_of_scl_has_the_pou_that_was_asked_for_and_what_it_needs(
     assert blocks == needed
     left_out = {item.path for item in made.report.items if "not asked for" in item.why}
     assert left_out == {f"POU {pou.name}" for pou in project.pous} - {f"POU {each}" for each in needed}
+
+
+def test_a_source_of_scl_has_nothing_of_the_rest_of_the_project(tmp_path: Path) -> None:
+    project, path = sfc.load("fixtures/codesys/sorting_conveyor.xml"), tmp_path / "pusher.scl"
+    made = sfc.lower_to_file(project, str(path), format="scl", pou="FB_Pusher", verify=False)
+    text = path.read_text(encoding="utf-8-sig")
+    assert "GVL_" not in text
+    assert "ACT_Classify" not in text
+    assert "// Chart FB_Pusher of sorting_conveyor.xml, CODESYS V3.5 SP18 Patch 3, as code" in text
+    assert not [item for item in made.report.items if item.what == "global variable"]
+
+
+def test_global_variables_that_the_code_names_must_be_in_the_project(tmp_path: Path) -> None:
+    project, path = sfc.load("fixtures/steplist/mixer.csv"), tmp_path / "mixer.scl"
+    project.global_variables[0].variables.append(boolean("Spare"))
+    made = sfc.lower_to_file(project, str(path), format="scl", pou="Mixer", verify=False)
+    named = [item.path for item in made.report.items if item.what == "global variable"]
+    assert "Start" in named
+    assert "Spare" not in named

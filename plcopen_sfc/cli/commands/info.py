@@ -9,7 +9,7 @@ from plcopen_sfc.cli.many_files import ManyFiles, for_each
 from plcopen_sfc.cli.reading import exit_code_for, finding_data, load_input
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.cli.summary import FileSummary, all_charts, outline, summarise
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import FileHeader, Project
 
 _FEW_CHARTS = 4
 
@@ -47,7 +47,7 @@ def _print_file(screen: Screen, summary: FileSummary) -> None:
     bodies = ", ".join(f"{count} {language}" for language, count in summary.languages.items())
     facts = {
         "format": f"{summary.format} ({', '.join(filter(None, (summary.format_title, summary.dialect)))})",
-        "tool": f"{summary.tool} {_without(summary.tool_version, summary.tool)}".strip(),
+        "tool": FileHeader(product=summary.tool, version=summary.tool_version).tool,
         "project": summary.project,
         "file": f"{_count(summary)}{summary.size:,} bytes, {summary.encoding}, {summary.line_ends}",
         "POUs": pous,
@@ -114,11 +114,6 @@ def _print_outlines(screen: Screen, project: Project) -> None:
         screen.line()
         screen.line((name, "bold underline"))
         screen.lines(outline(chart, unicode=screen.unicode, dialect=project.dialect))
-
-
-def _without(version: str, tool: str) -> str:
-    """The version alone, where the file repeats the tool's name in it."""
-    return version.removeprefix(tool).strip() if tool else version
 
 
 _KINDS = {"functionBlock": "function block", "organizationBlock": "organization block"}
