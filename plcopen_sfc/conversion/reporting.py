@@ -35,7 +35,7 @@ from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
+from plcopen_sfc.report import CHART_OF_ACTION, LOSSES, ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
@@ -46,9 +46,11 @@ if TYPE_CHECKING:
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
-_APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, "retain", "address", "interval", "max time", "maximum time"}
+_APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, CHART_OF_ACTION}
+_APART |= {"retain", "address", "interval", "max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
-the chart of a GRAFCET may have no step that is only passed, and begins one scan later."""
+the chart of a GRAFCET may have no step that is only passed, and begins one scan later. A block for the chart of an
+action may do the same."""
 
 
 def report_running(
@@ -105,7 +107,9 @@ def report_running(
         report.compared[there.report_path] = str(verdict).splitlines()[0]
         usual = 1 if profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result has passed other situations
         if verdict.kind is VerdictKind.PROVEN and abs(verdict.delay.scans) <= usual:
-            _note_stability(report, there.report_path)
+            _note_proven(report, there.report_path, STABILITY, "which fires transitions once in a scan")
+        if verdict.kind is VerdictKind.PROVEN:
+            _note_proven(report, there.report_path, CHART_OF_ACTION, "which calls a block for the chart of the action")
         if verdict.counterexample is not None:
             report.add(Outcome.APPROXIMATED, "chart", there.report_path, _refused(verdict.counterexample, tool))
         elif not as_run.equal:
@@ -145,11 +149,11 @@ def _told_apart(profiles: tuple[Profile, Profile], tool: str) -> str:
     return f"; {held[0]} tests no transition in its first scan" if len(held) == 1 else ""
 
 
-def _note_stability(report: ConversionReport, path: str) -> None:
-    """Tell that one evolution in a scan does the same as the search for stability."""
+def _note_proven(report: ConversionReport, path: str, what: str, how: str) -> None:
+    """Tell that the target does the same, `how` says in what way, where the report was not sure of it."""
     for at, item in enumerate(report.items):
-        if item.what == STABILITY and item.path == path:
-            why = "with all inputs the target, which fires transitions once in a scan, does the same"
+        if item.what == what and item.path == path:
+            why = f"with all inputs the target, {how}, does the same"
             report.items[at] = replace(item, outcome=Outcome.TRANSLATED, why=why)
 
 

@@ -12,6 +12,7 @@ exports)::
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
@@ -24,7 +25,7 @@ from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, walk
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
@@ -58,6 +59,8 @@ class ActionCalls:
     """Puts the statements of the actions of a project in SCL in the place of calls of them."""
 
     def __init__(self, project: Project) -> None:
+        self.call_of_chart: Callable[[Pou, Action], str | None] = lambda _owner, _action: None
+        """Returns the statement that executes the chart of an action once; None where there is none."""
         self._resolver = Resolver(project, Dialect.SCL)
         self._names = frozenset(action.name.casefold() for pou in project.pous for action in pou.actions)
         programs = names_of_programs(project) if self._names else {}
@@ -158,7 +161,7 @@ class ActionCalls:
         if isinstance(callee, n.Member) and isinstance(head, n.Name) and self._is_type(head):
             raise _NoStatementsError(f"{head.identifier} is a block without a data block of its own")
         path = text[slice(*callee.base.span)] if isinstance(callee, n.Member) and callee.base.span is not None else ""
-        inner = self._inline(_code(action), owner, (*around, action))
+        inner = self._inline(self._code(action, owner), owner, (*around, action))
         if inner.problems:
             raise _NoStatementsError(inner.problems[0])
         before, after = _arguments(call, path, text)
@@ -166,6 +169,15 @@ class ActionCalls:
         of = f" of {path}" if path else ""
         lines = [*before, f"// action {action.name}{of}", code.strip("\r\n") or ";", *after]
         return "\n".join(lines)
+
+    def _code(self, action: Action, owner: Pou) -> str:
+        """Return the statements of an action."""
+        if not isinstance(action.body, SfcBody):
+            return _code(action)
+        call = self.call_of_chart(owner, action)
+        if call is None:
+            raise _NoStatementsError("its chart is no block of its own")
+        return call
 
     def _at(self, text: str, owner: Pou, path: str) -> str:
         """Return statements of a block as others write them that have an instance of it."""

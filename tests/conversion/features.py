@@ -179,6 +179,13 @@ def _chart_action(rig: Rig) -> None:
     rig.act("Done", "q")
 
 
+def _calls_an_action(rig: Rig) -> None:
+    rig.action("Count", m.StBody(text="n := n + 1;\nIF n > 3 THEN Clear(); END_IF;"))
+    rig.action("Clear", m.StBody(text="n := 0;\nr := NOT r;"))
+    rig.act("Work", "Count")
+    rig.act("Done", "q")
+
+
 def _priority(rig: Rig) -> None:
     rig.chart.add_step("Other")
     first = rig.chart.transitions[0]
@@ -510,6 +517,7 @@ def _features() -> Iterator[Feature]:
     yield Feature("action in ST with P", _IEC, _program("P"))
     yield Feature("action in place", ("plcopen", "iec-text"), _in_place)
     yield Feature("action that is a chart", ("codesys", "plcopen"), _chart_action)
+    yield Feature("action that calls another one", ("codesys",), _calls_an_action)
     for kind in ("entry", "main", "exit"):
         yield Feature(f"{kind} action", ("codesys",), _step_action(kind))
     yield Feature("priority", _ALL, _priority)

@@ -32,6 +32,7 @@ CAUTIOUS = {
     ("retain", "codesys"): _IMPORT,
     ("macro-step", "codesys"): _IMPORT,
     ("negated action", "codesys"): _IMPORT,
+    ("action that is a chart", "simaticml"): "the chart in the action does not go on as the action ends",
     ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",
     ("enumeration", "simaticml"): _FINAL,
     ("counter", "codesys-export"): "nothing in the chart reads the counter",
@@ -53,7 +54,6 @@ REASONS = {
         "negated action|macro-step|drawn logic": "textual SFC has no such element",
     },
     "simaticml": {
-        "action that is a chart": "S7-GRAPH has no charts in actions, and no block is written for one yet",
         "SFCInit|SFCReset|SFCPause|maximum time": "S7-GRAPH has no SFC flags; statements for them are not written yet",
         "priority of a convergence": "a branch of S7-GRAPH cannot begin where a simultaneous one ends",
         "macro-step|drawn logic": "S7-GRAPH has no such element",

@@ -1,4 +1,4 @@
-"""Functions in SCL that hold the statements of actions: a row of S7-GRAPH has room for one assignment or call.
+"""Functions in SCL and blocks in GRAPH for actions: a row of S7-GRAPH has room for one assignment or call.
 
 A function of S7 keeps nothing and sees no variable of the block that calls it. So it gets each local variable that its
 statements name under the same name: as input if they only read it, else as in-out parameter. A row that calls it
@@ -6,25 +6,33 @@ passes the variables. The statements stay as they are.
 
 Instances of function blocks are in-out parameters: TIA Portal documents them as parameter instances, from V14 on, for
 the S7-1500 and the S7-1200. No sample shows how it exports them.
+
+The chart of an action is a function block with the same parameters. The block that has the action has one instance of
+it, as CODESYS has one chart: it goes on from where it was when it was last executed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field
 
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites_in
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_globals import global_names
 from plcopen_sfc.languages.s7_programs import s7_programs
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_statements, print_node, walk
-from plcopen_sfc.languages.st.effects import ANYTHING, effects, path_of
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, walk
+from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path, effects, path_of
+from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, StandardBlock, standard_block
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.network import Coil, OutputPin, OutputVariable
+from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, ElementaryType, StringType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
@@ -52,12 +60,34 @@ class ActionControls:
     """What is told of each association, by the ids of its step and its own."""
 
 
+@dataclass(frozen=True)
+class ActionChart:
+    """The block for the chart of an action of `owner`, and the variable of `owner` that is the instance of it."""
+
+    owner: Pou
+    action: Action
+    block: Pou
+    instance: Variable
+
+    @property
+    def call(self) -> str:
+        """The statement that executes the chart once."""
+        names = [variable.name for variable in self.block.variables()]
+        return f"#{self.instance.name}({', '.join(f'{name} := #{name}' for name in names)});"
+
+
 class ActionFunctions:
     """The functions of the actions of a project; they have the same names whenever they are made in the same order."""
 
     def __init__(self, project: Project, calls: ActionCalls) -> None:
         self.made: list[Pou] = []
         self.calls = calls
+        calls.call_of_chart = self._call_of_chart
+        self.told: set[int] = set()
+        """Ids of the actions that rows execute, or that a step is told not to execute."""
+        self.charts: dict[str, ActionChart] = {}
+        """Blocks for charts of actions, by their names in lower case."""
+        self._of_actions: dict[int, ActionChart | str] = {}
         self._found: dict[tuple[str, str, str], Pou | str] = {}
         self._is_of_folder = (
             project.source is not None and project.source.format == "simaticml" and project.source.is_folder
@@ -91,26 +121,61 @@ class ActionFunctions:
                 self.made.append(found)
         return found
 
-    def _make(self, pou: Pou, label: str, body: StBody) -> Pou | str:
-        parsed = parse_statements(body.text, Dialect.SCL)
-        if parsed.problems:
-            return "its text cannot be read"
-        tree = parsed.tree
-        used = {
-            each.identifier.casefold() for each in walk(tree) if isinstance(each, n.Name) and each.quoting in _LOCAL
-        }
-        interface = pou.interface or Interface()
-        known = {v.name.casefold(): (section, v) for section in interface.sections for v in section.variables}
+    def chart(self, pou: Pou, action: Action) -> ActionChart | str:
+        """Return the block for the chart of an action of `pou`; a reason where there is none."""
+        around = self.charts.get(pou.name.casefold())
+        owner = around.owner if around is not None else pou
+        found = self._of_actions.get(id(action))
+        if found is None:
+            self._of_actions[id(action)] = "it executes itself"
+            found = self._of_actions[id(action)] = self._make_chart(owner, action)
+            if isinstance(found, ActionChart):
+                self.made.append(found.block)
+                self.charts[found.block.name.casefold()] = found
+        return found
+
+    def instances(self, pou: Pou) -> list[Variable]:
+        """Return the instances of the blocks for charts of the actions of `pou`."""
+        return [chart.instance for chart in self.charts.values() if chart.owner.name == pou.name]
+
+    def _call_of_chart(self, owner: Pou, action: Action) -> str | None:
+        found = self.chart(owner, action)
+        return found.call if isinstance(found, ActionChart) else None
+
+    def _make_chart(self, owner: Pou, action: Action) -> ActionChart | str:
+        if self._is_of_folder:
+            return "the block for it is a file of its own, which an edit of the folder does not write"
+        if not isinstance(action.body, SfcBody):
+            return "it is no chart"
+        chart = action.body.chart
+        if not chart.steps:
+            return "it has no steps"
+        uses = _Uses(owner, self)
+        uses.add(chart)
+        if uses.problem:
+            return uses.problem
+        taken = {variable.name.casefold() for variable in owner.variables()}
+        interface = self._parameters(owner, uses.names - {step.name.casefold() for step in chart.steps}, uses.writes)
+        if isinstance(interface, str):
+            return interface
+        name = f"{action.name}_chart"
+        while name.casefold() in taken:
+            name += "_"
+        block = Pou(
+            name=self._free(f"{owner.name}_{action.name}"[:_LONGEST]),
+            kind=PouKind.FUNCTION_BLOCK,
+            interface=interface,
+            bodies=[action.body],
+            actions=owner.actions,
+            transitions=owner.transitions,
+        )
+        return ActionChart(owner, action, block, Variable(name=name, type=DerivedType(name=block.name)))
+
+    def _parameters(self, pou: Pou, used: Set[str], written: Set[str]) -> Interface | str:
+        """Return the parameters of a block that uses variables of `pou`; a reason where they cannot be parameters."""
+        known = {v.name.casefold(): (s, v) for s in _sections(pou) for v in s.variables}
+        known |= {v.name.casefold(): (VariableSection(kind=SectionKind.LOCAL), v) for v in self.instances(pou)}
         blocks = {name: block for name, (_, v) in known.items() if (block := self._block(v.type)) is not None}
-        functions = {name: each for name, each in self._pous.items() if each.kind is PouKind.FUNCTION}
-        # what a block or a function of the project does beside its parameters it does wherever it is called
-        found = effects(tree.statements, {(name,) for name in (*blocks, *functions)})
-        written = {path[0] for path in found.writes if path} | set(_passed_in_out(tree, {**functions, **blocks}))
-        own = {method.name.casefold() for method in pou.methods}
-        if not own.isdisjoint(path[0] for path in found.calls if path):
-            return "it calls a method"
-        if ANYTHING in found.writes:
-            return "it writes what its text does not name"
         for name in sorted(used - known.keys()):
             return f"it uses {name}, which is no variable of the block"
         sections = {kind: VariableSection(kind=kind) for kind in (SectionKind.INPUT, SectionKind.IN_OUT)}
@@ -126,7 +191,48 @@ class ActionFunctions:
                 return f"it writes the input {variable.name}"
             kind = SectionKind.INPUT if is_input and name not in blocks else SectionKind.IN_OUT
             sections[kind].variables.append(Variable(name=variable.name, type=variable.type))
-        filled = Interface(sections=[section for section in sections.values() if section.variables])
+        return Interface(sections=[section for section in sections.values() if section.variables])
+
+    def effects(self, pou: Pou, tree: n.Statements) -> Effects:
+        """Return what statements of `pou` read and write, beside what a block does in its own variables."""
+        called = self._called(pou, tree)
+        found = effects(tree.statements, set(called))
+        return Effects(found.reads, found.writes | {(name,) for name in _passed_in_out(tree, called)}, found.calls)
+
+    def _called(self, pou: Pou, tree: n.Statements) -> dict[Path, Pou | StandardBlock]:
+        """Return the functions and the instances that statements of `pou` call, by their paths."""
+        found: dict[Path, Pou | StandardBlock] = {
+            (name,): each for name, each in self._pous.items() if each.kind is PouKind.FUNCTION
+        }
+        for call in walk(tree):
+            path = path_of(call.callee) if isinstance(call, n.Call) else None
+            block: Pou | StandardBlock | None = pou
+            for name in path or ():
+                inside = (*block.variables(), *self.instances(block)) if isinstance(block, Pou) else ()
+                variable = next((each for each in inside if each.name.casefold() == name.casefold()), None)
+                block = self._block(variable.type) if variable is not None else None
+            if path and block is not None:
+                found[path] = block
+        return found
+
+    def _make(self, pou: Pou, label: str, body: StBody) -> Pou | str:
+        parsed = parse_statements(body.text, Dialect.SCL)
+        if parsed.problems:
+            return "its text cannot be read"
+        tree = parsed.tree
+        used = {
+            each.identifier.casefold() for each in walk(tree) if isinstance(each, n.Name) and each.quoting in _LOCAL
+        }
+        found = self.effects(pou, tree)
+        written = {path[0] for path in found.writes if path}
+        own = {method.name.casefold() for method in pou.methods}
+        if not own.isdisjoint(path[0] for path in found.calls if path):
+            return "it calls a method"
+        if ANYTHING in found.writes:
+            return "it writes what its text does not name"
+        filled = self._parameters(pou, used, written)
+        if isinstance(filled, str):
+            return filled
         return Pou(
             name=self._free(f"{pou.name}_{label}"[:_LONGEST]), kind=PouKind.FUNCTION, interface=filled, bodies=[body]
         )
@@ -136,7 +242,8 @@ class ActionFunctions:
         if not isinstance(type_, DerivedType):
             return None
         name = type_.name.strip('"')
-        own, standard = self._pous.get(name.casefold()), standard_block(_INSTANCES.get(name.upper(), name))
+        made = next((each for each in self.made if each.name.casefold() == name.casefold()), None)
+        own, standard = self._pous.get(name.casefold(), made), standard_block(_INSTANCES.get(name.upper(), name))
         if own is not None:
             return own if own.kind is PouKind.FUNCTION_BLOCK else None
         return standard if standard is not None and standard.stateful else None
@@ -158,14 +265,89 @@ class ActionFunctions:
         return name
 
 
-def _passed_in_out(tree: n.Node, called: Mapping[str, Pou | StandardBlock]) -> Iterator[str]:
+class _Uses:
+    """Names of local variables in a chart, and in all that it executes of its POU: all of them, and those it writes."""
+
+    def __init__(self, owner: Pou, functions: ActionFunctions) -> None:
+        self._owner, self._functions = owner, functions
+        self.names: set[str] = set()
+        self.writes: set[str] = set()
+        self.problem = ""
+        self._followed: set[int] = set()
+
+    def add(self, chart: SfcNetwork) -> None:
+        """Add a chart of the POU."""
+        for text_site in text_sites_in(chart):
+            if isinstance(text_site.holder, NamedCondition):
+                name = text_site.text.removeprefix("#").strip('"').casefold()
+                for transition in (each for each in self._owner.transitions if each.name.casefold() == name):
+                    for inner in text_sites_in(transition):
+                        self._add_text(inner)
+            else:
+                self._add_text(text_site)
+        for _, row in chart.associations():
+            if row.target is not None and not self._follow(row.target) and (path := _path(row.target)):
+                self.writes.add(path)
+        for step in chart.steps:
+            for code in (step.entry_action, step.main_action, step.exit_action):
+                if isinstance(code, str):
+                    self._follow(code)
+
+    def _follow(self, name: str) -> bool:
+        """Add the action that a name is. Returns True if it is one."""
+        action = self._owner.find_action(name.removeprefix("#").strip('"'))
+        if action is None:
+            return False
+        if id(action) not in self._followed:
+            self._followed.add(id(action))
+            if isinstance(action.body, SfcBody):
+                found = self._functions.chart(self._owner, action)
+                if isinstance(found, str):
+                    self.problem = self.problem or f"{action.name}: {found}"
+                else:
+                    self._add_statements(found.call)
+            elif action.body is not None:
+                for text_site in text_sites_in(action.body):
+                    self._add_text(text_site)
+        return True
+
+    def _add_text(self, text_site: TextSite) -> None:
+        if text_site.reading is SiteKind.STATEMENTS:
+            self._add_statements(text_site.text)
+        elif text_site.reading is SiteKind.EXPRESSION:
+            self._add_names(text_site.text)
+            if isinstance(text_site.holder, Coil | OutputVariable | OutputPin) and (path := _path(text_site.text)):
+                self.writes.add(path)
+
+    def _add_statements(self, text: str) -> None:
+        text = self._functions.calls.inlined(text, self._owner).text
+        self._add_names(text)
+        tree = parse_statements(text, Dialect.SCL).tree
+        self.writes |= {path[0] for path in self._functions.effects(self._owner, tree).writes if path}
+
+    def _add_names(self, text: str) -> None:
+        actions = {action.name.casefold() for action in self._owner.actions}
+        for token in tokenize(text, Dialect.SCL).tokens:
+            if token.value.startswith("#"):
+                name = token.value[1:].strip('"').casefold()
+                self.names |= {name} - actions
+
+
+def _path(text: str) -> str:
+    """Return the variable that an operand is or is a part of, in lower case."""
+    tree = parse_expression(text, Dialect.SCL).tree
+    path = path_of(tree) if tree is not None else None
+    return path[0].casefold() if path else ""
+
+
+def _sections(pou: Pou) -> list[VariableSection]:
+    return pou.interface.sections if pou.interface is not None else []
+
+
+def _passed_in_out(tree: n.Node, called: Mapping[Path, Pou | StandardBlock]) -> Iterator[str]:
     """Yield the variables that a tree passes to in-out parameters of what it calls."""
     for call in walk(tree):
-        block = (
-            called.get(call.callee.identifier.casefold())
-            if isinstance(call, n.Call) and isinstance(call.callee, n.Name)
-            else None
-        )
+        block = called.get(path_of(call.callee) or ()) if isinstance(call, n.Call) else None
         if not isinstance(call, n.Call) or not isinstance(block, Pou):
             continue
         changed = {variable.name.casefold() for variable in block.variables(SectionKind.IN_OUT)}

@@ -36,7 +36,7 @@ from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody, SfcBody, S
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
 from plcopen_sfc.report import Outcome
 
@@ -116,6 +116,8 @@ class RowPlanner:
 
     def _rows(self, body: Body, label: str) -> PlannedRows:
         """Return the statements of a body as rows without a time: as assignments, or as the call of a function."""
+        if self._pou is not None and isinstance(body, SfcBody):
+            return self._chart(self._pou, body, label)
         if self._pou is not None:
             body = self._functions.calls.body(body, self._pou)
         rows = _assignments(body)
@@ -128,6 +130,17 @@ class RowPlanner:
         return PlannedRows(
             (row,), Outcome.TRANSLATED, f"its statements are the function {function.name}, which a row calls"
         )
+
+    def _chart(self, pou: Pou, body: SfcBody, label: str) -> PlannedRows:
+        """Return the row that executes the chart of an action once."""
+        action = next((each for each in pou.actions if each.body is body), None)
+        if action is None:
+            return PlannedRows(why=f"S7-GRAPH has no charts in actions, and {label} is none of the block")
+        chart = self._functions.chart(pou, action)
+        if isinstance(chart, str):
+            return PlannedRows(why=f"S7-GRAPH has no charts in actions, and no block holds it: {chart}")
+        row = ActionAssociation(id=0, qualifier=Qualifier.CALL, body=StBody(text=chart.call))
+        return PlannedRows((row,), Outcome.TRANSLATED, f"its chart is the block {chart.block.name}, which a row calls")
 
     def _is_row(self, action: ActionAssociation) -> bool:
         """True for a call, and for a row of TIA Portal that no rule fits."""
@@ -158,6 +171,7 @@ class RowPlanner:
                 return None
             own = self._pou.find_action(path[0])
             assert own is not None  # noqa: S101  # as was asked
+            self._functions.told.add(id(own))
             return own.body if own.body is not None else StBody(text="")
         block = self._instance(path)
         if block is None:
@@ -440,17 +454,30 @@ def _still_means(kept: etree._Element, action: ActionAssociation) -> bool:
 def action_functions(project: Project, calls: ActionCalls) -> ActionFunctions:
     """Return the functions of all actions of `project` that the rows of its charts call."""
     functions = ActionFunctions(project, calls)
-    charts = [(pou, body.chart) for pou in project.pous for body in pou.bodies if isinstance(body, SfcBody)]
-    for pou, chart in charts:
-        controls = action_controls(project, pou, chart, functions)
-        planner = RowPlanner(project, pou, functions, controls, of_tia=markup_of(project) is Markup.SIMATICML)
-        for step in (each for each in chart.steps if not each.exclude):
-            for code, event in ((step.entry_action, _S1), (step.main_action, None), (step.exit_action, _S0)):
-                if code is not None:
-                    planner.step_action(code, step, event)
-            for action in step.actions:
-                planner.association(action, step)
+    for _, pou, body in project.bodies():
+        if isinstance(body, StBody) and any(body is each for each in pou.bodies):
+            calls.inlined(body.text, pou)
+    waiting = [pou for pou in project.pous if any(isinstance(body, SfcBody) for body in pou.bodies)]
+    waiting += [chart.block for chart in functions.charts.values()]
+    for pou in waiting:  # it grows
+        known = set(functions.charts)
+        for body in pou.bodies:
+            if isinstance(body, SfcBody):
+                _plan(functions, project, pou, body.chart)
+        waiting += [chart.block for name, chart in functions.charts.items() if name not in known]
     return functions
+
+
+def _plan(functions: ActionFunctions, project: Project, pou: Pou, chart: SfcNetwork) -> None:
+    """Make the functions and blocks of all actions of a chart."""
+    controls = action_controls(project, pou, chart, functions)
+    planner = RowPlanner(project, pou, functions, controls, of_tia=markup_of(project) is Markup.SIMATICML)
+    for step in (each for each in chart.steps if not each.exclude):
+        for code, event in ((step.entry_action, _S1), (step.main_action, None), (step.exit_action, _S0)):
+            if code is not None:
+                planner.step_action(code, step, event)
+        for action in step.actions:
+            planner.association(action, step)
 
 
 def functions_of(ctx: DocumentWriting) -> ActionFunctions:

@@ -107,10 +107,9 @@ def write_units(ctx: DocumentWriting, parent: etree._Element, body: Body) -> Non
 
 def _without_calls(ctx: DocumentWriting, body: StBody) -> StBody:
     """Return a body with statements of actions in place of the calls of them; itself if there are none."""
-    pou = next((each for each in ctx.project.pous if each.name == ctx.body_name), None)
-    if pou is None:
-        return body
-    found = ctx.action_calls.inlined(body.text, pou)
+    if not any(ctx.pou is each for each in ctx.project.pous) or ctx.pou is None:
+        return body  # it was added, and calls nothing that is not there
+    found = ctx.action_calls.inlined(body.text, ctx.pou)
     if found.called:
         why = f"the statements of actions are in place of the calls of {', '.join(dict.fromkeys(found.called))}"
         ctx.note(Outcome.TRANSLATED, "code", why=why)

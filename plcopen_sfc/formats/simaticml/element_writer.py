@@ -19,6 +19,7 @@ from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_globals import called_actions
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import ExtensionData, Model
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, Tag
 from plcopen_sfc.model.text import MultilingualText, Text, plain
 from plcopen_sfc.object_path import ObjectPath
@@ -74,6 +75,8 @@ class DocumentWriting:
         """Functions that hold the statements of actions; made with the first chart."""
         self.action_controls: ActionControls | None = None
         """Action controls of the chart of the block being written."""
+        self.pou: Pou | None = None
+        """The block being written."""
         self.body_name = ""
         """Name of the body being written, as `Pou.named_bodies` gives it."""
 

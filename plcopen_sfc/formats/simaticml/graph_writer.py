@@ -106,7 +106,7 @@ class _ChartWriter:
         self._labels = chart.labels()
         self.last_transition = max(self.transition_numbers.values(), default=0)
         self.of_tia = markup_of(ctx.project) is Markup.SIMATICML
-        pou = next((pou for pou in ctx.project.pous if pou.name == ctx.body_name), None)
+        pou = ctx.pou
         planner = RowPlanner(ctx.project, pou, functions_of(ctx), ctx.action_controls, of_tia=self.of_tia)
         self.rows = RowsWriter(ctx, planner)
         transitions = pou.transitions if pou is not None else []

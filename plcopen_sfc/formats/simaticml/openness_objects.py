@@ -57,7 +57,7 @@ from plcopen_sfc.model.project import Tag, TagTable
 from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, SimpleValue, StructType, Variable
 from plcopen_sfc.model.variables import Interface
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import CHART_OF_ACTION, Outcome
 
 POUS = {
     "SW.Blocks.FB": PouKind.FUNCTION_BLOCK,
@@ -127,8 +127,13 @@ def read_pou(ctx: DocumentReading, element: etree._Element) -> Fields:
 def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     """Write a code block. A program becomes a function block: TIA Portal has none."""
     writer = _Object(ctx, parent, _POU_TAGS.get(pou.kind, "SW.Blocks.FB"), pou)
-    ctx.place.append(f"POU {pou.name}")
-    ctx.body_name = pou.name
+    functions = functions_of(ctx)
+    chart_of_action = functions.charts.get(pou.name.casefold())
+    if chart_of_action is not None:
+        ctx.place += [f"POU {chart_of_action.owner.name}", f"action {chart_of_action.action.name}"]
+    else:
+        ctx.place.append(f"POU {pou.name}")
+    ctx.body_name, ctx.pou = pou.name, pou
     ctx.types = types_of(ctx.project, pou)
     sections = pou.interface.sections if pou.interface is not None else []
     constants = [variable for section in sections if holds_constants(section) for variable in section.variables]
@@ -141,12 +146,20 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     elif pou.kind is PouKind.PROGRAM:
         report_program(ctx.project, pou, ctx.report)
     chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
-    added: list[Variable] = []
+    added = functions.instances(pou)
+    if added and ctx.options.of_codesys:
+        why = (
+            "charts in actions show a new step one call later in CODESYS: where such an action ends just then, the step"
+            " acts before it ends in TIA Portal, and when it begins again in CODESYS"
+        )
+        ctx.note(Outcome.APPROXIMATED, CHART_OF_ACTION, why=why)
+    ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
     ctx.action_controls = None
     if chart is not None and _may_have_controls(ctx):
         alone = are_rows_alone(ctx.options)
-        controls = action_controls(ctx.project, pou, chart.chart, functions_of(ctx), alone=alone)
-        ctx.action_controls, added = controls, controls.variables
+        controls = action_controls(ctx.project, pou, chart.chart, functions, alone=alone)
+        ctx.action_controls = controls
+        added += controls.variables
         ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
     if pou.interface is not None:
         static = pou.kind is not PouKind.FUNCTION or ctx.keeps_sections
@@ -163,8 +176,13 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     ctx.actions_reported = set()
     for body in bodies_with_result(pou):
         write_units(ctx, writer.objects, body)
+    if chart_of_action is not None:
+        writer.finish(frozenset({*native, "actions", "transitions"}))
+        del ctx.place[-2:]
+        return
     for action in pou.actions:
-        if action.body is not None and action.name.casefold() not in ctx.actions_reported:
+        is_told = action.name.casefold() in ctx.actions_reported or id(action) in functions.told
+        if action.body is not None and not is_told:
             is_called = id(action) in ctx.called_actions
             why = "blocks of TIA Portal have no actions: what calls it does not execute it" if is_called else UNCALLED
             outcome = Outcome.NOT_EXECUTED if is_called else Outcome.EXTENSION_DATA

@@ -1,4 +1,4 @@
-"""Calls of actions from program text: TIA Portal has no actions, so statements are in place of the calls."""
+"""Calls of actions, and charts of actions: TIA Portal has no actions, but statements and blocks in their places."""
 
 from __future__ import annotations
 
@@ -174,3 +174,102 @@ def test_variables_that_nobody_else_reaches_are_told() -> None:
     report = sfc.convert(project_of(build), "simaticml", partial=True).report
     reasons = [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)]
     assert any("scratch, a temporary variable of Motor" in reason for reason in reasons), reasons
+
+
+# -- charts of actions
+
+
+def inner_chart(condition: str, *names: str) -> m.SfcNetwork:
+    """A chart of two steps that follows a condition."""
+    chart = m.SfcNetwork()
+    first, second = chart.add_step(names[0], initial=True), chart.add_step(names[1])
+    chart.add_transition(first, second, condition)
+    chart.add_transition(second, first, f"NOT {condition}")
+    return chart
+
+
+def nested(rig: Rig) -> None:
+    """A chart in an action whose step executes the chart of another action, which has actions of the block."""
+    inner = inner_chart("b", "One", "Two")
+    inner.step("Two").actions.append(m.ActionAssociation(id=inner.new_id(), target="r"))
+    inner.step("One").actions.append(m.ActionAssociation(id=inner.new_id(), target="Count"))
+    outer = inner_chart("g", "Three", "Four")
+    outer.step("Four").actions.append(m.ActionAssociation(id=outer.new_id(), target="Inner"))
+    rig.action("Inner", m.SfcBody(chart=inner))
+    rig.action("Outer", m.SfcBody(chart=outer))
+    rig.action("Count", m.StBody(text="IF n > 3 THEN n := 0; END_IF;\nn := n + 1;"))
+    rig.act("Work", "Outer")
+    rig.act("Done", "q")
+
+
+def test_charts_of_actions_are_blocks_that_do_the_same() -> None:
+    source = feature_project(Feature("x", ("plcopen",), nested), "plcopen")
+    converted = sfc.convert(source, "simaticml", strict=True, limit=10)
+    assert converted.report.compared["POU Main"].startswith("equal")
+    tool = sfc.loads(converted.data, as_tool=True)
+    assert [pou.name for pou in tool.pous if pou.sfc is not None] == ["Main", "Main_Inner", "Main_Outer"]
+    assert [variable.name for variable in tool.pou("Main").variables(m.SectionKind.LOCAL)] == [
+        "Inner_chart",
+        "Outer_chart",
+    ]
+    assert {v.name for v in tool.pou("Main_Outer").variables(m.SectionKind.IN_OUT)} == {"r", "n", "Inner_chart"}
+
+
+def test_charts_of_actions_come_back() -> None:
+    source = sfc.loads(sfc.dumps(project_of(nested), format="codesys"))
+    data = sfc.dumps(source, format="simaticml")
+    again = sfc.loads(data)
+    assert [pou.name for pou in again.pous] == ["Main"]
+    assert not again.pous[0].variables(m.SectionKind.LOCAL)
+    back = sfc.loads(sfc.dumps(again, format="codesys"))
+    for name in ("Inner", "Outer"):
+        bodies = [project.pou("Main").find_action(name).body for project in (source, back)]  # type: ignore[union-attr]
+        charts = [body.chart for body in bodies if isinstance(body, m.SfcBody)]
+        assert [[step.name for step in chart.steps] for chart in charts] == [[s.name for s in charts[0].steps]] * 2
+        assert charts[0].steps[1].actions[0].target == charts[1].steps[1].actions[0].target
+
+
+def test_the_chart_of_an_instance_is_called_there() -> None:
+    def build(rig: Rig) -> None:
+        block = motor()
+        block.actions.append(m.Action(name="Seek", body=m.SfcBody(chart=inner_chart("slow", "Near", "Far"))))
+        rig.project.pous.append(block)
+        rig.declare(m.SectionKind.LOCAL, variable("drive", "Motor"))
+        rig.action("Go", m.StBody(text="drive.Seek(slow := b);\nIF a THEN q := TRUE; END_IF;"))
+        rig.act("Work", "Go")
+
+    converted = sfc.convert(project_of(build), "simaticml", limit=5)
+    assert not converted.report.with_outcome(Outcome.NOT_EXECUTED)
+    tool = sfc.loads(converted.data, as_tool=True)
+    assert text_of(tool.pou("Main_Go")).splitlines()[:3] == [
+        "#drive.slow := #b;",
+        "// action Seek of #drive",
+        "#drive.Seek_chart(slow := #drive.slow);",
+    ]
+
+
+def test_a_step_that_shows_later_in_codesys_is_told() -> None:
+    """The action ends in the scan in which its chart goes on: CODESYS acts on that when the action begins again."""
+
+    def build(rig: Rig) -> None:
+        inner = inner_chart("b", "One", "Two")
+        inner.step("Two").actions.append(m.ActionAssociation(id=inner.new_id(), target="r"))
+        rig.action("Inner", m.SfcBody(chart=inner))
+        rig.chart.step("Work").main_action = "Inner"
+
+    report = sfc.convert(project_of(build), "simaticml", limit=5).report
+    told = [item.what for item in report.with_outcome(Outcome.APPROXIMATED)]
+    assert "chart of an action" in told
+    assert report.compared["POU Main"].startswith("different")
+
+
+def test_what_a_block_for_a_chart_cannot_have_is_told() -> None:
+    def build(rig: Rig) -> None:
+        inner = inner_chart("b", "One", "Two")
+        inner.step("Two").actions.append(m.ActionAssociation(id=inner.new_id(), target="a"))
+        rig.action("Inner", m.SfcBody(chart=inner))
+        rig.act("Work", "Inner")
+
+    report = sfc.convert(project_of(build), "simaticml", partial=True).report
+    reasons = [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)]
+    assert any("it writes the input a" in reason for reason in reasons), reasons
