@@ -51,8 +51,9 @@ from plcopen_sfc.model.network import (
 )
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
+from plcopen_sfc.model.variables import SectionKind, VariableSection
 
 Q = Qualifier
 _RESETS = (Q.R, Q.R0)
@@ -87,6 +88,21 @@ def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
         return lambda _: options.of_graph
     found = {json.loads(text) for text in _CONTROLS.findall(options.source.decode("utf-8", "replace"))}
     return lambda label: label not in found
+
+
+def watching_flags(pou: Pou, chart: SfcNetwork) -> frozenset[SfcFlag]:
+    """The flags of CODESYS that a network sets and reads in place of what its tool does with maximum times.
+
+    They are variables of the block, and SFCError is none of its inputs.
+    """
+    declared = {v.name.casefold(): s.kind for s in _sections(pou) for v in s.variables}
+    used = chart.flags_in_use(lambda name: name.casefold() in declared)
+    kind = declared.get(SfcFlag.ERROR.variable.casefold())
+    is_written = kind in (SectionKind.OUTPUT, SectionKind.LOCAL, SectionKind.IN_OUT)
+    is_enabled = SfcFlag.ENABLE_LIMIT not in used or SfcFlag.ENABLE_LIMIT.variable.casefold() in declared
+    if SfcFlag.ERROR not in used or not is_written or not is_enabled:
+        return frozenset()
+    return used & {SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT}
 
 
 _CONTROLS = re.compile(rf'{{"{CONTROLLED}": ("(?:[^"\\]|\\.)*")}}')
@@ -137,7 +153,26 @@ class _Planner:
             for step, row in rows:
                 why = f"networks behind the sequence control {draft.label}: no row says {_shown(step, row)}"
                 found.controlled[step.id, row.id] = why
+        found.networks += self._watch()
         return found
+
+    def _watch(self) -> list[ControlNetwork]:
+        """Return the network that sets SFCError when a step is active longer than its maximum time (CODESYS)."""
+        error, enable = SfcFlag.ERROR.variable, SfcFlag.ENABLE_LIMIT.variable
+        used = watching_flags(self._pou, self._chart)
+        late = [
+            _and([self._flag(step), f"{self._flag(step).removesuffix('.X')}.T > {step.max_time}"])
+            for step in self._chart.steps
+            if step.max_time is not None
+        ]
+        if not late or SfcFlag.ERROR not in used:
+            return []
+        too_long = _and([f"#{enable}" if SfcFlag.ENABLE_LIMIT in used else "", _or(late)])
+        draft = _Draft(error, lines=[f"#{error} := {_or([f'#{error}', too_long])};"])
+        try:
+            return self._drawn(draft)
+        except _ImpossibleError:
+            return []
 
     def _actions(self) -> Iterator[list[tuple[Step, ActionAssociation]]]:
         """The associations of each action that needs a control."""
@@ -267,8 +302,7 @@ class _Planner:
         return _or(self._acts(step, row) for step, row in rows if row.qualifier in qualifiers)
 
     def _acts(self, step: Step, row: ActionAssociation) -> str:
-        name = f'"{step.name}"' if needs_quotes(step.name) else step.name
-        flag = f"#{name}.X"
+        flag = self._flag(step)
         acts = _not(flag) if step.negated is not row.negated else flag
         if row.condition is None:
             return acts
@@ -276,6 +310,10 @@ class _Planner:
         if found.tree is None or found.before or found.helpers or not found.complete:
             raise _ImpossibleError
         return _and([acts, print_node(found.tree, Dialect.SCL)])
+
+    def _flag(self, step: Step) -> str:
+        name = f'"{step.name}"' if needs_quotes(step.name) else step.name
+        return f"#{name}.X"
 
     def _plain(self, draft: _Draft, role: str, text: str) -> str:
         """An expression that a contact can negate: it becomes a bit, unless it is one."""
@@ -349,6 +387,10 @@ def _is_of_iec(row: ActionAssociation) -> bool:
     """True if an association has nothing beside its qualifier, its time and its condition."""
     special = (row.event, row.value, row.forcing)
     return not row.interlock and row.kind in _KINDS and row.qualifier in _IEC and not any(special)
+
+
+def _sections(pou: Pou) -> list[VariableSection]:
+    return pou.interface.sections if pou.interface is not None else []
 
 
 def _is_timer(variable: Variable) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.action_controls import watching_flags
 from plcopen_sfc.formats.simaticml.action_rows import RowPlanner, RowsWriter, functions_of
 from plcopen_sfc.formats.simaticml.added_elements import mark_added
 from plcopen_sfc.formats.simaticml.element_reader import children, local
@@ -64,6 +65,18 @@ from plcopen_sfc.model.sfc import (
 )
 from plcopen_sfc.report import Outcome
 
+_WATCHED = "a network behind the sequence sets SFCError when a step is active longer than its maximum time"
+_WITHOUT_FLAG = {
+    **dict.fromkeys(
+        (SfcFlag.INIT, SfcFlag.RESET), "it has INIT_SQ, which the caller of the block operates, not the block"
+    ),
+    **dict.fromkeys((SfcFlag.PAUSE, SfcFlag.QUIT_ERROR), "a sequence goes on whenever its block is called"),
+    **dict.fromkeys(
+        (SfcFlag.TIP, SfcFlag.TIP_MODE), "it has SW_TAP and T_PUSH, which the caller of the block operates"
+    ),
+    SfcFlag.CURRENT_STEP: "it has S_NO, the number of the step",
+}
+"""Why flags of CODESYS that control a chart are not executed."""
 _ALL_CATEGORIES = 4
 """Schema version from which on all categories are written."""
 
@@ -111,6 +124,11 @@ class _ChartWriter:
         self.rows = RowsWriter(ctx, planner)
         transitions = pou.transitions if pou is not None else []
         self.declared = {variable.name.casefold() for variable in pou.variables()} if pou is not None else set()
+        labels = (
+            {network.label for network in ctx.action_controls.networks} if ctx.action_controls is not None else set()
+        )
+        has_watch = pou is not None and SfcFlag.ERROR.variable in labels
+        self._watching = watching_flags(pou, chart) if has_watch and pou is not None else frozenset()
         self.conditions = ConditionWriter(ctx, condition_reader(chart, Dialect.SCL, transitions=transitions))
         self.steps = {step.id: step for step in chart.steps}
 
@@ -140,9 +158,12 @@ class _ChartWriter:
             self.ctx.note(Outcome.NOT_EXECUTED, "chart", why="it has no steps: TIA Portal imports no such block")
         if chart.logic and chart_statements(chart, Dialect.SCL).tree.statements:
             self.ctx.note(Outcome.NOT_EXECUTED, "logic", why="what is drawn beside the steps acts, and is not written")
+        for flag_ in sorted(self._watching):
+            self.ctx.note(Outcome.TRANSLATED, flag_.variable, why=_WATCHED)
         for flag_, use in (chart.settings.flags if chart.settings is not None else {}).items():
-            if use.use:
-                why = f"S7-GRAPH has no {flag_.variable}: the chart neither obeys it nor sets it"
+            if use.use and flag_ not in self._watching:
+                why = _WITHOUT_FLAG.get(flag_, "the chart neither obeys it nor sets it")
+                why = f"S7-GRAPH has no {flag_.variable}: {why}"
                 self.ctx.note(Outcome.NOT_EXECUTED, "flag", flag_.variable, why)
 
     def _operations(self, parent: etree._Element, name: str, operations: list[PermanentOperation]) -> None:
@@ -347,7 +368,9 @@ class _ChartWriter:
         if step.min_time is not None:
             why = f"the transitions that leave the step wait for #{step.name}.T >= {step.min_time}"
             note(Outcome.TRANSLATED, "min time", why=why)
-        if step.max_time is not None and self._watches_times():
+        if step.max_time is not None and self._watching:
+            note(Outcome.TRANSLATED, "max time", why=_WATCHED)
+        elif step.max_time is not None and self._watches_times():
             why = f"nothing happens when the step lasts longer than {step.max_time}: S7-GRAPH has no SFCError"
             note(Outcome.NOT_EXECUTED, "max time", why=why)
         controls = self.ctx.action_controls

@@ -273,3 +273,43 @@ def test_what_a_block_for_a_chart_cannot_have_is_told() -> None:
     report = sfc.convert(project_of(build), "simaticml", partial=True).report
     reasons = [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)]
     assert any("it writes the input a" in reason for reason in reasons), reasons
+
+
+# -- maximum times
+
+
+def watched(rig: Rig, *, limited: bool = True) -> None:
+    """A step that sets SFCError when it lasts too long, which an action reads."""
+    rig.chart.step("Work").max_time = "T#50ms"
+    rig.declare(m.SectionKind.OUTPUT, variable("SFCError"))
+    if limited:
+        rig.declare(m.SectionKind.LOCAL, variable("SFCEnableLimit", initial=m.SimpleValue(text="TRUE")))
+    rig.action("Look", m.StBody(text="r := SFCError;"))
+    rig.chart.step("Done").main_action = "Look"
+    rig.act("Work", "q")
+
+
+@pytest.mark.parametrize("limited", [True, False])
+def test_a_step_that_lasts_too_long_sets_sfc_error(limited: bool) -> None:
+    source = project_of(lambda rig: watched(rig, limited=limited))
+    converted = sfc.convert(source, "simaticml", strict=True, limit=3)
+    assert converted.report.compared["POU Main"].startswith("equal")
+    again = sfc.loads(converted.data)
+    chart = again.pous[0].sfc
+    assert chart is not None
+    assert not chart.permanent_post, "the network is added"
+    assert [step.max_time for step in chart.steps] == [None, "T#50ms", None]
+
+
+def test_flags_without_a_counterpart_are_told_with_the_reason() -> None:
+    def build(rig: Rig) -> None:
+        watched(rig)
+        flags = (m.SfcFlag.ERROR, m.SfcFlag.QUIT_ERROR, m.SfcFlag.RESET)
+        rig.chart.settings = m.SfcSettings(flags={flag: m.FlagUse(use=True, declare=False) for flag in flags})
+        rig.declare(m.SectionKind.INPUT, variable("SFCQuitError"), variable("SFCReset"))
+
+    report = sfc.convert(project_of(build), "simaticml", partial=True).report
+    told = {item.path.rpartition(" ")[2]: item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)}
+    assert told.keys() == {"SFCQuitError", "SFCReset"}
+    assert "goes on whenever its block is called" in told["SFCQuitError"]
+    assert "INIT_SQ" in told["SFCReset"]
