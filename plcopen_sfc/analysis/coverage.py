@@ -29,6 +29,7 @@ OUTCOME = "outcome of comparison"
 DECISION = "outcome of condition"
 _SHOWN = 10
 _DELAYED = (Qualifier.D, Qualifier.SD, Qualifier.DS)
+_LIMITED = (Qualifier.L, Qualifier.SL)
 
 _UNDECIDED = ("can never decide it", "never decided it")
 
@@ -466,6 +467,9 @@ class _Reasons:
             and all(self._unreachable.is_left_before(name, net.steps[i], time) for i in indexes(steps))
         ):
             return f"step {step} is left before {time} has passed (proven)", True
+        limit = association.duration if association.qualifier in _LIMITED else None
+        if limit and not association.negated and self._unreachable.is_no_time(limit, self._system.subject.pou.chart):
+            return f"its time {limit} is over at once (proven)", True
         needs = [_quoted(print_node(condition))] if condition is not None else []
         needs += [f"{time} to pass ({association.qualifier})"] if time else []
         if association.event is not None:

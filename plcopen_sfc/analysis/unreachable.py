@@ -133,6 +133,11 @@ class Unreachable:
                 return True
         return False
 
+    def is_no_time(self, time: str, chart: SfcNetwork | None) -> bool:
+        """True if a time is never more than none."""
+        some = parse_condition(f"{time} > T#0s", self._system.subject.project.dialect)
+        return not some.problems and self.is_impossible([some.tree], chart)
+
     def _condition(self, transition: NetTransition) -> Expression | None:
         """The condition of a transition; None: it is not known, or evaluating it does something."""
         if transition.transition.condition is None:

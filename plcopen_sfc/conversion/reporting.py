@@ -65,9 +65,10 @@ def report_running(
 ) -> None:
     """Run each chart of `source` and what the target `tool` reads of it, and add what came of it to `report`.
 
-    Charts of which the report names a loss already are left out: they differ. `called` gives the paths in the source of
-    what has another name in the result, `target` the rules of the target where they are not those of its files. `limit`
-    is the time in seconds that all of this may take.
+    Charts in which something is not executed are left out: they differ. Where something is approximated, the run tells
+    whether that changes what the chart does; the report names it already, so a difference is no item of its own.
+    `called` gives the paths in the source of what has another name in the result, `target` the rules of the target
+    where they are not those of its files. `limit` is the time in seconds that all of this may take.
     """
     from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
     from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415
@@ -75,7 +76,13 @@ def report_running(
 
     profiles = default_profile(source), target or default_profile(result)
     end = time.monotonic() + limit
-    for there, here in list(_pairs(source, result, called, report)):
+    losses = [item for item in report.losses if not _is_apart(item)]
+    for there, here in list(_pairs(source, result, called)):
+        named = {item.outcome for item in losses if _concerns(item, there.report_path)}
+        if here is None or Outcome.NOT_EXECUTED in named:
+            what = "what is not executed" if named else f"nothing in {tool} that has its name"
+            report.compared[there.report_path] = f"not compared: the report names {what}"
+            continue
         left = end - time.monotonic()
         if left <= 0:
             _note_untested(report, there.report_path, "not run: the time limit was reached")
@@ -100,6 +107,10 @@ def report_running(
             as_run = compared(delay=Delay(verdict.delay.scans), limit=left) if is_cut else verdict
         except SfcError as error:
             _note_untested(report, there.report_path, f"not run: {error.message}")
+            continue
+        if named:
+            told = _refused(verdict.counterexample, tool) if verdict.counterexample else str(verdict).splitlines()[0]
+            report.compared[there.report_path] = f"{told}; what the report names as approximated is in it"
             continue
         if verdict.kind is VerdictKind.UNTESTED:
             _note_untested(report, there.report_path, *str(verdict).splitlines())
@@ -179,17 +190,18 @@ def _note_untested(report: ConversionReport, path: str, found: str, *unreached: 
     report.untested[path] = list(unreached)
 
 
-def _pairs(
-    source: Project, result: Project, called: Mapping[str, str], report: ConversionReport
-) -> Iterator[tuple[Chart, Chart]]:
-    """The charts that are to be run: of the source, with that of the result."""
+def _pairs(source: Project, result: Project, called: Mapping[str, str]) -> Iterator[tuple[Chart, Chart | None]]:
+    """The charts of the source that are not empty, each with that of the result."""
     found = {in_the_source(chart.report_path, called).casefold(): chart for chart in result.charts()}
-    lossy = [f"{item.path} / " for item in report.items if item.outcome in LOSSES and not _is_apart(item)]
     for chart in source.charts():
-        inside = f"{chart.report_path} / "
-        here = found.get(chart.report_path.casefold())
-        if here is not None and not any(path.startswith(inside) or inside.startswith(path) for path in lossy):
-            yield chart, here
+        if chart.chart.steps or chart.chart.partial_charts:
+            yield chart, found.get(chart.report_path.casefold())
+
+
+def _concerns(item: Item, path: str) -> bool:
+    """True if an item is of a chart or of something in it, or of the object that the chart is in."""
+    inside, place = f"{path} / ", f"{item.path} / "
+    return place.startswith(inside) or inside.startswith(place)
 
 
 def _is_apart(item: Item) -> bool:

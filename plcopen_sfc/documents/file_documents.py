@@ -190,7 +190,9 @@ def _report_without_tool(
         report_running(report, project, seen, called, tool="GRAFCET", target=None, limit=limit)
     elif kind.name != "json":  # the model itself
         told = f"not compared, as nothing executes a {kind.title}"
-        report.compared |= {chart.report_path: told for chart in project.charts()}
+        charts = [chart.report_path for chart in project.charts() if chart.chart.steps]
+        report.compared |= dict.fromkeys(charts, told)
+        report.untested |= {path: [] for path in charts}
 
 
 def report_behaviour(
@@ -403,10 +405,12 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
         notes = ConversionReport(report.source_format, report.target_format)
         data = _merged(excerpt.project, source, kind, notes, is_other=is_other, excerpt=excerpt)
         whole = excerpt.filled(data) if data is not None else None
-        if whole is not None:
+        if data is not None and whole is not None:
             report.items += notes.items
+            _report_edits(report, excerpt.project, source, (excerpt.content, data), kind)
             return whole
     data = _merged(project, source, kind, report, is_other=is_other)
+    meant = project
     if data is None:
         # rather a large diff than a lost edit
         report.add(
@@ -422,7 +426,41 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
             options = replace(options, marks=marks)
         prepare(project, _drawing_style(kind), positions=kind.positions)
         data = codec.write(project, options, report)
+    _report_edits(report, meant, source, (source.content, data), kind)
     return data
+
+
+def _report_edits(
+    report: ConversionReport, project: Project, source: FileSource, contents: tuple[bytes, bytes], kind: Format
+) -> None:
+    """Report where the tool executes something else in the POUs that were edited than `project`.
+
+    `contents`: the file before and after. What the tool did not read before either is nothing that the edits have lost.
+    """
+    edited = {pou.report_path for number, pou in enumerate(project.pous) if not is_from(pou, number, source.content)}
+    if not kind.tool or not edited:
+        return
+    from plcopen_sfc.conversion import compare, executed, report_execution  # noqa: PLC0415
+    from plcopen_sfc.semantics.profile import default_profile  # noqa: PLC0415  # loading needs no interpreter
+
+    codec, rules = kind.codec(source.version), default_profile(project)
+
+    def notes(meant: Project, content: bytes) -> ConversionReport:
+        seen = codec.read(codec.as_tool_sees(content)).project
+        both = [
+            each.model_copy(update={"pous": [pou for pou in each.pous if pou.report_path in edited]})
+            for each in (meant, seen)
+        ]
+        behaviour = executed(both[0], rules)
+        found = ConversionReport(report.source_format, report.target_format, list(report.items))
+        report_execution(found, compare(behaviour, executed(both[1], rules, compared_with=behaviour)), kind.tool, {})
+        return found
+
+    before, after = contents
+    found = notes(project, after)
+    if found.losses != report.losses:
+        _pass_known_losses(found, notes(codec.read(before).project, before))
+        report.items = found.items
 
 
 def _drawing_style(kind: Format) -> DrawingStyle:
@@ -605,4 +643,5 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
         report_reading_errors(project, report)
         data = codec.write(project, options, ConversionReport())
         verify(project, kind, read_back(data, kind, source.version), report)
+    _report_edits(report, project, source, (source.content, data), kind)
     return data

@@ -419,6 +419,8 @@ def test_the_search_makes_conditions_of_actions_true() -> None:
         ("q(R)", "b", "step S2 only resets it"),
         ("q(D, T#10s)", "b OR S2.T > T#5s", "step S2 is left before T#10s has passed (proven)"),
         ("q(DS, T#10s)", "S2.T >= T#10s", "step S2 is left before T#10s has passed (proven)"),
+        ("q(L, T#0s)", "b", "its time T#0s is over at once (proven)"),
+        ("q(SL, T#0ms)", "b", "its time T#0ms is over at once (proven)"),
     ],
 )
 def test_an_action_that_nothing_executes_is_not_demanded(action: str, leaving: str, why: str) -> None:

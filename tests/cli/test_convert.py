@@ -273,6 +273,15 @@ def test_a_chart_of_which_not_all_was_reached_is_a_finding(cli: Any, tmp_path: P
     assert cli("convert", source, target, "--to", "codesys", "--limit", "0").code == 0
 
 
+def test_a_chart_that_nothing_executes_in_the_target_is_a_finding(cli: Any, tmp_path: Path) -> None:
+    source, target = tmp_path / "main.st", tmp_path / "out.csv"
+    source.write_text(UNREACHED)
+    result = cli("convert", source, target, "--to", "csv")
+    assert result.code == 1
+    assert "POU Main: not compared, as nothing executes a step list" in result.out
+    assert cli("convert", source, target, "--to", "csv", "--accept-untested").code == 0
+
+
 def test_a_place_does_not_say_twice_what_it_is(cli: Any, tmp_path: Path) -> None:
     source = tmp_path / "block.scl"
     source.write_text('DATA_BLOCK "Recipe"\n   STRUCT\n      n : Int;\n   END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n')

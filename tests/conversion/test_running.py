@@ -7,6 +7,8 @@ import io
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.conversion.reporting import report_running
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.corpus import corpus_files
@@ -144,11 +146,35 @@ def test_parallel_sequences_that_write_one_operand_are_told_apart_by_the_order_o
         assert saved(graph, target, partial=True).compared["POU Main"].startswith("equal")
 
 
-def test_a_chart_with_a_loss_is_not_run_again_and_none_without_a_limit() -> None:
+def test_a_chart_in_which_something_is_not_executed_is_not_run_and_none_without_a_limit() -> None:
     project = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
     report = saved(project, "codesys", partial=True)
-    assert report.compared == {}
+    assert report.compared == {"POU FB_Drill": "not compared: the report names what is not executed"}
+    assert report.untested == {}
     assert sfc.save(chart("Zz(N); Aa(N);"), io.BytesIO(), format="codesys").compared == {}
+
+
+@pytest.mark.parametrize(("condition", "outcome"), [("a", "equal"), ("b", "it does something else after 1 scan: ")])
+def test_a_chart_in_which_something_is_approximated_is_run(condition: str, outcome: str) -> None:
+    """The report names what differs, the run tells whether the chart does something else: it is no second item."""
+    project = chart("q(N);")
+    report = ConversionReport()
+    report.add(Outcome.APPROXIMATED, "condition", "POU Main / transition S0 -> S1", "as a test has it")
+    result = sfc.loads(sfc.dumps(project))
+    pou = result.pou("Main")
+    assert pou.chart is not None
+    pou.chart.transitions[0].condition = m.Expression(text=condition)
+    report_running(report, project, result, {}, tool="the target", target=None, limit=20)
+    assert report.compared["POU Main"].startswith(outcome)
+    assert report.compared["POU Main"].endswith("; what the report names as approximated is in it")
+    assert len(report.items) == 1
+
+
+@pytest.mark.parametrize("target", ["csv", "xlsx"])
+def test_a_target_that_nothing_executes_is_not_compared(target: str) -> None:
+    report = saved(chart("q(N);"), target, partial=True)
+    assert report.compared["POU Main"].startswith("not compared, as nothing executes a step list")
+    assert report.untested == {"POU Main": []}
 
 
 def test_edge_detection_of_an_input_is_not_executed_where_there_is_none() -> None:

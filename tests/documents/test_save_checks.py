@@ -258,3 +258,22 @@ def test_a_file_that_was_changed_since_it_was_read_is_not_overwritten(tmp_path):
     path.unlink()
     sfc.save(loaded, path)
     assert sfc.load(path).pou("PLC_PRG").chart.steps[0].comment == "second"
+
+
+def test_an_edit_that_the_tool_does_not_execute_is_refused_in_its_own_format() -> None:
+    """The writer keeps the negation beside, and this package reads it again: TIA Portal would run the plain action."""
+    edited = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
+    assert sfc.convert(edited, "simaticml").report.unchanged
+    next(step for step in next(edited.charts()).chart.steps if step.actions).negated = True
+    with pytest.raises(sfc.LossError) as raised:
+        sfc.convert(edited, "simaticml")
+    assert {(item.outcome, item.what) for item in raised.value.report.losses} == {
+        (sfc.Outcome.NOT_EXECUTED, "negation")
+    }
+
+
+def test_an_edit_says_nothing_of_what_the_file_kept_beside_before() -> None:
+    graph = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
+    kept = sfc.loads(sfc.convert(graph, "codesys", partial=True).data)
+    kept.rename("FB_Drill", "FB_Drills")
+    assert sfc.convert(kept, "codesys").report.losses == []

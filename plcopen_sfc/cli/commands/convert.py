@@ -194,7 +194,11 @@ def _show(screen: Screen, report: ConversionReport) -> None:
         return
     _show_not_executed(screen, report.with_outcome(Outcome.NOT_EXECUTED))
     for path, found in report.compared.items():
-        screen.line(f"run in both tools: {path}: {found}")
+        screen.line(
+            f"{path}: {found}"
+            if found.startswith(("not compared", "not run"))
+            else f"run in both tools: {path}: {found}"
+        )
         for line in report.untested.get(path, ()):
             screen.line(f"  {line}")
     if report.compared:

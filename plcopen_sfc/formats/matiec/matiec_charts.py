@@ -11,13 +11,20 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import count
 
 from plcopen_sfc.formats.matiec.matiec_actions import STEP_ACTIONS, ActionFitter, StepFlagVariables
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, is_taken, write_negations_out
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
-from plcopen_sfc.languages.networks import NetworkExpression, NetworkStatements, chart_statements, condition_reader
+from plcopen_sfc.languages.networks import (
+    NetworkExpression,
+    NetworkStatements,
+    chart_statements,
+    condition_reader,
+    kept_conditions,
+)
+from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.words import is_plain
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
@@ -176,6 +183,7 @@ class ChartFitter:
         unit, chart = self.unit, self.chart
         read = condition_reader(chart, unit.dialect, transitions=unit.pou.transitions, taken=unit.used)
         labels = chart.labels()
+        late = {} if unit.keeps_drawings or not unit.own else self._late_conditions()
         steps = {step.id: step for step in chart.steps}
         names: set[str] = set()
         for transition in chart.transitions:
@@ -183,7 +191,10 @@ class ChartFitter:
             timed = any(steps[source].min_time for source in transition.sources if source in steps)
             if not timed and self._stays_drawn(transition.condition, keeps=keeps):
                 continue
-            text = self._condition(transition.condition, read, path)
+            if transition.id in late:
+                text = print_node(late[transition.id], unit.dialect)
+            else:
+                text = self._condition(transition.condition, read, path)
             for source in transition.sources:
                 step = steps.get(source)
                 if step is not None and step.min_time:
@@ -199,6 +210,35 @@ class ChartFitter:
             self._note_loops(labels)
         for step in chart.steps:
             step.min_time = None
+
+    def _late_conditions(self) -> dict[int, n.Expression]:
+        """Put the boxes before conditions into the action of every scan, as the converter of Beremiz and OpenPLC does.
+
+        Functions go there too, and the first step alone starts the action: if that is left in the first scan, no box
+        is ever executed. Returns the conditions by their transitions.
+        """
+        unit, chart = self.unit, self.chart
+        drawn, found = kept_conditions(chart, unit.dialect, transitions=unit.pou.transitions, taken=unit.used)
+        if not drawn.tree.statements:
+            return {}
+        # what feeds conditions only, and has no other type, is Boolean
+        unit.declare_helpers(replace(helper, type_name=helper.type_name or "BOOL") for helper in drawn.helpers)
+        self.logic += [print_node(statement, unit.dialect) for statement in drawn.tree.statements]
+        bodies = (t.body for t in unit.pou.transitions)
+        networks = [
+            chart.logic,
+            *(each.nodes for b in bodies if isinstance(b, FbdBody | LdBody) for each in b.networks),
+        ]
+        if any(sum(isinstance(node, Block) for node in nodes) > 1 for nodes in networks):
+            why = "statements follow the wires, the converter of its tool goes by the places of the blocks"
+            unit.note(Outcome.APPROXIMATED, "drawn logic", unit.path, why)
+        labels = chart.labels()
+        for transition in chart.transitions:
+            if transition.id in found:
+                path = f"{unit.path} / transition {labels[transition.id]}"
+                why = "an expression of what its boxes gave one scan before, as its tool does"
+                unit.note(Outcome.TRANSLATED, "condition", path, why)
+        return found
 
     def _note_loops(self, labels: Mapping[int, str]) -> None:
         """Report steps that are left and entered at once: in matiec their time starts again, in CODESYS it goes on."""
@@ -238,9 +278,6 @@ class ChartFitter:
         drawn = not isinstance(condition, Expression)
         if before and not unit.own:
             why = "its blocks are executed in every scan, behind the transitions"
-            unit.note(Outcome.APPROXIMATED, "condition", path, why)
-        elif drawn and unit.own and any(isinstance(node, Block) for node in self.chart.logic):
-            why = "the converter of its tool computes its blocks in the order of their places, and one scan later"
             unit.note(Outcome.APPROXIMATED, "condition", path, why)
         elif drawn:
             unit.note(Outcome.TRANSLATED, "condition", path, "an expression")

@@ -357,6 +357,46 @@ def test_loops_of_beremiz_do_what_matiec_makes_of_them(loop: str, n: int, tmp_pa
         assert machine.run([{"n": n}], ["k"])[0]["k"] == instance["k"]
 
 
+@pytest.mark.parametrize("left_at_once", [False, True])
+def test_a_box_of_beremiz_is_computed_where_its_converter_computes_it(left_at_once: bool, tmp_path: Path) -> None:
+    """The first step starts all boxes: where that is left in the first scan, no box gives anything."""
+    text = """PROGRAM Plant VAR a, b, q : BOOL; END_VAR
+        INITIAL_STEP S1: END_STEP
+        STEP S2: q(N); END_STEP
+        TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+        TRANSITION FROM S2 TO S1 := Stop; END_TRANSITION
+        END_PROGRAM"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    chart = project.pous[0].chart
+    assert chart is not None
+    given = m.InputVariable(id=91, expression="b", output=m.OutputPin())
+    wires = [m.InputPin(connections=[m.Connection(source=node, pin=pin)]) for node, pin in ((91, None), (92, "OUT"))]
+    parameters = m.BlockParameters(
+        inputs=[m.BlockVariable(name="IN", input=wires[0])],
+        outputs=[m.BlockVariable(name="OUT", output=m.OutputPin())],
+    )
+    box = m.Block(id=92, type_name="NOT", parameters=parameters)
+    stop = m.OutputVariable(id=93, expression="Stop", input=wires[1])
+    network = m.LogicNetwork(nodes=[given, box, stop])
+    project.pous[0].transitions.append(m.NamedTransition(name="Stop", body=m.FbdBody(networks=[network])))
+    chart.transitions[1].condition = m.NamedCondition(name="Stop")
+    project.header = FileHeader(company="Unknown", product="Unnamed", version="1")
+    project = sfc.loads(sfc.dumps(project, format="plcopen", fresh=True), format="plcopen")
+    data, report = sfc.convert(project, "iec-text", flavour="matiec", limit=20)
+    assert report.losses == []
+    assert report.compared["POU Plant"].startswith("equal")
+    scans = [{"a": left_at_once, "b": True}, {"a": True}, {"a": False, "b": False}, {}, {}, {}]
+    run = Simulation(resolve(project), profile="beremiz", scan_time="10ms")
+    shown = []
+    for values in scans:
+        for name, value in values.items():
+            run.set(name, value)
+        run.scan()
+        shown.append(run.instance["q"])
+    assert shown[-1] is left_at_once
+    assert [row["q"] for row in require_matiec().build(data.decode(), tmp_path).run(scans, ["q"])] == shown
+
+
 @pytest.mark.parametrize("target", ["iec-text", "codesys", "scl", "simaticml"])
 def test_loops_of_beremiz_are_reported_in_tools_that_count_every_turn(target: str) -> None:
     loop = "FOR i := 1 TO n DO k := k + 1; END_FOR;"
