@@ -31,9 +31,11 @@ from plcopen_sfc.conversion.executed_parts import (
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import names_in
+from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.types import used_types
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import CHART_OF_ACTION, LOSSES, ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
@@ -103,7 +105,7 @@ def report_running(
             verdict = compared(delay="auto", limit=left)
             is_cut = verdict.delay.retimed and verdict.equal
             other = profiles[0].order is not profiles[1].order
-            is_cut = is_cut and _lasts(there, source.dialect, verdict.inputs, has_other_inputs=other)
+            is_cut = is_cut and _lasts(there, source, verdict.inputs, has_other_inputs=other)
             as_run = compared(delay=Delay(verdict.delay.scans), limit=left) if is_cut else verdict
         except SfcError as error:
             _note_untested(report, there.report_path, f"not run: {error.message}")
@@ -129,7 +131,7 @@ def report_running(
             report.add(Outcome.APPROXIMATED, "chart", there.report_path, why + _told_apart(profiles, tool))
 
 
-def _lasts(chart: Chart, dialect: Dialect, inputs: Iterable[str], *, has_other_inputs: bool) -> bool:
+def _lasts(chart: Chart, project: Project, inputs: Iterable[str], *, has_other_inputs: bool) -> bool:
     """True if a chart can do something else for good where its actions see other inputs, or in the first scan.
 
     A Boolean that follows its initial step is late or early once. What is stored, and what statements do, stays.
@@ -146,8 +148,36 @@ def _lasts(chart: Chart, dialect: Dialect, inputs: Iterable[str], *, has_other_i
     if not has_other_inputs:
         return False
     known = {name.casefold().partition("[")[0].rpartition(".")[2] for name in inputs}
-    texts = (*chart.pou.actions, *chart.chart.steps)
-    return any(not known.isdisjoint(names_in(each, dialect)) for each in texts)
+    return any(not known.isdisjoint(names) for names in _names_of_actions(chart, project))
+
+
+def _names_of_actions(chart: Chart, project: Project) -> Iterator[set[str]]:
+    """Yield the names (lower case) in the actions and steps of a chart, then in all POUs that these may call.
+
+    Without the variables that a called POU has of its own. Types of variables that are named tell the blocks.
+    """
+    pous = {pou.name.casefold(): pou for pou in project.pous}
+    types = {declared.name.casefold(): declared.type for declared in project.data_types}
+    global_ = [variable for section in project.global_sections() for variable in section.variables]
+    texts = (*chart.pou.actions, *chart.pou.methods, *chart.chart.steps)
+    waiting = [(chart.pou, {name for each in texts for name in names_in(each, project.dialect)})]
+    seen, family = {chart.pou.name.casefold()}, {chart.pou.name.casefold()}
+    while waiting:
+        pou, names = waiting.pop()
+        bases = {base.casefold() for base in inheritance(pou.interface).extends}
+        family |= bases if pou.name.casefold() in family else set()
+        sections = pou.interface.sections if pou.interface is not None and pou.name.casefold() not in family else []
+        own = {v.name.casefold() for each in sections if each.kind is not SectionKind.EXTERNAL for v in each.variables}
+        yield names - own
+        reached = names | bases
+        kinds = [v.type for v in (*pou.variables(), *global_) if v.name.casefold() in names]
+        while kinds:
+            new = {name.casefold() for name in used_types(kinds.pop())} - reached
+            reached |= new
+            kinds += [types[name] for name in new & types.keys()]
+        called = reached & pous.keys() - seen
+        seen |= called
+        waiting += [(pous[each], names_in(pous[each], project.dialect)) for each in called]
 
 
 def _told_apart(profiles: tuple[Profile, Profile], tool: str) -> str:

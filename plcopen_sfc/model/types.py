@@ -213,6 +213,15 @@ class Variable(Element):
     attributes: dict[str, str] = Field(default_factory=dict)
 
 
+def used_types(kind: DataType) -> list[str]:
+    """Return the names of the types that a type names."""
+    if isinstance(kind, DerivedType):
+        return [kind.name]
+    if isinstance(kind, ArrayType | PointerType):
+        return used_types(kind.base)
+    return [name for member in getattr(kind, "members", []) for name in used_types(member.type)]
+
+
 class DataTypeDeclaration(ProjectObject):
     """``TYPE name : type := initial; END_TYPE``.
 

@@ -83,6 +83,41 @@ def test_inputs_of_the_entry_and_of_the_first_scan_are_no_constant_delay(
     assert why in item.why
 
 
+CALLED = """VAR_GLOBAL b : BOOL; END_VAR
+FUNCTION_BLOCK Inner VAR_OUTPUT seen : BOOL; END_VAR VAR_EXTERNAL b : BOOL; END_VAR seen := b; END_FUNCTION_BLOCK
+FUNCTION_BLOCK Sampler VAR inner : Inner; END_VAR VAR_OUTPUT seen : BOOL; END_VAR
+inner(); seen := inner.seen; END_FUNCTION_BLOCK
+FUNCTION_BLOCK Plain VAR b : BOOL; END_VAR VAR_OUTPUT seen : BOOL; END_VAR b := TRUE; seen := b; END_FUNCTION_BLOCK
+FUNCTION Sample : BOOL VAR_EXTERNAL b : BOOL; END_VAR Sample := b; END_FUNCTION
+TYPE Samplers : STRUCT one : Sampler; END_STRUCT; END_TYPE
+FUNCTION_BLOCK Main
+VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT m : INT; END_VAR
+VAR sampler : Sampler; plain : Plain; some : ARRAY [0..1] OF Samplers; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+STEP S1: Look(N); END_STEP
+TRANSITION FROM S1 TO S0 := NOT a; END_TRANSITION
+ACTION Look: {call} IF {value} AND m = 0 THEN m := 1; END_IF; IF NOT {value} AND m = 0 THEN m := 2; END_IF; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize(
+    ("call", "value", "reads_input"),
+    [
+        ("sampler();", "sampler.seen", True),
+        ("some[1].one();", "some[1].one.seen", True),
+        ("", "Sample()", True),
+        ("plain();", "plain.seen", False),
+    ],
+)
+def test_an_input_that_a_called_block_reads_is_no_constant_delay(call: str, value: str, reads_input: bool) -> None:
+    project = sfc.loads(CALLED.format(call=call, value=value).encode(), format="iec-text")
+    report = saved(project, "codesys")
+    assert report.compared["POU Main"].startswith("equal, second 1 scan later")
+    assert ["CODESYS executes the actions before" in item.why for item in report.losses] == [True] * reads_input
+
+
 def test_actions_that_read_no_input_are_only_later() -> None:
     report = saved(chart("q(N);", "Set(S);"), "codesys", strict=True)
     assert report.compared["POU Main"].startswith("equal, second 1 scan later")

@@ -43,6 +43,7 @@ from plcopen_sfc.model.types import (
     StructValue,
     Value,
     Variable,
+    used_types,
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -144,15 +145,6 @@ def _steps_with_others(project: Project) -> Iterator[tuple[str, str, set[str]]]:
                 pins = (*block.inputs, *block.outputs) if block is not None else ()
                 others |= members.get(kind.casefold(), set()) | {pin.name.casefold() for pin in pins}
         yield from [(f"{pou.name}.{step.name}", step.name, others) for step in pou.chart.steps]
-
-
-def used_types(kind: DataType) -> list[str]:
-    """Return the names of the types that a type names."""
-    if isinstance(kind, DerivedType):
-        return [kind.name]
-    if isinstance(kind, ArrayType | PointerType):
-        return used_types(kind.base)
-    return [name for member in getattr(kind, "members", []) for name in used_types(member.type)]
 
 
 def _declared(project: Project) -> Iterator[tuple[str, str]]:

@@ -13,7 +13,6 @@ from plcopen_sfc.formats.matiec.matiec_declarations import (
     name_structures,
     note_undeclared,
     quote_strings,
-    used_types,
 )
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, give_iec_pins
 from plcopen_sfc.formats.matiec.matiec_statements import (
@@ -30,7 +29,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
-from plcopen_sfc.model.types import DataType, DataTypeDeclaration, Elementary, ElementaryType
+from plcopen_sfc.model.types import DataType, DataTypeDeclaration, Elementary, ElementaryType, used_types
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
