@@ -80,6 +80,8 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
     found.counts["unsaid"] += len(unsaid)
     found.notes += [f"unsaid: {item.place}: {item.why}" for item in unsaid]
     for chart, verdict in report.compared.items():
+        if verdict.startswith("not compared"):
+            continue
         column = next((name for name, start in _VERDICTS.items() if verdict.startswith(start)), "unknown")
         found.counts[column] += 1
         if column != "the same":
@@ -94,7 +96,7 @@ def _saved(project: sfc.Project, target: str, limit: float) -> ConversionReport:
         return sfc.save(project, folder, format=target, partial=True, limit=limit)
 
 
-_VERDICTS = {"the same": "equal", "different": "different"}
+_VERDICTS = {"the same": ("equal",), "different": ("different", "it does something else")}
 
 
 def _column(report: ConversionReport) -> str:

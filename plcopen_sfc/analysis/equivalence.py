@@ -32,6 +32,7 @@ from plcopen_sfc.analysis.pairing import (
     heed_instability,
     retimed,
     step_observations,
+    with_commands,
 )
 from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, search
 from plcopen_sfc.analysis.search_limits import INTERRUPTED, SearchProgress, SearchWatch, seconds
@@ -140,9 +141,9 @@ def equivalent(
     `fixed`: inputs that keep a value, by their names in either. `free_inputs`: variables that nothing writes and that
     are to be inputs though they are not declared so, or ``all``, but never those that tell of steps. `left_out`: a
     variable of `b`; scans that end with its value TRUE are not compared, nor what follows them. A `LoweredPou` as `b`
-    brings its profile, step flags, inputs at rest and what is left out. `cap`: the most states of the search; `runs` of
-    `scans` scans are tried where that ends without an answer. `scan_time`: without it one for which all durations of
-    the programs end exactly in a scan.
+    brings its profile, step flags, inputs at rest and what is left out; SFC flags that operate the chart are inputs.
+    `cap`: the most states of the search; `runs` of `scans` scans are tried where that ends without an answer.
+    `scan_time`: without it one for which all durations of the programs end exactly in a scan.
 
     Functions and blocks that are called and that neither the project nor `functions` has are taken as unknown functions
     of what they are given, and of the calls before, the same in both; calls that are statements are compared.
@@ -160,6 +161,8 @@ def equivalent(
         fixed = {**b.at_rest, **(fixed or {})}
         left_out = left_out or b.left_out
     profiles = _profiles(profile, subjects[0].project)
+    if not isinstance(b, SfcNetwork | Pou | Project | Subject):
+        subjects = with_commands(*subjects, profiles[0])
     subjects = as_executed(subjects[0], profiles[0]), as_executed(subjects[1], profiles[1])
     clock = clocking(subjects, nanoseconds(scan_time) if scan_time is not None else None)
     compared = _Compared(

@@ -17,14 +17,15 @@ from typing import Any
 
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.errors import ModelError, UnstableChartError
-from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.body import SfcBody, StBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.types import SimpleValue
-from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.model.types import Elementary, ElementaryType, SimpleValue, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.semantics.charts.sfc_flags import COMMANDS, flags_in_use
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
-from plcopen_sfc.semantics.subjects import Watched, signal_of
+from plcopen_sfc.semantics.subjects import Subject, Watched, signal_of
 
 _AUTOMATIC = (0, 1, -1, 2, -2)
 
@@ -364,3 +365,46 @@ def _numbers(system: ProgramSystem) -> dict[str, str]:
             found[step.name] = ending.group()
     counts = Counter(found.values())
     return {name: number for name, number in found.items() if counts[number] == 1}
+
+
+def with_commands(chart: Subject, code: Subject, profile: Profile) -> tuple[Subject, Subject]:
+    """Return a chart and its code with the local SFC flags of CODESYS that operate the chart as inputs.
+
+    A visualisation writes them, or a call of the chart from elsewhere.
+    """
+    commands = _commands(chart, profile)
+    if not commands:
+        return chart, code
+    return _with_inputs(chart, commands), _with_inputs(code, commands)
+
+
+def _commands(chart: Subject, profile: Profile) -> dict[str, str]:
+    """Return the SFC flags that operate a chart, or charts of actions beside it, by their names in lower case."""
+    charts = [body.chart for _, _, body in chart.pou.named_bodies() if isinstance(body, SfcBody)]
+    own = {v.name.casefold() for v in chart.pou.variables()}
+    around = {v.name for section in chart.project.global_sections() for v in section.variables}
+    around |= {tag.name for table in chart.project.tag_tables for tag in table.tags}
+    around = {name.casefold() for name in around} - own
+    known = own | around
+    used = {flag for each in charts for flag in flags_in_use(each, profile, lambda name: name.casefold() in known)}
+    names = sorted(flag.variable for flag in used & COMMANDS)
+    return {name.casefold(): name for name in names if name.casefold() not in around}
+
+
+def _with_inputs(subject: Subject, names: Mapping[str, str]) -> Subject:
+    """Return the same with variables of these names as inputs, if they are local, or if only the tool declares them."""
+    old = subject.pou.interface
+    interface = old.model_copy(deep=True, update={"declaration": None}) if old is not None else Interface()
+    declared = {variable.name.casefold() for variable in interface.variables()}
+    inputs = [
+        Variable(name=name, type=ElementaryType(name=Elementary.BOOL))
+        for key, name in names.items()
+        if key not in declared
+    ]
+    for section in interface.sections:
+        if section.kind is SectionKind.LOCAL:
+            # as locals they would keep their start values, and the proof would not reach what they do
+            inputs += [v for v in section.variables if v.name.casefold() in names]
+            section.variables = [v for v in section.variables if v.name.casefold() not in names]
+    interface.sections.append(VariableSection(kind=SectionKind.INPUT, variables=inputs))
+    return replace(subject, pou=subject.pou.model_copy(update={"interface": interface}))

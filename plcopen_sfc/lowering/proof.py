@@ -15,17 +15,14 @@ from time import monotonic
 from typing import Any, NamedTuple, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching, equivalent
+from plcopen_sfc.analysis.pairing import with_commands
 from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import UntestedError, Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, SfcError
 from plcopen_sfc.languages.translation.renames import identifier, is_identifier, is_reserved
-from plcopen_sfc.lowering.code.lowered_code import BOOL, names_of
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.types import Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS
-from plcopen_sfc.semantics.charts.sfc_flags import COMMANDS, flags_in_use
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import Subject
@@ -138,7 +135,7 @@ def prove(
 
     The parameters of an S7-GRAPH block multiply its states: see `compared_while_operated`.
     """
-    chart, code = compared_subjects(chart, code, profile)
+    chart, code = with_commands(chart, code, profile)
     try:
         inputs = _renamed_inputs(chart, code, profile)
         limit = seconds(searching.get("limit"))
@@ -186,17 +183,6 @@ def refuse_untested(name: str, found: Verdict, *, accepted: bool = False) -> Non
     )
 
 
-def compared_subjects(chart: Subject, code: Subject, profile: Profile) -> tuple[Subject, Subject]:
-    """Return the same with local SFC flags of CODESYS as inputs.
-
-    A visualisation writes them, or a call of the chart from elsewhere.
-    """
-    commands = _commands(chart, profile)
-    if not commands:
-        return chart, code
-    return _with_inputs(chart, commands), _with_inputs(code, commands)
-
-
 def _renamed_inputs(chart: Subject, code: Subject, profile: Profile) -> dict[str, str]:
     """Return the names of undeclared variables in the chart, by their names in the code."""
     target = code.project.dialect
@@ -227,29 +213,3 @@ def _incomparable(chart: Subject, why: str) -> LoweringError:
         location=Location(path=chart.name),
         hint="It can be lowered without the proof: verify=False, --no-verify.",
     )
-
-
-def _commands(chart: Subject, profile: Profile) -> dict[str, str]:
-    """Return the SFC flags that operate a chart, or charts of actions beside it, by their names in lower case."""
-    charts = [body.chart for _, _, body in chart.pou.named_bodies() if isinstance(body, SfcBody)]
-    own = {v.name.casefold() for v in chart.pou.variables()}
-    known = own | names_of(chart.project)
-    used = {flag for each in charts for flag in flags_in_use(each, profile, lambda name: name.casefold() in known)}
-    around = known - own
-    names = sorted(flag.variable for flag in used & COMMANDS)
-    return {name.casefold(): name for name in names if name.casefold() not in around}
-
-
-def _with_inputs(subject: Subject, names: Mapping[str, str]) -> Subject:
-    """Return the same with variables of these names as inputs, if they are local, or if only the tool declares them."""
-    old = subject.pou.interface
-    interface = old.model_copy(deep=True, update={"declaration": None}) if old is not None else Interface()
-    declared = {variable.name.casefold() for variable in interface.variables()}
-    inputs = [Variable(name=name, type=BOOL) for key, name in names.items() if key not in declared]
-    for section in interface.sections:
-        if section.kind is SectionKind.LOCAL:
-            # as locals they would keep their start values, and the proof would not reach what they do
-            inputs += [v for v in section.variables if v.name.casefold() in names]
-            section.variables = [v for v in section.variables if v.name.casefold() not in names]
-    interface.sections.append(VariableSection(kind=SectionKind.INPUT, variables=inputs))
-    return replace(subject, pou=subject.pou.model_copy(update={"interface": interface}))

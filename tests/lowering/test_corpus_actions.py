@@ -9,8 +9,8 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import equivalent
+from plcopen_sfc.analysis.pairing import with_commands
 from plcopen_sfc.lowering import lower
-from plcopen_sfc.lowering.proof import compared_subjects
 from plcopen_sfc.semantics.subjects import resolve
 from tests.corpus import corpus_files, require_corpus
 
@@ -34,7 +34,7 @@ def test_they_do_the_same() -> None:
         count += 1
         construction, language = ("bits", "ST") if count % 2 else ("flipflop", "FBD")
         lowered = lower(project, construction, pou=name, language=language, verify=False)
-        chart, code = compared_subjects(resolve(project, name), resolve(lowered.project, name), lowered.profile)
+        chart, code = with_commands(resolve(project, name), resolve(lowered.project, name), lowered.profile)
         found = equivalent(chart, code, lowered.profile, cap=200, runs=4, scans=40)
         assert not found.different, f"{name} {construction}: {found}"
     assert count >= 4

@@ -8,7 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis import VerdictKind
+from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import Construction, Language, Style, lower
 from plcopen_sfc.lowering.code_texts import Texts
@@ -220,6 +220,11 @@ def test_flags_that_are_local_are_tried_in_the_proof(declared: bool) -> None:
     assert "SFCInit" in lowered.proof.inputs
     assert lowered.pou.interface is not None
     assert "SFCInit" not in [v.name for v in lowered.pou.interface.variables(m.SectionKind.INPUT)]
+    assert "SFCInit" in equivalent(pou, lowered).inputs
+    body = lowered.pou.body
+    assert isinstance(body, m.StBody)
+    body.text = body.text.replace("IF SFCInit THEN", "IF FALSE THEN", 1)
+    assert equivalent(pou, lowered).different
 
 
 def with_table(*, declared: bool) -> m.Pou:
