@@ -437,8 +437,8 @@ def _report_edits(
 
     `contents`: the file before and after. What the tool did not read before either is nothing that the edits have lost.
     """
-    edited = {pou.report_path for number, pou in enumerate(project.pous) if not is_from(pou, number, source.content)}
-    if not kind.tool or not edited:
+    same = {pou.report_path for number, pou in enumerate(project.pous) if is_from(pou, number, source.content)}
+    if not kind.tool or len(same) == len(project.pous):
         return
     from plcopen_sfc.conversion import compare, executed, report_execution  # noqa: PLC0415
     from plcopen_sfc.semantics.profile import default_profile  # noqa: PLC0415  # loading needs no interpreter
@@ -448,7 +448,7 @@ def _report_edits(
     def notes(meant: Project, content: bytes) -> ConversionReport:
         seen = codec.read(codec.as_tool_sees(content)).project
         both = [
-            each.model_copy(update={"pous": [pou for pou in each.pous if pou.report_path in edited]})
+            each.model_copy(update={"pous": [pou for pou in each.pous if pou.report_path not in same]})
             for each in (meant, seen)
         ]
         behaviour = executed(both[0], rules)
