@@ -12,6 +12,7 @@ exports)::
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -34,6 +35,9 @@ from plcopen_sfc.model.variables import SectionKind
 
 _MOST_CHARACTERS = 100_000
 _INDENT = "    "
+_OPENS = re.compile(r"\b(?:THEN|ELSE|DO|OF|REPEAT)\b|:(?!=)", re.IGNORECASE)
+"""What statements are in, where it begins in the same line."""
+_PLAIN = re.compile(r"[\w#.:]+|'[^']*'")
 _UNSEEN = {
     SectionKind.TEMP: "a temporary variable",
     SectionKind.IN_OUT: "an in-out parameter",
@@ -155,6 +159,9 @@ class ActionCalls:
             raise _NoStatementsError("it is no action of a block")
         if any(action is each for each in around):
             raise _NoStatementsError("it calls itself")
+        for part in walk(callee):
+            if isinstance(part, n.Index) and not all(map(_stays, part.indices)):
+                raise _NoStatementsError("the index of the instance may change while its action is executed")
         head = callee
         while isinstance(head, n.Member):
             head = head.base
@@ -167,7 +174,9 @@ class ActionCalls:
         before, after = _arguments(call, path, text)
         code = self._at(inner.text, owner, path) if path else inner.text
         of = f" of {path}" if path else ""
-        lines = [*before, f"// action {action.name}{of}", code.strip("\r\n") or ";", *after]
+        is_empty = not parse_statements(code, Dialect.SCL).tree.statements  # TIA Portal wants a statement in a branch
+        lines = [*before, f"// action {action.name}{of}", *([code.strip("\r\n")] if code.strip() else [])]
+        lines += [*([";"] if is_empty else []), *after]
         return "\n".join(lines)
 
     def _code(self, action: Action, owner: Pou) -> str:
@@ -202,11 +211,20 @@ class ActionCalls:
         return apply_edits(text, edits)
 
 
+def _stays(index: n.Expression) -> bool:
+    """True for an index that statements of another block do not change: without calls and global variables."""
+    return not any(
+        isinstance(part, n.Call) or (isinstance(part, n.Name) and part.quoting is n.Quoting.GLOBAL)
+        for part in walk(index)
+    )
+
+
 def _constant(variable: Variable) -> str:
     """Return the value of a constant, which other blocks cannot name."""
     if not isinstance(variable.initial, SimpleValue) or not variable.initial.text:
         raise _NoStatementsError(f"it uses {variable.name}, a constant without a plain value")
-    return variable.initial.text
+    value = variable.initial.text
+    return value if _PLAIN.fullmatch(value) else f"({value})"
 
 
 def _code(action: Action) -> str:
@@ -257,9 +275,10 @@ def _edit(statements: str, text: str, place: tuple[int, int, int]) -> Edit:
     indent = line[: len(line) - len(line.lstrip())]
     inner, before = indent, ""
     if line.strip():  # behind THEN or another statement
-        inner = indent + _INDENT
-        before = f"\n{inner}"
+        inner = indent + _INDENT if _OPENS.search(line) else indent
         start = max(least, start - len(line) + len(line.rstrip()))
+        # an edit right before this one ends with a new line
+        before = f"\n{inner}" if start > least or not least else inner.removeprefix(indent)
     rest = text[end:].partition("\n")[0]
     after = "" if not rest.strip() else f"\n{indent}"
     end += len(rest) - len(rest.lstrip()) if after else 0

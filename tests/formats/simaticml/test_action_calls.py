@@ -313,3 +313,32 @@ def test_flags_without_a_counterpart_are_told_with_the_reason() -> None:
     assert told.keys() == {"SFCQuitError", "SFCReset"}
     assert "goes on whenever its block is called" in told["SFCQuitError"]
     assert "INIT_SQ" in told["SFCReset"]
+
+
+def test_inlined_statements_are_readable_and_whole() -> None:
+    """A branch has a statement, a negative constant parentheses, and each statement a line of its own."""
+
+    def build(rig: Rig) -> None:
+        block = motor()
+        assert block.interface is not None
+        block.interface.sections[-1].variables[0].initial = m.SimpleValue(text="-2")
+        block.actions.append(m.Action(name="Back", body=m.StBody(text="count := count - WIDTH; // back")))
+        rig.project.pous.append(block)
+        rig.declare(m.SectionKind.LOCAL, variable("drive", "Motor"))
+        rig.action("Go", m.StBody(text="IF a THEN Rest(); ELSE drive.Back(); drive.Stop(); END_IF;"))
+        rig.action("Rest", m.StBody(text="// nothing"))
+        rig.act("Work", "Go")
+
+    tool = sfc.loads(sfc.dumps(project_of(build), format="simaticml"), as_tool=True)
+    assert text_of(tool.pou("Main_Go")).splitlines() == [
+        "IF #a THEN",
+        "    // action Rest",
+        "    // nothing",
+        "    ;",
+        "ELSE",
+        "    // action Back of #drive",
+        "    #drive.count := #drive.count - (-2); // back",
+        "    // action Stop of #drive",
+        "    #drive.run := FALSE;",
+        "END_IF;",
+    ]
