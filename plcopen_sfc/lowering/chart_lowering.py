@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from typing import Any, NamedTuple, TypedDict, TypeVar, Unpack
@@ -378,17 +379,19 @@ def _with(
 
     The code of an action's chart becomes the body of the action.
     """
-    project = subject.project.model_copy(deep=True)
-    names = [each.name for each in project.pous]
-    if subject.pou.name in names:
-        place = names.index(subject.pou.name)
-        own = project.pous[place]
-        action = subject.name.removeprefix(f"{own.name}.") if subject.name != own.name else None
-        if action is not None:
-            body, pou = pou.body, pou.model_copy(update={"bodies": own.bodies})
+    names = [each.name for each in subject.project.pous]
+    place = names.index(subject.pou.name) if subject.pou.name in names else None
+    # the code is in the copy from the start: the chart would be copied for nothing
+    coded = {id(subject.project.pous[place]): pou} if place is not None and subject.name == subject.pou.name else {}
+    project = deepcopy(subject.project, coded)
+    if place is not None:
+        if not coded:
+            own, body = project.pous[place], pou.body
+            pou = pou.model_copy(update={"bodies": own.bodies})
             for each in pou.actions:
-                each.body = body if each.name == action else each.body
-        project.pous[place : place + 1] = [pou, *blocks]
+                each.body = body if f"{own.name}.{each.name}" == subject.name else each.body
+            project.pous[place] = pou
+        project.pous[place + 1 : place + 1] = blocks
     project.data_types += data_types
     return project, pou
 

@@ -14,7 +14,7 @@ from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import Block, NodeBase
+from plcopen_sfc.model.network import NodeBase
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, SfcSettings, Step
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, plain
@@ -43,14 +43,15 @@ def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption
     """
     if isinstance(thing, list | tuple):
         for each in thing:
-            yield from captions(each, path, dialect)
+            # there are many nodes, and nothing in their pins is for people: no call for each of them
+            if isinstance(each, NodeBase):
+                values = vars(each)
+                if values.get("code") is not None:
+                    yield from _inside(values["code"], path, dialect)
+                yield from [Caption(path, values[name]) for name in _TEXTS if values.get(name) is not None]
+            else:
+                yield from captions(each, path, dialect)
     if not isinstance(thing, Model) or isinstance(thing, ExtensionData | SfcSettings):
-        return
-    if isinstance(thing, Block) and thing.code is not None:
-        yield from _inside(thing.code, path, dialect)
-    if isinstance(thing, NodeBase):  # there are many, and nothing in their pins is for people
-        values = vars(thing)
-        yield from (Caption(path, values[name]) for name in _TEXTS if values.get(name) is not None)
         return
     if isinstance(thing, Step):
         path = f"{path} / step {thing.name}"

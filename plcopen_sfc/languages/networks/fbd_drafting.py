@@ -302,8 +302,8 @@ class Drafter:
 
     def _note_reading(self, expression: Expression) -> None:
         """Note that an element reads variables: it must not read those of a call that is not drawn yet."""
-        paths = reads(expression)
-        if any(path[: len(p)] == p for path in paths for p in self._pending_calls.keys() - self._started_calls):
+        waiting = self._pending_calls.keys() - self._started_calls
+        if waiting and any(path[: len(p)] == p for path in reads(expression) for p in waiting):
             self._order_violated = True
 
     def _input(self, expression: Expression) -> DrawnItem:
