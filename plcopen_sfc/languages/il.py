@@ -262,6 +262,10 @@ class CurrentResult:
         found.current, found.waiting = self.current, [*self.waiting]
         return found
 
+    def forget(self) -> None:
+        """Forget the result, where the way that led here is not known."""
+        self.current = None
+
     def take(self, instruction: Instruction) -> bool:
         """Follow an instruction; False if it is one that no expression has."""
         word = instruction.operator.upper()
@@ -309,7 +313,7 @@ _OF_BLOCKS = frozenset({"S1", "R1", "CLK", "CU", "CD", "PV", "IN", "PT"})
 
 
 def statements(text: str, dialect: Dialect, *, among_others: bool = False) -> n.Statements | None:
-    """Return the statements that do what the instructions do; None where they jump back, or where none are known.
+    """Return the statements that do what the instructions do; None where none are known, or loops have other jumps.
 
     `among_others`: other statements follow, so that RET must not leave them too.
     """
@@ -322,13 +326,21 @@ _RETURNS = frozenset({"RET", "RETC", "RETCN"})
 
 
 class _Statements:
-    """Statements of instructions. Jumps forward become IF and ELSE, which end where both ways meet again."""
+    """Statements of instructions. Jumps forward become IF and ELSE, which end where both ways meet again; back, loops.
+
+    A loop is left behind its jump back only: at that jump itself (REPEAT), or by one jump before it (WHILE).
+    """
 
     def __init__(self, text: str, found: tuple[Instruction, ...], *, among_others: bool) -> None:
         self._text, self._instructions, self._among_others = text, found, among_others
         self.end = len(found)
         labels = {each.label.casefold(): place for place, each in enumerate(found) if each.label}
         self.targets = {place: self._target(each, labels) for place, each in enumerate(found)}
+        self._backs: dict[int, list[int]] = {}
+        """The jumps back to an instruction, the last one first: it is the end of the outermost loop."""
+        for place, target in reversed(self.targets.items()):
+            if target is not None and target <= place:
+                self._backs.setdefault(target, []).append(place)
         self._joins = sorted({place for place in self.targets.values() if place is not None} | {self.end})
 
     def _target(self, instruction: Instruction, labels: Mapping[str, int]) -> int | None:
@@ -353,7 +365,16 @@ class _Statements:
             if place in self._joins and place > start:  # the result is that of one way or of the other
                 if result.waiting:
                     return None
-                result = CurrentResult(self._text)
+                result.forget()
+            back = next((each for each in self._backs.get(place, ()) if each < end), None)
+            if back is not None:
+                loop = self._loop(place, back) if not result.waiting else None
+                if loop is None:
+                    return None
+                done.append(loop)
+                place = back + 1
+                result.forget()
+                continue
             if target is None:
                 if not _Following(result, done).follow(replace(instruction, label="")):
                     return None
@@ -390,6 +411,32 @@ class _Statements:
                 done.append(n.If((n.Branch(stays, tuple(going_on)),)))
             return meeting
         return None
+
+    def _loop(self, first: int, back: int) -> n.Statement | None:
+        """Return the instructions from `first` to a jump back to it as a loop; None if they are left otherwise."""
+        decided = CurrentResult(self._text)
+        word = self._instructions[back].operator.upper()
+        if word != "JMP":
+            body = self.run(first, back, decided)
+            if not body or decided.current is None:
+                return None
+            return n.Repeat(tuple(body), decided.current if word.endswith("N") else negated(decided.current))
+        leaving = next((each for each in range(first, back) if self.targets[each] == back + 1), None)
+        if leaving is None or self._instructions[leaving].operator.upper() not in ("JMPC", "JMPCN"):
+            return None
+        before = self.run(first, leaving, decided)
+        if before is None or decided.current is None:
+            return None
+        leaves, stays = decided.current, negated(decided.current)
+        if self._instructions[leaving].operator.upper() == "JMPCN":
+            leaves, stays = stays, leaves
+        body = self.run(leaving + 1, back, decided)
+        if body is None:
+            return None
+        if not before:
+            return n.While(stays, tuple(body))
+        ends = n.If((n.Branch(leaves, (n.Exit(),)),))
+        return n.While(n.Literal("TRUE"), (*before, ends, *body))
 
 
 class _Following:

@@ -35,7 +35,10 @@ def test_statements(text: str, expected: str) -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "m: LD a\nJMPC m",
+        "m: LD a\nJMPC m",  # a loop without a statement
+        "m: JMP m",
+        "LD a\nJMPC x\nm: LD b\nST q\nx: LD c\nJMPC m",  # a jump into a loop
+        "m: LD a\nST q\nLD b\nJMPC e\nLD c\nJMPC m\ne: LD a",  # a second way out of a loop
         "LD a\nAND b\nSTN a\nST c",  # the result would be computed from what was written
         "LD t.Q\nCAL t(IN := a)\nST q",
         "LD a\nAND( b\nST a\n)\nST q",
@@ -79,3 +82,36 @@ def test_jumps_forward_are_if_and_else() -> None:
     both = "LD a\nJMPCN m\nLD b\nST q\nJMP e\nm: LD c\nST q\ne:"
     assert shown(both) == "IF NOT a THEN\n    q := c;\nELSE\n    q := b;\nEND_IF;"
     assert shown("LD a\nJMPC m\nm: ST b") is None  # the result may be that of another way
+
+
+LOOPS = {
+    "m: LD a\nST q\nLD n\nADD 1\nST n\nLT 5\nJMPC m\nLD q\nST r": (
+        "REPEAT\n    q := a;\n    n := n + 1;\nUNTIL NOT (n < 5)\nEND_REPEAT;\nr := q;"
+    ),
+    "m: LD n\nGE 4\nJMPC e\nLD n\nADD 1\nST n\nJMP m\ne: LD a\nST r": (
+        "WHILE NOT (n >= 4) DO\n    n := n + 1;\nEND_WHILE;\nr := a;"
+    ),
+    "m: LD n\nADD 1\nST n\nGE 4\nJMPC e\nLD a\nJMPCN k\nLD b\nST q\nk: JMP m\ne:": (
+        "WHILE TRUE DO\n    n := n + 1;\n    IF n >= 4 THEN\n        EXIT;\n    END_IF;\n"
+        "    IF a THEN\n        q := b;\n    END_IF;\nEND_WHILE;"
+    ),
+    "o: LD 0\nST m\ni: LD m\nADD 1\nST m\nLT 3\nJMPC i\nLD n\nADD m\nST n\nGE 4\nJMPCN o\nLD a\nST q": (
+        "REPEAT\n    m := 0;\n    REPEAT\n        m := m + 1;\n    UNTIL NOT (m < 3)\n    END_REPEAT;\n"
+        "    n := n + m;\nUNTIL n >= 4\nEND_REPEAT;\nq := a;"
+    ),
+}
+
+
+@pytest.mark.parametrize("text", LOOPS)
+def test_jumps_back_are_loops(text: str) -> None:
+    assert shown(text) == LOOPS[text]
+    head = "FUNCTION_BLOCK F VAR_INPUT a, b : BOOL; END_VAR VAR_OUTPUT q, r : BOOL; END_VAR VAR m, n : INT; END_VAR"
+    reset = "LD 0\nST n", "n := 0;"
+    one, two = (
+        sfc.loads(f"{head}\n{first}\n{body}\nEND_FUNCTION_BLOCK".encode(), format="iec-text").pous[0]
+        for first, body in zip(reset, (text, LOOPS[text]), strict=True)
+    )
+    assert one.body is not None
+    assert one.body.language == "IL"
+    verdict = sfc.equivalent(one, two, "iec")
+    assert verdict.proven, str(verdict)

@@ -196,7 +196,18 @@ def test_jumps_forward_in_instruction_list_are_lowered(name: str) -> None:
     assert "RETURN" not in lowered.pou.body.text  # type: ignore[union-attr]  # it would leave more than the action
 
 
-def test_jumps_back_in_instruction_list_are_refused() -> None:
-    project = sfc.loads((IN_IL % "again: LD b\nST q\nLD n\nJMPC again").encode(), format="iec-text")
-    with pytest.raises(LoweringError, match="instruction list that jumps back"):
+def test_loops_in_instruction_list_are_lowered() -> None:
+    project = sfc.loads(
+        (IN_IL % "LD 0\nST n\nagain: LD b\nST q\nLD n\nADD 1\nST n\nLT 3\nJMPC again").encode(), format="iec-text"
+    )
+    lowered = lower(project, "case")
+    assert lowered.proof is not None
+    assert lowered.proof.proven, str(lowered.proof)
+    assert "UNTIL NOT (n < 3)" in lowered.pou.body.text  # type: ignore[union-attr]
+
+
+def test_jumps_in_instruction_list_that_are_no_loops_are_refused() -> None:
+    jumping = "LD a\nJMPC inside\nagain: LD b\nST q\ninside: LD n\nJMPC again"
+    project = sfc.loads((IN_IL % jumping).encode(), format="iec-text")
+    with pytest.raises(LoweringError, match="instruction list whose jumps are no loops"):
         lower(project, "case")

@@ -171,7 +171,9 @@ class TextReader:
         if isinstance(body, IlBody):
             tree = instruction_statements(body.text, self.dialect, among_others=True)
             if tree is None:
-                self.refuse("instruction list that jumps back, or whose result is no expression, is not lowered", path)
+                self.refuse(
+                    "instruction list whose jumps are no loops, or whose result is no expression, is not lowered", path
+                )
             return self._staying(tree.statements, path)
         if not isinstance(body, FbdBody | LdBody):
             self.refuse(f"actions in {body.language} are not lowered", path)
