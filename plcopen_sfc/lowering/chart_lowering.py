@@ -381,11 +381,12 @@ def _with(
     """
     names = [each.name for each in subject.project.pous]
     place = names.index(subject.pou.name) if subject.pou.name in names else None
+    is_whole = subject.name == subject.pou.name
     # the code is in the copy from the start: the chart would be copied for nothing
-    coded = {id(subject.project.pous[place]): pou} if place is not None and subject.name == subject.pou.name else {}
-    project = deepcopy(subject.project, coded)
+    copies = {id(subject.project.pous[place]): pou} if is_whole and place is not None else {}
+    project = deepcopy(subject.project, copies)
     if place is not None:
-        if not coded:
+        if not is_whole:
             own, body = project.pous[place], pou.body
             pou = pou.model_copy(update={"bodies": own.bodies})
             for each in pou.actions:
