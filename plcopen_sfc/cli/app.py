@@ -53,6 +53,7 @@ def _app() -> typer.Typer:
         _schema,
     ):
         app.command(command.__name__.removeprefix("_").replace("_", "-"))(command)
+    app.command("git-merge", hidden=True)(_git_merge)  # called by git alone
     return app
 
 
@@ -473,13 +474,21 @@ def _normalize(screen: Screen, files: o.Files, dry_run: o.OnlyList = False) -> i
 
 @_command
 def _git_setup(screen: Screen, patterns: o.Patterns = None, undo: o.Undo = False) -> int:
-    """Let git diff show changes in the words of charts.
+    """Let git show changes in the words of charts, and check merges.
 
     Writes lines to .gitattributes and to the configuration of the repository that you are in.
     """
-    from plcopen_sfc.cli.commands import git_setup
+    from plcopen_sfc.cli.commands import git_use
 
-    return git_setup.run(screen, patterns or [], undo=undo)
+    return git_use.setup(screen, patterns or [], undo=undo)
+
+
+@_command
+def _git_merge(screen: Screen, base: o.Merged, ours: o.Merged, theirs: o.Merged, name: o.Merged) -> int:
+    """Merge three versions of a file, as git calls it."""
+    from plcopen_sfc.cli.commands import git_use
+
+    return git_use.merge(screen, base, ours, theirs, name)
 
 
 @_command

@@ -174,6 +174,7 @@ Patterns = Annotated[
     list[str] | None,
     typer.Argument(metavar="[PATTERN]...", help="The files to compare so. The default are those of all formats."),
 ]
+Merged = Annotated[str, typer.Argument(help="What git gives a merge driver: %O %A %B %P.")]
 Undo = Annotated[bool, _option("--undo", "Take out again what was written.")]
 
 # -- renaming ---------------------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -37,7 +38,7 @@ def repository(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_git_diff_shows_changes_of_charts_and_lines_of_other_files(repository, cli):
     assert cli("git-setup", "*.xml").code == 0
-    assert (repository / ".gitattributes").read_bytes() == b"*.xml diff=plcopen-sfc\n"
+    assert (repository / ".gitattributes").read_bytes() == b"*.xml diff=plcopen-sfc merge=plcopen-sfc\n"
     assert cli("rename", "chain.xml", "Ablauf.S2", "Fill").code == 0
     assert git("diff", "chain.xml").splitlines() == ["chain.xml", "POU Ablauf", "  step Fill: renamed, was S2"]
     assert git("difftool", "-y", "-t", "plcopen-sfc", "chain.xml").splitlines()[-1] == "  step Fill: renamed, was S2"
@@ -52,13 +53,58 @@ def test_git_diff_shows_changes_of_charts_and_lines_of_other_files(repository, c
     assert git("diff", "chain.xml").startswith("diff --git")
 
 
+@pytest.mark.slow
+def test_git_log_shows_text_and_hides_no_change(repository, cli):
+    assert cli("git-setup", "*.xml").code == 0
+    assert cli("rename", "chain.xml", "Ablauf.S2", "Fill").code == 0
+    git("commit", "--quiet", "-am", "renamed")
+    shown = git("log", "-p", "-1", "--", "chain.xml")
+    assert re.search(r"^-\s+STEP S2:", shown, re.MULTILINE)
+    assert re.search(r"^\+\s+STEP Fill:", shown, re.MULTILINE)
+    assert "localId" not in shown
+    Path("chain.xml").write_bytes(Path("chain.xml").read_bytes() + b"<!-- not in the text -->\n")
+    git("commit", "--quiet", "-am", "noted")
+    assert len(re.findall(r"^[-+][0-9a-f]{40}$", git("log", "-p", "-1", "--", "chain.xml"), re.MULTILINE)) == 2
+    Path("pom.xml").write_text("<project>\n  <b/>\n</project>\n", encoding="utf-8")
+    git("commit", "--quiet", "-am", "other")
+    assert "+  <b/>" in git("log", "-p", "-1").splitlines()
+
+
+@pytest.mark.slow
+def test_git_merge_takes_what_both_sides_changed_and_tells_of_a_conflict(repository, cli):
+    assert cli("git-setup", "*.xml").code == 0
+    branch = git("branch", "--show-current").strip()
+    git("checkout", "--quiet", "-b", "other")
+    assert cli("rename", "chain.xml", "Ablauf.S2", "Fill").code == 0
+    git("commit", "--quiet", "-am", "theirs")
+    git("checkout", "--quiet", branch)
+    assert cli("rename", "chain.xml", "Ablauf.Q1", "Pump").code == 0
+    git("commit", "--quiet", "-am", "ours")
+    git("merge", "--quiet", "-m", "both", "other")
+    chart = sfc.load("chain.xml").pou("Ablauf").chart
+    assert chart.step("Fill")
+    assert b"Pump" in Path("chain.xml").read_bytes()
+    git("checkout", "--quiet", "-b", "third", "HEAD~1")
+    assert cli("rename", "chain.xml", "Ablauf.S2", "Mix").code == 0
+    git("commit", "--quiet", "-am", "third")
+    with pytest.raises(subprocess.CalledProcessError) as conflict:
+        git("merge", "--quiet", "-m", "both", branch)
+    assert conflict.value.returncode == 1
+    told = conflict.value.stderr
+    assert "chain.xml: both sides change the same lines" in told
+    assert "ours: POU Ablauf / step Mix: renamed, was S2" in told
+    assert "theirs: POU Ablauf / step Fill: renamed, was S2" in told
+
+
 def test_other_lines_stay_as_they_are(repository, cli):
     attributes = repository / ".gitattributes"
     attributes.write_bytes(b"*.png binary\r\n*.exp -text")
     outcome = cli("git-setup", "--json")
     found = json.loads(outcome.out)
-    assert "*.xml diff=plcopen-sfc" in found["lines"]
-    assert attributes.read_bytes().startswith(b"*.png binary\r\n*.exp -text\r\n*.xml diff=plcopen-sfc\r\n")
+    assert "*.xml diff=plcopen-sfc merge=plcopen-sfc" in found["lines"]
+    assert attributes.read_bytes().startswith(
+        b"*.png binary\r\n*.exp -text\r\n*.xml diff=plcopen-sfc merge=plcopen-sfc\r\n"
+    )
     written = attributes.read_bytes()
     assert cli("git-setup").code == 0  # twice is once
     assert attributes.read_bytes() == written

@@ -1,0 +1,140 @@
+"""``plcopen-sfc git-setup`` and ``git-merge``: let git show changes in the words of charts, and check merged files."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Sequence, Set
+from pathlib import Path
+
+from plcopen_sfc.api import loads
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.comparison import diff
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.errors import Location, SfcError
+from plcopen_sfc.files import path_exists, read_bytes, write_atomic
+from plcopen_sfc.formats.registry import all_formats
+from plcopen_sfc.model.project import Project
+
+_NAME = "plcopen-sfc"
+_LINE = re.compile(rf"^\S+ diff={_NAME}(?: merge={_NAME})?\r?\n?$")
+_SECTIONS = (f"diff.{_NAME}", f"difftool.{_NAME}", f"merge.{_NAME}")
+_CONFLICT = 1
+
+
+def setup(screen: Screen, patterns: Sequence[str], *, undo: bool) -> int:
+    """Write, or with `undo` take out again, what makes git use `plcopen-sfc diff` in this repository."""
+    root = Path(_git("rev-parse", "--show-toplevel").strip())
+    attributes = root / ".gitattributes"
+    lines = [] if undo else [f"{pattern} diff={_NAME} merge={_NAME}" for pattern in patterns or _known_patterns()]
+    is_changed = _write(attributes, lines)
+    settings = {} if undo else _settings()
+    for section in _SECTIONS:
+        _git("config", "--local", "--remove-section", section, may_fail=True)
+    for name, value in settings.items():
+        _git("config", "--local", name, value)
+    if not screen.as_json and not screen.quiet:
+        if is_changed:
+            screen.line("written: ", (str(attributes), "bold"))
+        screen.line("git diff shows ", "lines of the files again" if undo else f"changes of {', '.join(lines)}")
+    screen.result({"attributes": str(attributes), "lines": lines, "config": settings})
+    return 0
+
+
+def _known_patterns() -> list[str]:
+    extensions = dict.fromkeys(extension for kind in all_formats() for extension in kind.extensions if kind.tool)
+    return [f"*{extension}" for extension in extensions]
+
+
+def _settings() -> dict[str, str]:
+    """The drivers and the difftool. A file that is no program of a PLC is shown as plain lines."""
+    program = f"'{Path(sys.executable).as_posix()}' -m plcopen_sfc"
+    command = f"{program} diff"
+    # what the text does not have is seen by the last line: no change of a file is hidden
+    text = f'{program} convert "$1" - --to iec-text --partial --accept-errors --limit 0 --quiet 2>/dev/null'
+    shown = """if [ -n "$t" ]; then printf '%s\\n' "$t"; git hash-object "$1"; else cat "$1"; fi"""
+    # git gives the path, then file, hash and mode of the old version and of the new one
+    driver = f"""f() {{ echo "$1"; {command} "$2" "$5" 2>/dev/null || diff -u "$2" "$5"; true; }}; f"""
+    return {
+        f"diff.{_NAME}.command": driver,
+        f"diff.{_NAME}.textconv": f"f() {{ t=$({text}); {shown}; }}; f",
+        f"difftool.{_NAME}.cmd": f'{command} "$LOCAL" "$REMOTE"',
+        f"merge.{_NAME}.name": "merge lines, and compare the charts with both sides",
+        f"merge.{_NAME}.driver": f"{program} git-merge %O %A %B %P",
+    }
+
+
+def _write(path: Path, lines: Sequence[str]) -> bool:
+    """Put our lines at the end of a file in place of those that it has; a file of nothing else is removed."""
+    before = read_bytes(path).decode("utf-8") if path_exists(path) else ""
+    kept = "".join(line for line in before.splitlines(keepends=True) if not _LINE.match(line))
+    end = "\r\n" if "\r\n" in before else "\n"
+    separator = end if kept and lines and not kept.endswith("\n") else ""
+    after = kept + separator + "".join(line + end for line in lines)
+    if after == before:
+        return False
+    if after:
+        write_atomic(path, after.encode())
+    else:
+        path.unlink()
+    return True
+
+
+def _git(*arguments: str, may_fail: bool = False) -> str:
+    """Run git here; raises `SfcError` where it cannot do it."""
+    try:
+        done = subprocess.run(["git", *arguments], capture_output=True, text=True, check=False)  # noqa: S603, S607
+    except OSError as error:
+        raise SfcError(f"git cannot be run: {error.strerror}", hint="Install git, or put it on the PATH.") from None
+    if done.returncode and not may_fail:
+        raise SfcError(f"git: {done.stderr.strip()}", hint="Run this in a repository of git.")
+    return done.stdout
+
+
+# -- merging ----------------------------------------------------------------------------------------------------------
+
+
+def merge(screen: Screen, base: str, ours: str, theirs: str, name: str) -> int:
+    """Merge three versions of the file `name` into `ours`, as git asks a merge driver to do.
+
+    Lines are merged as git does it. A file of a PLC tool is merged if it can be read then, and has the changes of both
+    sides and no other; else this is a conflict, and the changes of both sides are told.
+    """
+    done = subprocess.run(["git", "merge-file", "-p", ours, base, theirs], capture_output=True, check=False)  # noqa: S603, S607
+    if done.returncode < 0 or done.returncode > _MOST_CONFLICTS:
+        raise SfcError(f"git: {done.stderr.decode(errors='replace').strip()}", location=Location(name))
+    sides = {side: read_bytes(path) for side, path in (("base", base), ("ours", ours), ("theirs", theirs))}
+    write_atomic(ours, done.stdout)
+    try:
+        before = loads(sides["base"], path=name)
+        changes = {
+            side: set(map(str, diff(before, loads(sides[side], path=name)).changes)) for side in ("ours", "theirs")
+        }
+    except SfcError:  # no file of a PLC tool, or new on both sides: lines are all there is
+        return min(done.returncode, _CONFLICT)
+    told = set() if done.returncode else _unlike(done.stdout, before, set().union(*changes.values()), name)
+    if not done.returncode and not told:
+        return 0
+    screen.note(f"{name}: {'both sides change the same lines' if done.returncode else 'the merged file is not both'}")
+    for side, found in (*changes.items(), ("merged", told)):
+        for text in sorted(found):
+            screen.note(f"  {side}: {text}")
+    return _CONFLICT
+
+
+def _unlike(merged: bytes, before: Project, wanted: Set[str], name: str) -> set[str]:
+    """Return what is wrong with a merged file: errors of reading, and changes that are missing or of no side."""
+    try:
+        after = loads(merged, path=name)
+        errors = {str(each) for each in after.diagnostics if each.severity is Severity.ERROR}
+        known = {str(each) for each in before.diagnostics}
+        found = set(map(str, diff(before, after).changes))
+    except SfcError as error:
+        return {str(error)}
+    missing = {f"lacks {each}" for each in wanted - found}
+    return (errors - known) | missing | {f"of no side: {each}" for each in found - wanted}
+
+
+_MOST_CONFLICTS = 127
+"""The exit code of ``git merge-file`` is the number of conflicts up to this; above it is an error."""
