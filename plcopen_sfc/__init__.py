@@ -49,6 +49,7 @@ _PROVIDERS = {
     "rename_many": "refactor.rename",
     "rename_step": "refactor.rename",
     "find_steps": "refactor.queries",
+    "find_transitions": "refactor.queries",
     "find_declared": "refactor.queries",
     "find_uses": "languages.binding",
     "cross_references": "refactor.queries",
@@ -61,6 +62,7 @@ _PROVIDERS = {
     "chart_svg": "drawing.pictures",
     "body_svg": "drawing.pictures",
     "trace_svg": "pages.timing_diagram",
+    "project_table": "pages.project_page",
 }
 """The modules of the operations that the model offers: they bring the parser or the formats with them."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from html import escape
 from typing import Any
 
 from plcopen_sfc.analysis.coverage import Coverage, any_untested, listed
@@ -171,6 +172,12 @@ class Verdict:
 
     def __repr__(self) -> str:
         return f"Verdict({self.kind}: {self.states} states, {self.runs} runs, {len(self.compared)} values compared)"
+
+    def _repr_html_(self) -> str:
+        """Show the verdict in Jupyter: its text, and for a difference what both sides do."""
+        found = self.counterexample
+        pictures = (found.left.to_svg(), found.right.to_svg()) if found is not None else ()
+        return f"<pre>{escape(str(self))}</pre>{''.join(pictures)}"
 
     def __str__(self) -> str:
         """One line, then what was executed; for a difference the inputs that show it."""

@@ -15,7 +15,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import DataBlock, NamedBody, Pou, PouKind
 from plcopen_sfc.model.project_object import ProjectObject
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import AccessSection, ConfigSection, Interface, VariableSection
@@ -365,6 +365,13 @@ class Project(Owned, Element):
         found: list[Step] = provided("find_steps")(self, where, **conditions)
         return found
 
+    def find_transitions(
+        self, where: Callable[[Transition], bool] | None = None, **conditions: Any
+    ) -> list[Transition]:
+        """The transitions of all charts that satisfy the conditions; see `SfcNetwork.find_transitions`."""
+        found: list[Transition] = provided("find_transitions")(self, where, **conditions)
+        return found
+
     def uses(self, what: Declaration | Model | str) -> list[Use]:
         """Every place that names a thing: a path (``Main.S3``), an object of the model, or what `find` gave.
 
@@ -389,6 +396,11 @@ class Project(Owned, Element):
         """
         places: list[Location] = provided("locations_of")(self, paths)
         return places
+
+    def _repr_html_(self) -> str:
+        """Show what is in the project in Jupyter: a row for each POU, type, list of variables and task."""
+        table: str = provided("project_table")(self)
+        return table
 
     def objects(self) -> Iterator[ProjectObject]:
         """The objects that have files of their own in some tools; what others need comes first."""

@@ -384,6 +384,19 @@ class SfcNetwork(LateElement):
         )
         return found
 
+    def find_transitions(
+        self, where: Callable[[Transition], bool] | None = None, **conditions: Any
+    ) -> list[Transition]:
+        """The transitions that satisfy all conditions: ``chart.find_transitions(reads="*Guard*", leaving="Fill")``.
+
+        `reads`, `calls`: patterns for what the condition reads and calls, also that of a named transition, as for
+        `find`. `condition`: a pattern for its text. `leaving`, `entering`: patterns for the name of a step before or
+        behind it. `where` is a function for all else. Others are fields of a transition: ``priority=1``. Raises
+        `ModelError` for a field that transitions do not have.
+        """
+        found: list[Transition] = provided("find_transitions")(self, where, **conditions)
+        return found
+
     def to_records(self) -> list[dict[str, Any]]:
         """The chart as a table: a dictionary for each step, with the same keys in all; ``pandas.DataFrame`` takes it.
 

@@ -64,6 +64,26 @@ def page(
     return document(title_of(project), words, content.tree(), overview, *sections)
 
 
+def project_table(project: Project) -> str:
+    """Return a table of the objects of a project, for notebooks: kinds, languages, and how large charts are."""
+
+    def size(thing: object) -> str:
+        own = (body.chart for body in getattr(thing, "bodies", ()) if isinstance(body, SfcBody))
+        return ", ".join(f"{len(chart.steps)} steps, {len(chart.transitions)} transitions" for chart in own)
+
+    rows = [
+        element(
+            "tr",
+            element("td", thing.name),
+            element("td", str(getattr(thing, "kind", "") or type(thing).__name__)),
+            element("td", ", ".join(body.language for body in getattr(thing, "bodies", ()))),
+            element("td", size(thing)),
+        )
+        for thing in project.objects()
+    ]
+    return joined(element("p", title_of(project)), _table(("name", "kind", "languages", "charts"), rows, "objects"))
+
+
 def title_of(project: Project) -> str:
     """Return what a page calls a project: its name, or that of its file."""
     return project.name or file_name_of(project) or "plcopen-sfc"

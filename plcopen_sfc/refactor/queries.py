@@ -1,4 +1,4 @@
-"""Queries: steps by what they do, declarations by their names, and charts and uses of names as tables."""
+"""Queries: steps and transitions by what they do, declarations by name, and charts and uses of names as tables."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.languages.binding import Declaration, Effects, Kind, Names, step_effects
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import dialect_of
-from plcopen_sfc.languages.networks.condition_reading import shown_condition
+from plcopen_sfc.languages.networks.condition_reading import condition_reader, shown_condition
+from plcopen_sfc.languages.st.effects import effects
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
@@ -39,7 +40,7 @@ def find_steps(
     **fields: Any,
 ) -> list[Step]:
     """The steps of a chart, or of all charts of a project; `SfcNetwork.find` has the conditions."""
-    _check_fields(fields)
+    _check_fields(fields, Step, "steps")
     qualifiers = _qualifiers(qualifier)
     found: list[Step] = []
     for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
@@ -55,6 +56,45 @@ def find_steps(
                 continue
             if predicate is None or predicate(step):
                 found.append(step)
+    return found
+
+
+def find_transitions(
+    where: Project | SfcNetwork,
+    predicate: Callable[[Transition], bool] | None = None,
+    *,
+    reads: str | None = None,
+    calls: str | None = None,
+    condition: str | None = None,
+    leaving: str | None = None,
+    entering: str | None = None,
+    **fields: Any,
+) -> list[Transition]:
+    """The transitions of a chart, or of all charts of a project; `SfcNetwork.find_transitions` has the conditions."""
+    _check_fields(fields, Transition, "transitions")
+    found: list[Transition] = []
+    for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
+        pou, dialect = pou_of(chart), dialect_in(chart)
+        named = pou.transitions if pou is not None else ()
+        read = condition_reader(chart, dialect, transitions=named)
+        names = {step.id: step.name for step in chart.steps}
+        for transition in chart.transitions:
+            sides = ((leaving, transition.sources), (entering, transition.targets))
+            if not all(wanted is None or any(_fits(names.get(i, ""), wanted) for i in ids) for wanted, ids in sides):
+                continue
+            if not all(_fits(getattr(transition, name), value) for name, value in fields.items()):
+                continue
+            if condition is not None:
+                shown = shown_condition(chart, transition, dialect, named)
+                if shown is None or not _fits(shown[0], condition):
+                    continue
+            if reads or calls:
+                result = read(transition.condition) if transition.condition is not None else None
+                trees = [*result.before, *([result.tree] if result.tree is not None else [])] if result else []
+                if not _acts(effects(trees), (None, reads, calls)):
+                    continue
+            if predicate is None or predicate(transition):
+                found.append(transition)
     return found
 
 
@@ -77,10 +117,10 @@ def dialect_in(chart: SfcNetwork) -> Dialect:
     return dialect_of(chart.project) if chart.project is not None else Dialect.CODESYS
 
 
-def _check_fields(fields: dict[str, Any]) -> None:
+def _check_fields(fields: dict[str, Any], kind: type[Step | Transition], called: str) -> None:
     for name in fields:
-        if name not in Step.model_fields:
-            raise ModelError(f"steps have no field {name!r}{nearest(name, Step.model_fields)}")
+        if name not in kind.model_fields:
+            raise ModelError(f"{called} have no field {name!r}{nearest(name, kind.model_fields)}")
 
 
 def _qualifiers(wanted: str | Iterable[str] | None) -> Set[Qualifier] | None:

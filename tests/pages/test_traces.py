@@ -100,3 +100,22 @@ def test_a_trace_is_played_on_the_chart(
     browser.evaluate("new Promise((done) => setTimeout(done, 800))")
     assert active() == [*trace.active(-1)]
     assert browser.messages == []
+
+
+def test_notebooks_show_projects_and_verdicts(project: sfc.Project) -> None:
+    rows = html.fromstring(project._repr_html_()).xpath("//tbody/tr")
+    texts = [[cell.text_content() for cell in row] for row in rows]
+    assert len(texts) == len(list(project.objects()))
+    assert any(row[2] == "SFC" and f"{len(project.steps())} steps" in row[3] for row in texts)
+    other = sfc.loads(PLANT.replace("Valve", "Value").encode(), format="iec-text")
+    other.pous[0].name += "<b>"
+    assert "<b>" not in other._repr_html_()
+    changed = sfc.loads(PLANT.encode(), format="iec-text")
+    link = next(iter(changed.charts())).chart.transitions[0]
+    link.condition = "NOT Start"
+    (proof,) = sfc.diff(project, changed, prove=True, limit=5).proofs
+    assert proof.verdict is not None
+    shown = proof.verdict._repr_html_()
+    assert proof.verdict.different
+    assert shown.startswith("<pre>")
+    assert shown.count("<svg") == 2

@@ -76,6 +76,35 @@ def test_steps_are_found_by_what_they_do(chart: sfc.SfcNetwork, wanted: dict[str
 
 
 @pytest.mark.parametrize(
+    ("wanted", "found"),
+    [
+        ({"reads": "Level"}, ["Start AND Level > 5"]),
+        ({"reads": "Full"}, ["Full"]),
+        ({"condition": "*a*"}, ["Start AND Level > 5", "Again"]),
+        ({"leaving": "Drain"}, ["Again"]),
+        ({"entering": "m*"}, ["Start AND Level > 5"]),
+        ({"entering": "Drain", "leaving": "Mix"}, ["Full"]),
+        ({"where": lambda link: len(link.targets) == 1}, ["Full", "Again"]),
+    ],
+)
+def test_transitions_are_found_by_what_they_read(
+    chart: sfc.SfcNetwork, wanted: dict[str, object], found: list[str]
+) -> None:
+    assert chart.project is not None
+    for where in (chart, chart.project):
+        assert [each.condition.text for each in where.find_transitions(**wanted)] == found  # type: ignore[arg-type, union-attr]
+    with pytest.raises(ModelError, match="transitions have no field 'prioriti'"):
+        chart.find_transitions(prioriti=1)
+
+
+def test_transitions_are_found_through_named_ones(chart: sfc.SfcNetwork) -> None:
+    assert chart.project is not None
+    link = chart.transitions[1]
+    chart.project.edit().extract_condition(link, "IsFull")
+    assert chart.find_transitions(reads="Full") == [link]
+
+
+@pytest.mark.parametrize(
     ("wanted", "message"),
     [
         ({"maxtime": None}, "no field 'maxtime'.*did you mean 'max_time'"),
