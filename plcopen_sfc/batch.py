@@ -243,7 +243,15 @@ def project_files(paths: Iterable[str]) -> list[str]:
     A folder with documents of TIA Portal Openness or TwinCAT is one project; in others each file of a known format is.
     """
     found = (_in_folder(path) if folder_exists(path) else [path] for path in paths)
-    return list(dict.fromkeys(name for each in found for name in each))
+    return without_repeated(name for each in found for name in each)
+
+
+def without_repeated(paths: Iterable[str]) -> list[str]:
+    """Return paths without those that lead to the same file as an earlier one, as links do: none is edited twice."""
+    first: dict[str, str] = {}
+    for path in paths:
+        first.setdefault(os.path.realpath(path), path)
+    return list(first.values())
 
 
 def difference(change: FileChange) -> list[str]:

@@ -44,7 +44,10 @@ class ManyFiles:
 
         Raises `FileAccessError` where a pattern matches nothing.
         """
-        return _found(self.named)
+        from plcopen_sfc.batch import without_repeated  # noqa: PLC0415  # heavy, and help needs none of it
+
+        found = _found(self.named)
+        return {path: found[path] for path in without_repeated(found)}
 
     @property
     def alone(self) -> bool:
@@ -58,7 +61,7 @@ class ManyFiles:
 
 
 def _found(names: Iterable[str]) -> dict[str, str]:
-    from plcopen_sfc.batch import project_files  # noqa: PLC0415  # heavy, and files alone need none of it
+    from plcopen_sfc.batch import project_files  # noqa: PLC0415
 
     found: dict[str, str] = {}
     for name in names:

@@ -126,6 +126,15 @@ def test_many_are_numbered_drawn_and_put_on_pages(cli: Any, exports: Path) -> No
     assert Path("pages/chain.html").is_file()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
+def test_a_link_and_its_file_are_one(cli: Any, exports: Path) -> None:
+    (exports / "Anlage Süd" / "link.xml").symlink_to("chain.xml")
+    outcome = cli("renumber", "exports/Anlage Süd/*.xml", "--names", "{name}_{number}")
+    assert outcome.out.splitlines()[-1] == "1 changed, 0 unchanged, 0 failed"
+    assert next(sfc.load(IN_ORDER[0]).charts()).chart.steps[0].name == "S1_1"
+    assert (exports / "Anlage Süd" / "link.xml").is_symlink()
+
+
 def test_standard_input_is_one_file(cli: Any, exports: Path) -> None:
     outcome = cli("rename", "-", f"exports/{CODESYS[0]}", "A", "B")
     assert outcome.code == 2

@@ -287,7 +287,9 @@ def _edit_many(screen: Screen, files: ManyFiles, edit: str | _Edit, settings: di
 
 def _tell_one_of_many(screen: Screen, done: AppliedFile, told: RecordedScreen | None, diff: list[str]) -> None:
     if done.error:
-        screen.note(f"failed: {done.path}: {done.error}")
+        screen.note(
+            f"failed: {done.error}" if done.error.startswith(done.path) else f"failed: {done.path}: {done.error}"
+        )
     is_shown = not screen.as_json and not screen.quiet
     if is_shown and done.changes:
         new = sum(line.startswith("+") and not line.startswith("+++") for line in diff)
