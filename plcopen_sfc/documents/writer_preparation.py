@@ -48,6 +48,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     of_matiec = default_profile(project).for_asks_ahead
     if of_matiec and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
+    if kind.tool and dialect is None and not options.same and family(project.dialect) is Dialect.CODESYS:
+        _note_wider_arithmetic(project, kind, report)
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
@@ -220,6 +222,15 @@ _OUTCOMES = {
     Severity.ERROR: Outcome.NOT_EXECUTED,
 }
 """Outcome of a text by the severity of the notes of its translation: without a counterpart it is left as it is."""
+
+
+def _note_wider_arithmetic(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Report texts of CODESYS that stay as they are in files for other tools, and calculate in 16 bits there."""
+    from plcopen_sfc.refactor.dialect import texts_that_calculate_wider  # noqa: PLC0415  # rarely needed
+
+    for path in texts_that_calculate_wider(project, Dialect.IEC):
+        why = f"CODESYS calculates with 32 bits where {kind.tool} may do it in the types of the operands"
+        report.add(Outcome.APPROXIMATED, "text", path, why)
 
 
 def _note_counted_words(project: Project, kind: Format, report: ConversionReport) -> None:

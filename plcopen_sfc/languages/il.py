@@ -180,6 +180,25 @@ def result_expression(text: str, dialect: Dialect, *, stored_in: str = "") -> n.
     return _Result(text, found, stored_in).behind(0, CurrentResult(text)) if found else None
 
 
+def statements_with_result(
+    text: str, dialect: Dialect, *, stored_in: str = ""
+) -> tuple[tuple[n.Statement, ...], n.Expression] | None:
+    """Return what instructions without jumps do, such as calls, and their result; None where that is not known.
+
+    `stored_in`: the last instruction may store the result in this.
+    """
+    found = [each for each in instructions(text, dialect) if each.operator or each.label or each.operands]
+    if found and found[-1].operator.upper() == "ST" and _read_names(found[-1], stored_in):
+        found.pop()
+    done: list[n.Statement] = []
+    result = CurrentResult(text)
+    following = _Following(result, done)
+    for each in found:
+        if each.label or each.operator.upper() in JUMPS | _RETURNS or not following.follow(each):
+            return None
+    return (tuple(done), result.current) if result.current is not None and not result.waiting else None
+
+
 _MOST_WAYS = 32
 """How many ways through a list are joined to one expression: each jump can double its size."""
 
@@ -324,6 +343,9 @@ def statements(text: str, dialect: Dialect, *, among_others: bool = False) -> n.
 
 _RETURNS = frozenset({"RET", "RETC", "RETCN"})
 
+_MOST_RUNS = 1_000
+"""How many ways through a list are tried: each jump can double them."""
+
 
 class _Statements:
     """Statements of instructions. Jumps forward become IF and ELSE, which end where both ways meet again; back, loops.
@@ -341,6 +363,7 @@ class _Statements:
         for place, target in reversed(self.targets.items()):
             if target is not None and target <= place:
                 self._backs.setdefault(target, []).append(place)
+        self._tried = 0
         self._joins = sorted({place for place in self.targets.values() if place is not None} | {self.end})
 
     def _target(self, instruction: Instruction, labels: Mapping[str, int]) -> int | None:
@@ -360,12 +383,9 @@ class _Statements:
         """Return the statements from an instruction on until `end`; None if they leave that otherwise."""
         done: list[n.Statement] = []
         place = start
-        while place < end:
+        self._tried += 1
+        while place < end and self._tried <= _MOST_RUNS:
             instruction, target = self._instructions[place], self.targets[place]
-            if place in self._joins and place > start:  # the result is that of one way or of the other
-                if result.waiting:
-                    return None
-                result.forget()
             back = next((each for each in self._backs.get(place, ()) if each < end), None)
             if back is not None:
                 loop = self._loop(place, back) if not result.waiting else None
@@ -386,30 +406,34 @@ class _Statements:
             if word in ("JMP", "RET"):
                 place = target
                 continue
-            meeting = self._parted(place, target, end, result, done)
-            if meeting is None:
-                return None
-            place = meeting
-        return done if not result.waiting else None
+            rest = self._parted(place, target, end, result)
+            return [*done, *rest] if rest is not None else None
+        return done if not result.waiting and self._tried <= _MOST_RUNS else None
 
-    def _parted(self, place: int, target: int, end: int, result: CurrentResult, done: list[n.Statement]) -> int | None:
-        """Append both ways on from a conditional jump, and return where they meet; None if they do not."""
+    def _parted(self, place: int, target: int, end: int, result: CurrentResult) -> list[n.Statement] | None:
+        """Return both ways on from a conditional jump, and what follows where they meet; None if they do not.
+
+        They meet as early as what follows needs the result of neither; else each has the rest for itself.
+        """
         if result.current is None:
             return None
         for meeting in (each for each in self._joins if target <= each <= end):
             going_on = self.run(place + 1, meeting, result.copy())
-            jumping = self.run(target, meeting, CurrentResult(self._text))
-            if going_on is None or jumping is None:
+            jumping = self.run(target, meeting, CurrentResult(self._text)) if going_on is not None else None
+            behind = CurrentResult(self._text)
+            rest = self.run(meeting, end, behind) if jumping is not None else None
+            if going_on is None or jumping is None or rest is None:
                 continue
             leaps = result.current if not self._instructions[place].operator.upper().endswith("N") else None
             condition = leaps if leaps is not None else negated(result.current)
             if jumping:
                 otherwise = tuple(going_on) or None
-                done.append(n.If((n.Branch(condition, tuple(jumping)),), otherwise))
+                rest = [n.If((n.Branch(condition, tuple(jumping)),), otherwise), *rest]
             elif going_on:
                 stays = negated(result.current) if leaps is not None else result.current
-                done.append(n.If((n.Branch(stays, tuple(going_on)),)))
-            return meeting
+                rest = [n.If((n.Branch(stays, tuple(going_on)),)), *rest]
+            result.current, result.waiting = behind.current, behind.waiting
+            return rest
         return None
 
     def _loop(self, first: int, back: int) -> n.Statement | None:

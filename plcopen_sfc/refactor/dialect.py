@@ -238,14 +238,41 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
         named = enumerations and "#" in text_site.text
         if family(target) is Dialect.CODESYS and "**" not in text_site.text and not named:
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
-        result = _translated(text_site, target, Renames(), project, known)
+        is_wider = _calculates_wider(text_site, project.dialect, target, resolver)
+        site_known = replace(known, resolver=resolver) if is_wider else known
+        result = _translated(text_site, target, Renames(), project, site_known)
         is_lost = any(note.severity is not Severity.INFO for note in result.notes)
-        if is_lost or is_foreign(
-            text_site.text, text_site.reading is SiteKind.STATEMENTS, project.dialect, target, enumerations
+        if (
+            is_wider
+            or is_lost
+            or is_foreign(
+                text_site.text, text_site.reading is SiteKind.STATEMENTS, project.dialect, target, enumerations
+            )
         ):
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
             text_site.put(result.text)
     return found
+
+
+def texts_that_calculate_wider(project: Project, target: Dialect) -> Iterator[str]:
+    """Yield the paths of texts of CODESYS that give something else where operands of 16 bits are not widened."""
+    resolver = Resolver(project, project.dialect)
+    for text_site in text_sites(project):
+        if text_site.is_program_text and _calculates_wider(text_site, project.dialect, target, resolver):
+            yield text_site.report_path
+
+
+def _calculates_wider(text_site: TextSite, source: Dialect, target: Dialect, resolver: Resolver) -> bool:
+    """True if arithmetic of CODESYS, in 32 bits, would give something else in IEC 61131-3, which has the types."""
+    if family(target) is not Dialect.IEC or not _CALCULATES.search(text_site.text):
+        return False
+    is_statements = text_site.reading is SiteKind.STATEMENTS
+    parsed = (parse_statements if is_statements else parse_condition)(text_site.text, source)
+    if parsed.problems:
+        return False
+    context = _with_types(TranslationContext(), text_site.site, resolver, text_site)
+    fitted = ArithmeticTranslator(family(source), family(target), context, Notes("")).fitted(parsed.tree)
+    return fitted is not parsed.tree
 
 
 def _only_of_codesys(text_site: TextSite, dialect: Dialect, resolver: Resolver) -> Iterator[TranslatedText]:
@@ -270,6 +297,7 @@ def _only_of_codesys(text_site: TextSite, dialect: Dialect, resolver: Resolver) 
         yield TranslatedText(text_site.report_path, changed=False, notes=notes)
 
 
+_CALCULATES = re.compile(r"[-+*/]|\bMOD\b", re.IGNORECASE)
 _MAY_DIFFER = re.compile(r"\.\d|[-+*/]|\bMOD\b", re.IGNORECASE)
 
 

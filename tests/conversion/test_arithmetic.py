@@ -37,6 +37,7 @@ ROUTES = [
     ("codesys", "scl", ""),
     ("codesys", "simaticml", ""),
     ("codesys", "iec-text", "matiec"),
+    ("codesys", "plcopen-2.01", ""),
     ("scl", "codesys", ""),
     ("scl", "simaticml", ""),
 ]
@@ -102,8 +103,8 @@ def edges(type_: str) -> list[int]:
 def test_calculations_give_the_same_in_the_target(
     tool: str, target: str, flavour: str, type_: str, operator: str
 ) -> None:
-    if type_ in NO_ARITHMETIC and (tool == "scl" or flavour):
-        pytest.skip("neither S7 nor matiec has arithmetic on bit strings")
+    if type_ in NO_ARITHMETIC and (tool == "scl" or flavour or target.startswith("plcopen")):
+        pytest.skip("neither S7 nor matiec nor IEC 61131-3 has arithmetic on bit strings")
     text = BODY.format(op=operator, op_of=f"x {operator} y")
     project = source_of(tool, type_, text)
     result, report = converted(project, target, flavour)
@@ -111,6 +112,17 @@ def test_calculations_give_the_same_in_the_target(
     assert [item for item in report.losses if item not in doubts] == []
     assert not doubts or (tool == "codesys" and RANGES[type_][0] == 0)
     assert_same_outputs(project, result, type_)
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [("IF x + 30000 > 32767 THEN count := 1; END_IF;", ["POU Main"]), ("stored := x + 30000;", [])],
+)
+def test_text_that_stays_is_told_where_other_tools_may_calculate_with_16_bits(body: str, told: list[str]) -> None:
+    data, _ = sfc.convert(source_of("codesys", "INT", body), "codesys")
+    _, report = sfc.convert(sfc.loads(data), "iec-text")
+    assert [item.path for item in report.losses if "32 bits" in item.why] == told
+    assert len(report.losses) == len(told)
 
 
 @pytest.mark.parametrize("operator", OPERATORS)

@@ -8,6 +8,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.report import Outcome
+from plcopen_sfc.semantics.programs import Controller
 
 POWERS = """FUNCTION_BLOCK Main
 VAR_INPUT a : BOOL; i : INT; END_VAR
@@ -137,13 +138,9 @@ def test_values_of_enumerations_are_named_as_the_target_names_them() -> None:
     assert b"m := Mode.Auto" in back
 
 
-@pytest.mark.parametrize(
-    ("text", "condition"),
-    [("LD a\nANDN b", b"a AND NOT b"), ("CAL tm(IN := a, PT := T#1s)\nLD tm.Q", b"Condition_of_Idle_Work_is_missing")],
-)
-def test_a_condition_in_instruction_list_is_an_expression_in_codesys_or_refused(text: str, condition: bytes) -> None:
-    source = f"""PROGRAM Main
-    VAR a : BOOL; b : BOOL; tm : TON; END_VAR
+IL_CONDITION = """PROGRAM Main
+    VAR_INPUT a : BOOL; b : BOOL; END_VAR
+    VAR tm : TON; END_VAR
     INITIAL_STEP Idle: END_STEP
     STEP Work: END_STEP
     TRANSITION FROM Idle TO Work :
@@ -151,7 +148,78 @@ def test_a_condition_in_instruction_list_is_an_expression_in_codesys_or_refused(
     END_TRANSITION
     TRANSITION FROM Work TO Idle := NOT a; END_TRANSITION
     END_PROGRAM"""
-    data, report = sfc.convert(sfc.loads(source.encode(), format="iec-text"), "codesys", partial=True)
+CALLING = "CAL tm(IN := a, PT := T#30ms)\nLD tm.Q\nANDN b"
+
+
+@pytest.mark.parametrize(
+    ("text", "condition"),
+    [
+        ("LD a\nANDN b", b"a AND NOT b"),
+        (CALLING, b"tm.Q AND NOT b"),
+        ("again:\nLD a\nJMPC again\nLD b", b"Condition_of_Idle_Work_is_missing"),
+    ],
+)
+def test_a_condition_in_instruction_list_is_an_expression_in_codesys_or_refused(text: str, condition: bytes) -> None:
+    source = sfc.loads(IL_CONDITION.format(text=text).encode(), format="iec-text")
+    data, report = sfc.convert(source, "codesys", partial=True)
     assert condition in data
     assert b"<IL>" not in data
     assert bool(report.with_outcome(Outcome.NOT_EXECUTED)) is (b"missing" in condition)
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys23", "plcopen-2.01"])
+def test_a_call_in_a_condition_in_instruction_list_runs_the_same(target: str) -> None:
+    source = sfc.loads(IL_CONDITION.format(text=CALLING).encode(), format="iec-text")
+    _, report = sfc.convert(source, target, limit=10)
+    assert report.compared["POU Main"].startswith("equal")
+    assert not report.losses
+
+
+def test_actions_in_instruction_list_are_statements_for_matiec() -> None:
+    text = """PROGRAM Main
+    VAR_INPUT a : BOOL; END_VAR
+    VAR_OUTPUT n : INT; END_VAR
+    INITIAL_STEP Idle: Count(N); END_STEP
+    TRANSITION FROM Idle TO Idle := a; END_TRANSITION
+    ACTION Count:
+    LD n
+    ADD 1
+    ST n
+    END_ACTION
+    END_PROGRAM"""
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "iec-text", flavour="matiec")
+    assert b"n := n + 1;" in data
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+
+
+COUNTER = """FUNCTION_BLOCK Counter
+    VAR_INPUT reset : BOOL; END_VAR
+    VAR_OUTPUT value : INT; END_VAR
+    VAR count : INT; END_VAR
+    LD reset
+    JMPC clear
+    LD count
+    ADD 1
+    JMP done
+    clear:
+    LD 0
+    done:
+    ST count
+    ST value
+    END_FUNCTION_BLOCK"""
+
+
+@pytest.mark.parametrize("target", ["twincat", "simaticml"])
+def test_ways_that_leave_a_result_for_what_follows_are_statements(target: str) -> None:
+    project = sfc.loads(COUNTER.encode(), format="iec-text")
+    data, report = sfc.convert(project, target)
+    assert not report.losses
+    controller = Controller(sfc.loads(data, format=target, as_tool=True))
+    assert not controller.problems
+    block = controller.instance("Counter")
+    found = []
+    for reset in (False, False, True, False, False, False, True):
+        block["reset"] = reset
+        block.scan()
+        found.append(block["value"])
+    assert found == [1, 2, 0, 1, 2, 3, 0]

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+from plcopen_sfc.languages.il import statements as il_statements
 from plcopen_sfc.languages.networks import Helper, NetworkProblem, body_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform
@@ -181,7 +182,11 @@ class FittedPou:
             if not wrong:
                 return print_node(read.tree, self.dialect)
         elif isinstance(body, IlBody):
-            wrong = ["matiec has instructions in bodies of POUs only"]
+            tree = il_statements(body.text, self.dialect)
+            if tree is not None:
+                self.note(Outcome.TRANSLATED, "body", path, "instruction list became statements")
+                return print_node(tree, self.dialect)
+            wrong = ["matiec has instructions in bodies of POUs only, and no statements are known for these"]
         elif isinstance(body, SfcBody):
             wrong = ["matiec has no charts in actions"]
         else:

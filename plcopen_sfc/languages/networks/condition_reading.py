@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Container, Iterable
 from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.il import result_expression
+from plcopen_sfc.languages.il import result_expression, statements_with_result
 from plcopen_sfc.languages.networks.network_reading import NetworkReader, body_statements, reader_of_chart
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
 from plcopen_sfc.languages.networks.wires import inverted
@@ -252,6 +252,10 @@ class _ConditionReader:
         tree = result_expression(body.text, self._dialect, stored_in=name) if isinstance(body, IlBody) else None
         if tree is not None:
             return NetworkExpression(tree=tree)
+        calling = statements_with_result(body.text, self._dialect, stored_in=name) if isinstance(body, IlBody) else None
+        if calling is not None:
+            before, tree = calling
+            return NetworkExpression(tree=tree, before=before)
         return _failed(f"a condition in {body.language} cannot be read as an expression")
 
     def _statements(self, text: str, name: str) -> NetworkExpression:
