@@ -74,8 +74,8 @@ class TestPartly:
         assert sfc.save(project, f"{tmp_path / 'out'}/", format="simaticml", partial=True).written
 
     def test_strict_is_stricter(self) -> None:
-        project = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml")
-        report = sfc.convert(project, "codesys", partial=True)[1]
+        project = sfc.load(FIXTURES / "grafcet" / "four_steps.gct")
+        report = sfc.convert(project, "codesys")[1]
         assert report.with_outcome(Outcome.APPROXIMATED)
         with pytest.raises(LossError, match="otherwise or not at all"):
             sfc.save(project, io.BytesIO(), format="codesys", strict=True)
