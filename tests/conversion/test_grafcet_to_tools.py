@@ -81,11 +81,8 @@ def test_strict_conversions_refuse_the_difference() -> None:
 @pytest.mark.parametrize(
     ("line", "what"),
     [
-        ("    ON EVENT ↑X1 : Q1 := TRUE", "action"),
         ("    Q1 IF ↑B5", "condition"),
         ("    Q1 IF B5 AFTER 3s", "action"),
-        ("1 -> 2 : ↑X1", "condition"),
-        ("1 -> 2 : 3s/B1", "condition"),
         ("1 -> 2 : B1 B2", "condition"),
         (
             "CHART G1\n    INITIAL STEP 10\n    10 -> 11, 12 : B1\n    STEP 11\n    STEP 12\nCHART G2\n"
@@ -291,3 +288,44 @@ def test_an_action_on_an_event_needs_a_step_that_was_active_before(form: str) ->
         sfc.loads(text.encode()), result, ("grafcet", PROFILES.get(form, "codesys")), delay="auto", scans=80, cap=500
     )
     assert verdict.counterexample is None, verdict
+
+
+def proven(text: str, form: str) -> tuple[str, dict[str, str]]:
+    result, report = converted(text, form)
+    profiles = ("grafcet", PROFILES.get(form, "codesys"))
+    verdict = sfc.equivalent(sfc.loads(text.encode()), result, profiles, delay="auto", cap=2000)
+    return verdict.kind, losses(report)
+
+
+TWO = "GRAFCET G AS FUNCTION_BLOCK\nINPUTS\n    a\n    b\nOUTPUTS\n    Q1\nINTERNALS\n    n : INT\nINITIAL STEP 1\n"
+
+
+@pytest.mark.parametrize("time", ["3s/a", "a/2s", "1s/a/2s", "2s/(a * b)"])
+@pytest.mark.parametrize("form", ["codesys", "simaticml"])
+def test_times_of_anything_are_timers(form: str, time: str) -> None:
+    text = f"{TWO}1 -> 2 : a * b\nSTEP 2\n    Q1\n2 -> 1 : /a * /({time})\n"
+    kind, lost = proven(text, form)
+    assert kind == "equal (proof)"
+    assert "time" not in lost
+
+
+def test_a_timer_that_is_late_is_told() -> None:
+    text = f"{TWO}1 -> 2 : a * b\nSTEP 2\n    Q1\n2 -> 1 : /a * 2s/b\n"
+    assert "one scan later" in losses(converted(text, "plcopen")[1])["time"]
+    assert "time" not in losses(converted(text, "codesys")[1])
+    assert "one scan later" in losses(converted(text.replace("2s/b", "/(2s/X2/1s)"), "codesys")[1])["time"]
+
+
+@pytest.mark.parametrize("form", ["plcopen", "codesys", "simaticml"])
+def test_edges_of_steps_have_a_memory(form: str) -> None:
+    text = f"{TWO}1 -> 2 : a * b\nSTEP 2\n    Q1\n    ON EVENT ↑(X2 * a) : n := n + 1\n2 -> 1 : /a * /b\n"
+    assert proven(text.replace("2 -> 1", "2 -> 3 : ↓b\nSTEP 3\n3 -> 1"), form)[1].keys() == {STABILITY}
+    steps = "CHART G2\n    INITIAL STEP 10\n    10 -> 11 : ↑X2 * a\n    STEP 11\n    11 -> 10 : ↓(X2 + b)\n"
+    result, report = converted(text.replace("INITIAL STEP 1", "CHART G1\nINITIAL STEP 1") + steps, form)
+    assert losses(report).keys() <= {STABILITY, START}
+    assert "edge" not in losses(report)
+    chart = result.pous[0].chart
+    assert chart is not None
+    assert not [
+        t for t in chart.transitions if isinstance(t.condition, Expression) and "X2" in t.condition.text.split()
+    ]

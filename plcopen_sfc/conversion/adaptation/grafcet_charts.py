@@ -35,7 +35,7 @@ from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import PermanentOperation, SfcNetwork, Step, Supervised
 from plcopen_sfc.model.sfc import Sequence as GraphSequence
-from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
+from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import rising
@@ -81,9 +81,11 @@ class _Terms:
     def delay(self, operand: str, first: str | None, last: str | None) -> str:
         bare = operand.strip("()")
         step = self._chart.steps.get(bare[1:].casefold()) if bare[:1] in "Xx" else None
-        if step is None or first is None or last is not None:
-            raise _TermError("a time of something that is no step needs an instance of a timer")
+        if step is None or first is None:
+            return self._chart.time(operand, first, last, is_late=step is not None)
         passed = f"{step.name}.T >= {first}"
+        if last is not None:
+            return self._chart.time(f"({step.name}.X AND {passed})", None, last, is_late=True)
         return passed if step.id in self._leaves else f"({step.name}.X AND {passed})"  # the time of a step stays
 
 
@@ -100,6 +102,7 @@ class _Chart:
         self._memories: list[str] = []
         self._events: list[str] = []
         self._was_active: dict[int, str] = {}
+        self._times: dict[tuple[str, str | None, str | None], str] = {}
         self._section: VariableSection | None = None
         self.steps: dict[str, Step] = {}
 
@@ -180,33 +183,81 @@ class _Chart:
         if len(parts) > 1 and not self._chart.sequences:
             self._chart.sequences = [GraphSequence(steps=[step.id for step in steps]) for steps in parts]
 
-    # -- edges
+    # -- edges and times
 
     def edge(self, operand: str, *, rising: bool) -> str:
         """Return what stands for an edge; its memory is a variable that `_keep_memories` writes."""
         tree = parse_expression(operand).tree
         names = [node.identifier for node in walk(tree) if isinstance(node, n.Name)] if tree is not None else ["?"]
-        if any(not self._declares(name) for name in names):
-            raise _TermError(
-                f"{'↑' if rising else '↓'}{operand} is an edge of something that is no variable of the POU"
-            )
+        steps = [step for name in names if not self._declares(name) and (step := self._step_of(name)) is not None]
+        if sum(self._declares(name) for name in names) + len(steps) < len(names):
+            what = f"{'↑' if rising else '↓'}{operand}"
+            raise _TermError(f"{what} is an edge of something that is no variable of the POU and no step")
+        starts = len(self._chart.initial_steps) > 1 and self._actions_first
+        if starts and any(step.initial for step in steps):
+            raise _TermError("its step becomes active one scan after the start, which would be an edge")
         found = self._edges.get((operand, rising))
         if found is None:
-            found = self._edges[operand, rising] = self._memory(operand, rising=rising)
+            found = self._edges[operand, rising] = self._memory(operand, steps, rising=rising)
         return found
 
-    def _memory(self, operand: str, *, rising: bool) -> str:
+    def _step_of(self, name: str) -> Step | None:
+        """Return the step whose flag `name` is, as ``X5``."""
+        return self.steps.get(name[1:].casefold()) if name[:1] in "Xx" else None
+
+    def _memory(self, operand: str, steps: Sequence[Step], *, rising: bool) -> str:
         bare = operand if re.fullmatch(r"\w+|\(.*\)", operand) else f"({operand})"
         wish = re.sub(r"\W+", "_", operand).strip("_")
         # what is TRUE at the start had no edge
         before = self._new_variable(f"{wish}_before", initial="TRUE" if rising else None)
         happens = f"{bare} AND NOT {before}" if rising else f"NOT {bare} AND {before}"
         if not self._actions_first and not self._of_graph:
-            self._memories.append(f"{before} := {operand};")
+            # the transitions of this scan have changed the flags of steps already
+            earlier = {step.name.casefold(): self._activity_before(step) for step in steps}
+            now = transform(parse_expression(operand).tree, lambda node: self._earlier(node, earlier))
+            self._memories.append(f"{before} := {print_node(now)};")
             return f"({happens})"
         edge = self._new_variable(f"{wish}_{'rises' if rising else 'falls'}")
-        self._memories += [f"{edge} := {happens};", f"{before} := {operand};"]
+        self._memories += [f"{edge} := {self._flagged(happens)};", f"{before} := {self._flagged(operand)};"]
         return edge
+
+    def _earlier(self, node: n.Node, earlier: dict[str, str]) -> n.Node:
+        step = self._step_of(node.identifier) if isinstance(node, n.Name) else None
+        return n.Name(earlier[step.name.casefold()]) if step is not None and step.name.casefold() in earlier else node
+
+    def _activity_before(self, step: Step) -> str:
+        """Return the variable that tells whether a step was active before the transitions of the scan."""
+        found = self._was_active.get(step.id)
+        if found is None:
+            initial = "TRUE" if step.initial else None
+            found = self._was_active[step.id] = self._new_variable(f"{step.name}_was_active", initial=initial)
+        return found
+
+    def time(self, operand: str, first: str | None, last: str | None, *, is_late: bool) -> str:
+        """Return what stands for a time of anything: the output of a timer that every scan calls with the edges.
+
+        `is_late`: the operand is the flag of a step, which the timer sees when its transitions have fired.
+        """
+        found = self._times.get((operand, first, last))
+        if found is None:
+            found = self._flagged(operand)
+            wish = re.sub(r"\W+", "_", operand).strip("_")
+            for block, delay in (("TON", first), ("TOF", last)):
+                if delay is not None:
+                    name = self._new_variable(f"{block}_{wish}", block=block)
+                    self._memories.append(f"{name}(IN := {found}, PT := {delay});")
+                    found = f"{name}.Q"
+            self._times[operand, first, last] = found
+            parts = [part.removeprefix("T#") for part in (first, operand, last) if part is not None]
+            path = f"POU {self._pou.name} / {'/'.join(parts)}"
+            if is_late:
+                self._note(Outcome.APPROXIMATED, "time", path, "a timer, which sees that a step ends one scan later")
+            elif self._actions_first or self._of_graph:
+                self._note(Outcome.TRANSLATED, "time", path, "a timer")
+            else:
+                why = "a timer, which actions call behind the transitions: these see it one scan later"
+                self._note(Outcome.APPROXIMATED, "time", path, why)
+        return found
 
     def _keep_memories(self, path: str, starts: Sequence[Step]) -> None:
         """Let every scan keep what edges need: before the transitions, or behind all of them."""
@@ -231,8 +282,8 @@ class _Chart:
         for operand, rises in self._edges:
             self._note(Outcome.TRANSLATED, "edge", f"{path} / {_shown_edge(operand, rising=rises)}", why)
 
-    def _new_variable(self, wish: str, *, initial: str | None = None) -> str:
-        """Declare a Boolean variable; its name."""
+    def _new_variable(self, wish: str, *, initial: str | None = None, block: str = "") -> str:
+        """Declare a Boolean variable, or an instance of a function block; its name."""
         interface = self._pou.interface
         if interface is None:
             interface = self._pou.interface = Interface()
@@ -240,7 +291,8 @@ class _Chart:
             interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
             self._section = interface.sections[-1]
         name = self._new_name(wish)
-        self._section.variables.append(Variable(name=name, type=ElementaryType(name=Elementary.BOOL), initial=initial))
+        kind = DerivedType(name=block) if block else ElementaryType(name=Elementary.BOOL)
+        self._section.variables.append(Variable(name=name, type=kind, initial=initial))
         return name
 
     def _new_name(self, wish: str) -> str:
@@ -264,8 +316,11 @@ class _Chart:
             return condition
 
     def _text(self, text: str, terms: _Terms) -> str:
-        tree = parse_expression(to_structured_text(text, terms)).tree
-        return print_node(transform(tree, self._flag))
+        return self._flagged(to_structured_text(text, terms))
+
+    def _flagged(self, text: str) -> str:
+        """Return structured text with the flags of steps as the tool has them."""
+        return print_node(transform(parse_expression(text).tree, self._flag))
 
     def _flag(self, node: n.Node) -> n.Node:
         if isinstance(node, n.Name) and node.identifier[:1] in "Xx":
@@ -394,8 +449,7 @@ class _Chart:
             return
         was_active = print_node(step_flag(step))
         if not self._of_graph:
-            was_active = self._was_active.setdefault(step.id, "") or self._new_variable(f"{step.name}_was_active")
-            self._was_active[step.id] = was_active
+            was_active = self._activity_before(step)
         self._events += [f"IF {was_active} AND {edge} THEN\n    {line}\nEND_IF;" for line in statements]
         step.actions.remove(each)
         where = "permanent instruction" if self._of_graph else "action"
