@@ -84,11 +84,6 @@ def test_strict_conversions_refuse_the_difference() -> None:
         ("    Q1 IF ↑B5", "condition"),
         ("    Q1 IF B5 AFTER 3s", "action"),
         ("1 -> 2 : B1 B2", "condition"),
-        (
-            "CHART G1\n    INITIAL STEP 10\n    10 -> 11, 12 : B1\n    STEP 11\n    STEP 12\nCHART G2\n"
-            "    INITIAL STEP 20\n        FORCE G1{INIT}",
-            "hierarchy",
-        ),
     ],
 )
 @pytest.mark.parametrize("form", ["codesys", "codesys23", "twincat", "simaticml"])
@@ -329,3 +324,62 @@ def test_edges_of_steps_have_a_memory(form: str) -> None:
     assert not [
         t for t in chart.transitions if isinstance(t.condition, Expression) and "X2" in t.condition.text.split()
     ]
+
+
+SIMULTANEOUS = """GRAFCET G AS FUNCTION_BLOCK
+INPUTS
+    a
+    b
+    c
+OUTPUTS
+    Q1
+    Q2
+CHART G1
+INITIAL STEP 1
+1 -> 2, 3 : a * /b
+STEP 2
+    Q1
+2 -> 4 : b
+STEP 3
+    Q2
+3 -> 5 : b * /a
+STEP 4
+STEP 5
+4, 5 -> 1 : /b * /a
+CHART G2
+INITIAL STEP 10
+10 -> 11 : c
+STEP 11
+    FORCE G1{INIT}
+11 -> 10 : /c
+"""
+ENCLOSED = SIMULTANEOUS.replace("INITIAL STEP 1\n", "STEP 1\n").replace("CHART G1", "ENCLOSED G1")
+ENCLOSED = ENCLOSED.replace("STEP 11\n    FORCE G1{INIT}", "STEP 11 ENCLOSES G1{1}").replace(": c", ": c * /a * /b")
+
+
+@pytest.mark.parametrize(
+    ("form", "text"),
+    [
+        *(("plcopen", SIMULTANEOUS.replace("{INIT}", order)) for order in ("{INIT}", "{}", "{*}", "{4}", "{2, 3}")),
+        *((form, SIMULTANEOUS) for form in ("simaticml", "codesys")),
+        *((form, ENCLOSED) for form in ("plcopen", "simaticml")),
+        ("plcopen", ENCLOSED.replace("G1{1}", "G1{2, 3}")),
+    ],
+)
+def test_simultaneous_branches_of_a_ruled_chart_are_sequences(form: str, text: str) -> None:
+    kind, lost = proven(text, form)
+    assert kind == "equal (proof)"
+    assert lost.keys() <= {STABILITY, START}
+
+
+@pytest.mark.parametrize("form", ["codesys", "iec-text", "simaticml"])
+def test_a_ruled_chart_that_is_not_safe_is_refused(form: str) -> None:
+    text = SIMULTANEOUS.replace("4, 5 -> 1", "5 -> 3 : c\n4, 5 -> 1").replace("2 -> 4 : b", "2 -> 4, 5 : b")
+    assert "can be activated twice" in losses(converted(text, form)[1])["hierarchy"]
+
+
+def test_steps_that_rules_activate_and_a_grafcet_passes_are_named() -> None:
+    text = ENCLOSED.replace(": c * /a * /b", ": c")
+    assert "Step1 may be active" in losses(converted(text, "plcopen")[1])[STABILITY]
+    text = SIMULTANEOUS.replace("11 -> 10 : /c", "11 -> 10 : /c * /a")
+    assert "flags are a scan late" in losses(converted(text, "plcopen")[1])[STABILITY]

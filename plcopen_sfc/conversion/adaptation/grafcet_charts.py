@@ -130,7 +130,7 @@ class _Chart:
             transition.condition = self._read(transition.condition, place, terms)
             if terms.has_edge:
                 edged.add(transition.id)
-        passed = [step.name for step in self._passed()]
+        passed = [step.name for step in self._passed(flat)]
         which = f"{_first_of(passed)} may be active where a GRAFCET only passes" if passed else "flags are a scan late"
         why = f"the target fires transitions once in a scan: {which}"
         self._note(Outcome.APPROXIMATED, STABILITY, path, why)
@@ -149,11 +149,16 @@ class _Chart:
         elif len(starts) > 1:
             self._start(starts, path)
 
-    def _passed(self) -> Iterator[Step]:
-        """Yield the steps that can be left with the inputs with which they are entered: a GRAFCET only passes them."""
+    def _passed(self, flat: FlatChart | None) -> Iterator[Step]:
+        """Yield the steps that can be left with the inputs with which they are entered: a GRAFCET only passes them.
+
+        An enclosing step enters those with a link, the end of a forcing order frees those of its chart.
+        """
         trees = {each.id: _without_times(each.condition) for each in self._chart.transitions}
+        also = flat.freed(self._chart) if flat is not None else {}
         for step in self._chart.steps:
-            before = [print_node(tree) for t in self._chart.incoming(step) if (tree := trees[t.id]) is not None]
+            entering = [*self._chart.incoming(step), *also.get(step.id, ())]
+            before = [print_node(tree) for t in entering if (tree := trees[t.id]) is not None]
             after = [print_node(tree) for t in self._chart.outgoing(step) if (tree := trees[t.id]) is not None]
             if any(not exclusive(one, other).answer for one in before for other in after):
                 yield step

@@ -5,12 +5,14 @@ of their macro-steps, and what rules a chart becomes transitions that are tried 
 while the step of the order will be active, to the links of an enclosing step that will become active, to a step that
 does nothing where no step may be active. "Will be" is what the same evolution makes of the step, since an order acts in
 the evolution that activates it (IEC 60848:2013, 7.1): an expression of step flags and conditions, put in where a
-condition needs it. That is exact for charts of which one step is active at a time; others are refused.
+condition needs it. That is exact for charts of which one step is active at a time; simultaneous branches of a ruled
+chart are divided into such sequences.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from plcopen_sfc.analysis.exclusivity import exclusive
 from plcopen_sfc.languages.st import nodes as n
@@ -24,6 +26,8 @@ from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy, RuledChart
 from plcopen_sfc.semantics.net import Net, indexes
 
+_MOST_SITUATIONS = 500
+"""Situations of a ruled chart that are looked at."""
 _FIRST = 0
 """The priority of what is tried before all other transitions."""
 
@@ -86,6 +90,22 @@ class FlatChart:
         chart.drawing, chart.partial_charts, chart.sequences = None, [], []
         chart.steps, chart.transitions = self.steps, self.transitions
 
+    def freed(self, chart: SfcNetwork) -> dict[int, list[Transition]]:
+        """Return the transitions of `chart` that let steps evolve which a rule has activated or held, by their ids."""
+        found: dict[int, list[Transition]] = {}
+
+        def note(steps: int, by: list[Transition]) -> None:
+            for i in indexes(steps):
+                found.setdefault(self.steps[i].id, []).extend(by)
+
+        for ruled in self.ruled:
+            for order in ruled.orders:
+                ends = [t for i in indexes(order.steps) for t in chart.outgoing(self.steps[i])]
+                note(ruled.steps if order.imposed is None else order.imposed, ends)
+            for enclosure in ruled.enclosures:
+                note(enclosure.links, [t for i in indexes(enclosure.steps) for t in chart.incoming(self.steps[i])])
+        return found
+
 
 class Rules:
     """Transitions for what rules the charts of a `FlatChart`, whose conditions are structured text by now."""
@@ -97,23 +117,135 @@ class Rules:
     def apply(self) -> None:
         """Change the chart, from the top of the hierarchy down."""
         for ruled in self._flat.ruled:
-            self._rule(ruled)
+            for part, idle in self._parts(ruled):
+                self._rule(part, idle)
         # the order alone says which is tried first: not every tool has numbers
         self._chart.transitions = self._in_order()
         for transition in self._chart.transitions:
             transition.priority = None
 
-    def _rule(self, ruled: RuledChart) -> None:
+    def _parts(self, ruled: RuledChart) -> list[tuple[RuledChart, Step | None]]:
+        """Return a ruled chart as sequences of which one step is active at a time, each with the step for none.
+
+        Simultaneous branches become sequences of their own, which wait in that step for the transition that begins
+        them: what rules the chart can lead each of them to its situation then.
+        """
+        own = self._of(ruled)
+        if all(len(t.sources) == 1 == len(t.targets) for t in own) and not self._many(self._initial(ruled)):
+            return [(ruled, self._idle(ruled, ruled.name, needed=False))]
+        orders = [order for order in ruled.orders if order.imposed is not None]
+        starts = {self._initial(ruled), *(o.imposed or 0 for o in orders), *(e.links for e in ruled.enclosures)}
+        situations = self._situations(ruled, own, starts)
+        fires = {each.id: self._fires(each) for each in own}
+        found: list[tuple[RuledChart, Step | None]] = []
+        for number, bits in enumerate(self._exclusive(ruled, own, situations), 1):
+            part = replace(
+                ruled,
+                steps=bits,
+                orders=[o if o.imposed is None else replace(o, imposed=o.imposed & bits) for o in ruled.orders],
+                enclosures=[replace(e, links=e.links & bits) for e in ruled.enclosures],
+            )
+            needed = any(not situation & bits for situation in situations)
+            found.append((part, self._idle(part, f"{ruled.name}_{number}", needed=needed)))
+        self._divide(own, fires, found)
+        return found
+
+    def _of(self, ruled: RuledChart) -> list[Transition]:
+        steps = {self._flat.steps[i].id for i in indexes(ruled.steps)}
+        return [t for t in self._chart.transitions if not steps.isdisjoint((*t.sources, *t.targets))]
+
+    def _initial(self, ruled: RuledChart) -> int:
+        return sum(1 << i for i in indexes(ruled.steps) if self._flat.steps[i].initial)
+
+    def _many(self, bits: int) -> bool:
+        return bits.bit_count() > 1
+
+    def _idle(self, ruled: RuledChart, name: str, *, needed: bool) -> Step | None:
+        """Return the step in which a chart has no other active, where it may have none."""
+        starts = bool(self._initial(ruled))
+        if not (needed or ruled.enclosures or not starts or any(order.imposed == 0 for order in ruled.orders)):
+            return None
+        idle = Step(id=self._chart.new_id(), name=self._name(f"{name}_Off"), initial=not starts)
+        self._chart.steps.append(idle)
+        return idle
+
+    def _situations(self, ruled: RuledChart, own: list[Transition], starts: set[int]) -> set[int]:
+        """Return all sets of steps that can be active together, whatever the conditions are."""
+        bit = {self._flat.steps[i].id: 1 << i for i in indexes(ruled.steps)}
+        moves = [(sum(bit[i] for i in t.sources), sum(bit[i] for i in t.targets)) for t in own]
+        found, waiting = set(starts), list(starts)
+        while waiting:
+            here = waiting.pop()
+            for sources, targets in moves:
+                if not sources or here & sources != sources:
+                    continue
+                if here & targets & ~sources:  # left and entered at once it would stay, which no sequence can do
+                    raise HierarchyError(f"{ruled.name} is ruled, and a step of it can be activated twice")
+                after = here & ~sources | targets
+                if after not in found:
+                    found.add(after)
+                    waiting.append(after)
+            if len(found) > _MOST_SITUATIONS:
+                raise HierarchyError(f"{ruled.name} is ruled, and has more than {_MOST_SITUATIONS} situations")
+        return found
+
+    def _exclusive(self, ruled: RuledChart, own: list[Transition], situations: set[int]) -> list[int]:
+        """Return groups of steps that are never active together, connected ones first."""
+        together = dict.fromkeys(indexes(ruled.steps), 0)
+        for situation in situations:
+            for i in indexes(situation):
+                together[i] |= situation
+        index = {self._flat.steps[i].id: i for i in together}
+        groups: list[int] = []
+        for i, others in together.items():
+            before = sum({1 << index[s] for t in own if self._flat.steps[i].id in t.targets for s in t.sources})
+            fitting = [number for number, group in enumerate(groups) if not group & others]
+            best = max(fitting, key=lambda number: bool(groups[number] & before), default=None)
+            if best is None:
+                groups.append(0)
+                best = len(groups) - 1
+            groups[best] |= 1 << i
+        for transition in own:
+            for ends in (transition.sources, transition.targets):
+                bits = sum(1 << index[i] for i in ends)
+                if not ends or any(self._many(group & bits) for group in groups):
+                    raise HierarchyError(f"{ruled.name} is ruled, and a step of it can be activated twice")
+        return groups
+
+    def _divide(
+        self, own: list[Transition], fires: dict[int, Tree], parts: list[tuple[RuledChart, Step | None]]
+    ) -> None:
+        """Put a transition of each part in the place of those that lead through several."""
+        by_id = {step.id: step for step in self._chart.steps}
+        for transition in own:
+            made: list[Transition] = []
+            for part, idle in parts:
+                steps = {self._flat.steps[i].id for i in indexes(part.steps)}
+                ends = [[i for i in each if i in steps] for each in (transition.sources, transition.targets)]
+                if ends == [[], []]:
+                    continue
+                (source, target) = (each[0] if each else idle.id if idle is not None else 0 for each in ends)
+                others = [step_flag(by_id[i]) for i in transition.sources if i != source]
+                text = print_node(conjunction([*others, fires[transition.id]]))
+                new = transition.model_copy(
+                    update={
+                        "id": self._chart.new_id() + len(made),
+                        "sources": [source],
+                        "targets": [target],
+                        "condition": Expression(text=text),
+                    }
+                )
+                made.append(new)
+            if len(made) > 1:
+                place = next(i for i, each in enumerate(self._chart.transitions) if each is transition)
+                self._chart.transitions[place : place + 1] = made
+                if transition.id in self._edged:
+                    self._edged |= {each.id for each in made}
+
+    def _rule(self, ruled: RuledChart, idle: Step | None) -> None:
         steps = [self._flat.steps[i] for i in indexes(ruled.steps)]
-        own = [t for t in self._chart.transitions if any(step.id in (*t.sources, *t.targets) for step in steps)]
-        if any(len(t.sources) != 1 or len(t.targets) != 1 for t in own) or sum(step.initial for step in steps) > 1:
-            raise HierarchyError(f"{ruled.name} is ruled, and several of its steps can be active at once")
+        own = self._of(ruled)
         waits = [(self._steps(order.steps), order.imposed) for order in ruled.orders]
-        idle = None
-        if ruled.enclosures or any(imposed == 0 for _, imposed in waits) or not any(step.initial for step in steps):
-            idle = Step(id=self._chart.new_id(), name=self._name(f"{ruled.name}_Off"))
-            idle.initial = not any(step.initial for step in steps)
-            self._chart.steps.append(idle)
         everywhere = [*steps, *([idle] if idle is not None else [])]
         orders = [(self.will_be(by), by, self._imposed(imposed, idle, ruled)) for by, imposed in waits]
         forced = disjunction(condition for condition, _, _ in orders)
@@ -132,6 +264,8 @@ class Rules:
                 self._add(step, idle, conjunction([closing, negation(forced)]))
             if len(openings) == 1 and not orders:
                 holds = []  # it is idle whenever the enclosing step becomes active
+            if openings and step is idle:
+                holds.append(closing)  # of a branch that another one begins
             for transition in own:
                 if step.id in transition.sources:
                     self._hold(transition, holds, [by for _, by, _ in orders])
