@@ -36,13 +36,13 @@ def test_inputs_without_effect_are_named_with_the_option(cli, fixtures, tmp_path
     """Several names go into one option, and then nothing is left."""
     drill = sfc.load(fixtures / "simaticml" / "FB_Drill.xml")
     section = next(each for each in drill.pou("FB_Drill").interface.sections if each.kind == "input")
-    section.variables.append(section.variables[0].model_copy(update={"name": "S_ON"}))
+    section.variables.append(section.variables[0].model_copy(update={"name": "HALT_SQ"}))
     sfc.save(drill, tmp_path / "drill.xml", format="simaticml")
     arguments = ("convert", tmp_path / "drill.xml", tmp_path / "out.xml", "--to", "codesys", "--limit", "0")
     told = cli(*arguments).out
     [option] = [line.partition("convert again with ")[2] for line in told.splitlines() if "convert again with" in line]
     assert option.startswith("--at-rest ")
-    assert "S_ON" in option
+    assert "HALT_SQ" in option
     assert "convert again with" not in cli(*arguments, *option.rstrip(".").split()).out
 
 

@@ -263,22 +263,22 @@ def test_an_edit_of_the_source_keeps_what_is_executed(target: str, fits: bool, m
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_inputs_that_operate_a_sequencer_are_lost_unless_nobody_uses_them(target: str) -> None:
-    source = sequencer(inputs=("SW_MAN", "S_ON"))
-    assert _operating(source, target) == {"SW_MAN": "not executed", "S_ON": "not executed"}
-    assert _operating(source, target, "sw_man") == {"SW_MAN": "translated", "S_ON": "not executed"}
-    assert _operating(source, target, "all") == {"SW_MAN": "translated", "S_ON": "translated"}
+    source = sequencer(inputs=("HALT_SQ", "ZERO_OP"))
+    assert _operating(source, target) == {"HALT_SQ": "not executed", "ZERO_OP": "not executed"}
+    assert _operating(source, target, "halt_sq") == {"HALT_SQ": "translated", "ZERO_OP": "not executed"}
+    assert _operating(source, target, "all") == {"HALT_SQ": "translated", "ZERO_OP": "translated"}
     with pytest.raises(sfc.ModelError, match="Q does not operate sequencers"):
         sfc.convert(source, target, partial=True, at_rest=["q"])
 
 
 def test_inputs_that_nothing_in_a_project_operates_are_approximated() -> None:
-    source = sequencer(inputs=("SW_MAN", "S_ON"))
+    source = sequencer(inputs=("HALT_SQ", "ZERO_OP"))
     (block,) = source.pous
     source.data_blocks.append(m.DataBlock(name="Line_DB", kind=m.DataBlockKind.INSTANCE, type_name=f'"{block.name}"'))
-    assert _operating(source, "codesys") == {"SW_MAN": "approximated", "S_ON": "approximated"}
-    text = '"Line_DB"(S_ON := TRUE);'
+    assert _operating(source, "codesys") == {"HALT_SQ": "approximated", "ZERO_OP": "approximated"}
+    text = '"Line_DB"(ZERO_OP := TRUE);'
     source.pous.append(m.Pou(name="Main", kind=m.PouKind.ORGANIZATION_BLOCK, number=1, bodies=[m.StBody(text=text)]))
-    assert _operating(source, "codesys") == {"SW_MAN": "approximated", "S_ON": "not executed"}
+    assert _operating(source, "codesys") == {"HALT_SQ": "approximated", "ZERO_OP": "not executed"}
 
 
 def _operating(project: m.Project, target: str, *at_rest: str) -> dict[str, str]:
@@ -346,8 +346,8 @@ def test_inputs_that_are_executed_are_operated_where_both_are_run() -> None:
 
 
 def test_the_refusal_tells_how_to_say_that_nobody_operates_an_input() -> None:
-    source = sequencer(inputs=("SW_MAN", "S_ON"))
-    with pytest.raises(sfc.LossError, match=r"nobody operates SW_MAN, S_ON .*--at-rest NAME"):
+    source = sequencer(inputs=("HALT_SQ", "ZERO_OP"))
+    with pytest.raises(sfc.LossError, match=r"nobody operates HALT_SQ, ZERO_OP .*--at-rest NAME"):
         sfc.dumps(source, format="codesys")
 
 

@@ -65,6 +65,8 @@ CASES: dict[str, tuple[Callable[[Rig], None], tuple[str, ...]]] = {
     "ON": (_on, ()),
     "ON and OFF in another sequence": (_on_and_off, ()),
     "OFF of all steps": (_all_off, ()),
+    "two initial steps": (lambda rig: setattr(rig.chart.step("Done"), "initial", True), ()),
+    "plain": (lambda rig: None, ()),
     "two sequences": (_two_sequences, ()),
     "two sequences that end": (_two_sequences, ("INIT_SQ", "OFF_SQ")),
     "branches that end": (_branches, ("INIT_SQ", "OFF_SQ")),
@@ -72,13 +74,15 @@ CASES: dict[str, tuple[Callable[[Rig], None], tuple[str, ...]]] = {
 }
 
 
-def built(name: str) -> m.Project:
-    build, inputs = CASES[name]
+def built(name: str, inputs: tuple[str, ...] = (), outputs: tuple[str, ...] = ()) -> m.Project:
+    build, own = CASES[name]
 
     def whole(rig: Rig) -> None:
         rig.chart.graph_settings = m.GraphSettings(acknowledge_errors_required=False)
-        if inputs:
-            rig.declare(m.SectionKind.INPUT, *map(variable, inputs))
+        for kind, names in ((m.SectionKind.INPUT, (*own, *inputs)), (m.SectionKind.OUTPUT, outputs)):
+            rig.declare(kind, *(variable(each, "INT" if each in ("S_SEL", "S_NO") else "BOOL") for each in names))
+        for number, step in enumerate(rig.chart.steps, 1):
+            step.number = number
         rig.act("Work", "q")
         build(rig)
 
@@ -98,6 +102,27 @@ def test_the_target_does_the_same_and_the_source_comes_back(number: int, name: s
             assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
 
 
+MODES = {
+    "inching": ("SW_AUTO", "SW_TAP", "T_PUSH"),
+    "automatic or step by step": ("SW_AUTO", "SW_TOP", "T_PUSH"),
+    "manual": ("SW_MAN", "S_ON", "S_OFF", "S_SEL"),
+}
+
+
+@pytest.mark.parametrize("target", TARGETS[:2])
+@pytest.mark.parametrize("inputs", MODES.values(), ids=MODES.keys())
+def test_operating_modes_are_executed(inputs: tuple[str, ...], target: str) -> None:
+    source = built("plain", inputs, ("S_NO", "MAN_ON", "AUTO_ON", "TAP_ON"))
+    data = sfc.dumps(source, format=target, strict=True)
+    result = sfc.loads(data, format=target, as_tool=True)
+    same = same_behaviour(source, result, operated=inputs, outputs=("S_NO", "MAN_ON", "AUTO_ON", "TAP_ON"))
+    assert same is not None
+    assert same.equal or same.kind.value == "untested", same
+    assert same.proven or "S_SEL" in inputs, same
+    assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
+    assert sfc.dumps(sfc.loads(data, format=target), format=target) == data
+
+
 @pytest.mark.parametrize("target", TARGETS[:2])
 def test_an_edit_of_one_loop_counts_for_all(target: str) -> None:
     source = built("branches that end")
@@ -106,6 +131,7 @@ def test_an_edit_of_one_loop_counts_for_all(target: str) -> None:
     project.pou("Main").chart.rename_step("Done", "Ready")
     edited = sfc.dumps(project, format=target)
     assert len(sfc.loads(edited, format=target).pou("Main").chart.steps) == 5
+    assert len(sfc.loads(edited, format=target, as_tool=True).pou("Main").chart.steps) > 9
     chart = sfc.loads(data, format=target, as_tool=True).pou("Main").chart
     [condition] = [each.condition.text for each in chart.transitions if each.sources == [chart.step("Late").id]]
     text = condition.encode()  # edited by a tool that keeps the extension data

@@ -57,6 +57,11 @@ class ChartRewriting:
             return None
         return print_node(found.tree, self.host.dialect)
 
+    @property
+    def of_graph(self) -> bool:
+        """True for a chart of S7-GRAPH, also where another file keeps it."""
+        return self.options.of_graph or self.chart.chart.graph_settings is not None
+
     def interlock(self, step: Step) -> str | None:
         """Return the interlock of a step: TRUE where it has none, None where it is no expression."""
         if step.id not in self._interlocks:
@@ -64,10 +69,10 @@ class ChartRewriting:
             self._interlocks[step.id] = "TRUE" if condition is None else self.text(condition)
         return self._interlocks[step.id]
 
-    def new_variable(self, wish: str) -> str:
-        """Declare a Boolean variable of the POU that the source does not have; its name."""
+    def new_variable(self, wish: str, kind: DataType | None = None) -> str:
+        """Declare a variable of the POU that the source does not have, Boolean unless a type is given; its name."""
         name = self.new_name(wish)
-        self.declare(name, ElementaryType(name=Elementary.BOOL))
+        self.declare(name, kind or ElementaryType(name=Elementary.BOOL))
         return name
 
     def declare(self, name: str, kind: DataType) -> None:

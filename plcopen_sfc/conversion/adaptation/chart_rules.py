@@ -20,15 +20,13 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import (
     is_supervised,
     taken_names,
 )
+from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
 from plcopen_sfc.conversion.adaptation.sequence_loops import SequenceRewriter
 from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter, ShownState
 from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import (
     StepRewriter,
     has_special_rows,
-    mixed_operands,
-    overwritten_rows,
-    timed_operands,
 )
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import (
@@ -58,15 +56,13 @@ from plcopen_sfc.report import ConversionReport, Outcome
 def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> bool:
     """True if `rewrite_charts` would change a chart, or report something of it."""
     chart = place.chart
-    if has_special_rows(chart) or chart.graph_settings is not None or any(is_supervised(step) for step in chart.steps):
+    if options.of_graph or chart.graph_settings is not None or has_special_rows(chart):
+        return True
+    if any(is_supervised(step) for step in chart.steps):
         return True
     if any(does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
         return True
     if any(row.qualifier is Qualifier.R0 for _, row in chart.associations()):
-        return True
-    if options.of_graph and (
-        mixed_operands(chart) or timed_operands(chart) or any(overwritten_rows(step) for step in chart.steps)
-    ):
         return True
     if host.is_codesys:
         bodies: list[object] = [row.body for _, row in chart.associations()]
@@ -126,6 +122,7 @@ class _ChartRewriter:
         self._chart = rewriting.chart.chart
         self._note = rewriting.note
         self._checks = StepChecks(rewriting)
+        self._modes = OperatingModes(rewriting, self._checks)
 
         self._boxes = _DrawnBoxes(rewriting)
 
@@ -140,7 +137,7 @@ class _ChartRewriter:
         # boxes of a condition are executed unless a competing transition before it fires
         for transition in sorted(self._chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
             self._transition(transition, [steps[i] for i in transition.sources if i in steps])
-        self._shown = ShownState(self._rewriting, self._checks)
+        self._shown = ShownState(self._rewriting, self._checks, self._modes)
 
     def steps(self) -> None:
         """Rewrite the rows and the actions of the steps."""
@@ -150,7 +147,8 @@ class _ChartRewriter:
 
     def sequences(self) -> None:
         """Rewrite sequences that the target cannot hold, and add the transitions of INIT_SQ and OFF_SQ."""
-        SequenceRewriter(self._rewriting, self._checks).rewrite()
+        SequenceRewriter(self._rewriting, self._checks, self._modes).rewrite()
+        self._modes.report()
 
     def surroundings(self) -> None:
         """Add the actions for permanent instructions, edges of inputs and outputs that show the state."""
@@ -189,7 +187,7 @@ class _ChartRewriter:
         supervised = [step for step in sources if is_supervised(step)]
         timed = [step for step in sources if step.min_time] if not self._host.is_codesys else []
         foreign = self._host.is_codesys and _is_foreign(condition, self._host)
-        if condition is None or not (supervised or timed or foreign):
+        if condition is None or not (supervised or timed or foreign or self._modes.changes_conditions):
             return []
         label = f"transition {self._chart.label(transition)}"
         text = self._boxes.value(transition) if foreign else self._rewriting.text(condition)
@@ -206,6 +204,9 @@ class _ChartRewriter:
             self._note(Outcome.TRANSLATED, "condition", label, f"{what} in the source, here the expression {text}")
         if is_empty_network(condition) and not (supervised or timed):
             text = "TRUE"
+        if self._modes.changes_conditions:
+            text = self._modes.switching(text)
+            self._note(Outcome.TRANSLATED, "condition", label, "it depends on the operating mode")
         for step in supervised:
             text = self._held(step, text)
         for step in timed:
@@ -235,9 +236,9 @@ class _ChartRewriter:
             if self._rewriting.interlock(step) not in (None, "TRUE"):
                 why = "rows and outputs that depend on it are statements; it does nothing else"
                 self._note(Outcome.TRANSLATED, "interlock", f"step {step.name}", why)
-        if chart.graph_settings is None:
+        if not self._rewriting.of_graph:
             return
-        if chart.graph_settings.skip_steps:
+        if chart.graph_settings is not None and chart.graph_settings.skip_steps:
             self._note(Outcome.NOT_EXECUTED, "skip steps", "", f"each step is active for a scan at least in {title}")
         for variable in self._rewriting.chart.pou.variables():
             if variable.name in ACKNOWLEDGING:
@@ -423,8 +424,10 @@ class ChartRule:
 
 CHART_RULES = (
     ChartRule(
-        "networks, wired and negated conditions in CODESYS; supervisions; minimum times in TC6; excluded elements",
-        "expressions, with `AND NOT <supervision>` and `AND <Step>.T >= <time>`; FALSE for what is excluded in TC6",
+        "networks, wired and negated conditions in CODESYS; supervisions; operating modes; minimum times in TC6; "
+        "excluded elements",
+        "expressions, with `AND NOT <supervision>`, the mode and T_PUSH, and `AND <Step>.T >= <time>`; FALSE for what "
+        "is excluded in TC6",
         _ChartRewriter.conditions,
     ),
     ChartRule(
@@ -435,7 +438,7 @@ CHART_RULES = (
         _ChartRewriter.steps,
     ),
     ChartRule(
-        "steps that actions ON and OFF switch; several sequences in CODESYS; INIT_SQ and OFF_SQ",
+        "steps that actions ON and OFF or people switch; several sequences in CODESYS; INIT_SQ and OFF_SQ",
         "transitions that are tried before all others, to the initial step and to a step `Off`; where several steps of "
         "a sequence may be active, a loop for each step: the step and one that does nothing; a step `Start` that leads "
         "to all sequences",

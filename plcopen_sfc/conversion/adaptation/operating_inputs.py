@@ -18,6 +18,7 @@ from plcopen_sfc.languages.s7_programs import unused_inputs
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.model.sfc import Step, Transition
+from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Outcome
 
@@ -28,15 +29,124 @@ _HIGHEST_PRIORITY = 0
 
 def operated_inputs(rewriting: ChartRewriting, names: Collection[str]) -> dict[str, str]:
     """Return those of the inputs `names`, in upper case, that somebody may operate, as the block declares them."""
-    pou, chart = rewriting.chart.pou, rewriting.chart.chart
+    pou = rewriting.chart.pou
     found = {v.name.upper(): v.name for v in pou.variables(SectionKind.INPUT) if v.name.upper() in names}
-    if not found or chart.graph_settings is None:
+    if not found or not rewriting.of_graph:
         return {}
     unused: Collection[str] = ()
     if pou.project is not None:
         unused = unused_inputs(Names(pou.project), pou, found.values())
     at_rest = rewriting.options.at_rest
     return {key: name for key, name in found.items() if key not in at_rest and name not in unused}
+
+
+_MANUAL, _INCHING, _PUSHED = "SW_MAN", "SW_TAP", "SW_TOP"
+_MODES = ("SW_AUTO", _MANUAL, _INCHING, _PUSHED)
+"""The inputs that switch modes; of several that rise the last counts."""
+_LAMPS = {"MAN_ON": _MANUAL, "TAP_ON": _INCHING, "TOP_ON": _PUSHED}
+_PUSH, _ON, _OFF, _SELECTED, _NEXT, _PREVIOUS = "T_PUSH", "S_ON", "S_OFF", "S_SEL", "S_NEXT", "S_PREV"
+
+
+class OperatingModes:
+    """The operating modes of a block: each one is a variable, which conditions and outputs read.
+
+    Transitions fire as in the automatic mode; with T_PUSH only (SW_TAP), or also (SW_TOP); never in the manual mode, in
+    which S_ON and S_OFF switch the step with the number S_SEL.
+    """
+
+    def __init__(self, rewriting: ChartRewriting, checks: StepChecks) -> None:
+        self._rewriting, self._checks = rewriting, checks
+        settings = rewriting.source.graph_settings
+        self._locked = settings is not None and bool(settings.lock_operating_mode)
+        commands = (_PUSH, _ON, _OFF, _SELECTED, _NEXT, _PREVIOUS)
+        self._found = operated_inputs(rewriting, (*_MODES, *commands))
+        self._switches = [] if self._locked else [name for name in _MODES if name in self._found]
+        self._modes = [name for name in self._switches if name != _MODES[0]]
+        declared = {v.name.upper(): v.name for v in rewriting.chart.pou.variables(SectionKind.INPUT)}
+        self.selected = declared.get(_SELECTED) if _MANUAL in self._modes else None
+        """The input with the number of the selected step, where the manual mode can be switched on."""
+        self.switches_steps = self.selected is not None and bool({_ON, _OFF} & self._found.keys())
+        """True if people can switch steps."""
+        self.changes_conditions = bool(self._modes)
+        """True if transitions fire otherwise in some mode."""
+        if self._modes:
+            self._checks.modes = self.statements
+
+    def statements(self) -> list[str]:
+        """Return the change of the modes, behind the edges of the inputs."""
+        found = [f"{self._variable(mode)} := {self._on(mode, edges=True)};" for mode in self._modes]
+        shown = self.selected_shown
+        return found if shown == self.selected else [*found, f"{shown} := {self.selected};"]
+
+    @property
+    def selected_shown(self) -> str | None:
+        """The number of the step selected, in the scan that the outputs show."""
+        if self.selected is None or not self._rewriting.host.is_codesys:
+            return self.selected
+        return self._checks.quantity(_SELECTED, "before", ElementaryType(name=Elementary.INT))
+
+    def _variable(self, mode: str) -> str:
+        return self._checks.quantity(mode, "is_on")
+
+    def _on(self, mode: str, *, edges: bool = False) -> str:
+        """Return whether a mode is on behind the edges of this scan."""
+        if self._rewriting.host.is_codesys and not edges:
+            return self._variable(mode)
+        rises = {
+            name: self._checks.edge(name) if edges else f"({self._checks.rising(name)})" for name in self._switches
+        }
+        others = [rise for name, rise in rises.items() if name != mode]
+        later = [rises[name] for name in self._switches[self._switches.index(mode) + 1 :]]
+        kept = " AND ".join([self._variable(mode), *(f"NOT {each}" for each in others)])
+        return f"{as_term(' AND '.join([rises[mode], *(f'NOT {each}' for each in later)]))} OR {as_term(kept)}"
+
+    def _rises(self, name: str) -> str:
+        return as_term(self._checks.rising(name)) if name in self._found else "FALSE"
+
+    def switching(self, text: str) -> str:
+        """Return when a transition with the condition `text` fires, whatever holds its steps."""
+        push = self._rises(_PUSH)
+        if _PUSHED in self._modes and push != "FALSE" and text != "TRUE":
+            text = f"{as_term(text)} OR ({as_term(self._on(_PUSHED))} AND {push})"
+        if _INCHING in self._modes:
+            others = f" OR {push}" if push != "FALSE" else ""
+            text = conjunction(text, f"(NOT {as_term(self._on(_INCHING))}{others})")
+        if _MANUAL in self._modes:
+            text = conjunction(text, f"NOT {as_term(self._on(_MANUAL))}")
+        return text
+
+    def switched(self, step: Step) -> tuple[str, str]:
+        """Return when people switch a step on, and when off."""
+        if not self.switches_steps or not step.number:
+            return "FALSE", "FALSE"
+        chosen = f"{as_term(self._on(_MANUAL))} AND {self.selected} = {step.number}"
+        on, off = self._rises(_ON), self._rises(_OFF)
+        begins = f"{chosen} AND {on}" if on != "FALSE" else "FALSE"
+        return begins, f"{chosen} AND {off}" if off != "FALSE" else "FALSE"
+
+    def lamps(self) -> dict[str, str]:
+        """Return the values of the outputs that show the mode."""
+        known = {lamp: self._variable(mode) if mode in self._modes else "FALSE" for lamp, mode in _LAMPS.items()}
+        others = [each for each in known.values() if each != "FALSE"]
+        return {"AUTO_ON": f"NOT ({' OR '.join(others)})" if others else "TRUE", **known}
+
+    def shows_selected(self) -> str | None:
+        """Return when the step displayed is the selected one; None: never."""
+        return f"{self._variable(_MANUAL)} AND {self.selected_shown} <> 0" if self.selected is not None else None
+
+    def turns(self) -> dict[str, str]:
+        """Return the edges that display the next or the previous active step, in the order in which they count."""
+        return {name: self._checks.edge(name) for name in (_NEXT, _PREVIOUS) if name in self._found}
+
+    def report(self) -> None:
+        """Report what stands for the inputs."""
+        for name in self._found.values():
+            why = "the modes are variables, which the conditions read"
+            if self._locked:
+                why = "the operating mode is locked in the block"
+            elif not self._modes:
+                why = "nothing switches to a mode in which it does something"
+            self._rewriting.note(Outcome.TRANSLATED, "operating input", name, why)
 
 
 class AddedElements:
@@ -114,6 +224,9 @@ class OperatingInputs:
         if INIT in edges:
             stops = [f"NOT {as_term(edges[OFF])}"] if OFF in edges else []
             for step in steps:
+                if any(step.id in each.sources and each.targets == [initial.id] for each in own):
+                    what = "the transition of INIT_SQ to the initial step is another one"
+                    self._rewriting.note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", what)
                 if step is not initial:
                     self._added.transition(step, initial, conjunction(edges[INIT], *stops), why, first=True)
             for each in own:

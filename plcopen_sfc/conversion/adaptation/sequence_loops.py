@@ -21,6 +21,7 @@ from plcopen_sfc.conversion.adaptation.operating_inputs import (
     OFF,
     AddedElements,
     OperatingInputs,
+    OperatingModes,
     operated_inputs,
 )
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
@@ -36,7 +37,8 @@ _TOGETHER = ".sequences"
 class SequenceRewriter:
     """Rewrites the sequences of a chart whose conditions and actions are rewritten already."""
 
-    def __init__(self, rewriting: ChartRewriting, checks: StepChecks) -> None:
+    def __init__(self, rewriting: ChartRewriting, checks: StepChecks, modes: OperatingModes) -> None:
+        self._modes = modes
         self._rewriting, self._checks, self._host = rewriting, checks, rewriting.host
         self._chart = chart = rewriting.chart.chart
         self._wanted = operated_inputs(rewriting, (OFF, INIT))
@@ -68,14 +70,22 @@ class SequenceRewriter:
 
     def _needs_loops(self, part: Sequence[Step]) -> bool:
         ids = {step.id for step in part}
-        if not self._rewriting.options.of_graph:
+        if not self._rewriting.of_graph:
             return False
-        if not ids.isdisjoint(self._checks.switched):
+        if not ids.isdisjoint(self._checks.switched) or self._modes.switches_steps:
             return True
-        is_single = len(ids & self._initial) == 1
+        starts = len(ids & self._initial)
+        is_single = starts == 1
         own = [each for each in self._order if not ids.isdisjoint(each.sources)]
         one_at_a_time = is_single and all(len(each.sources) == 1 and len(each.targets) < 2 for each in own)
-        return bool(self._wanted and not one_at_a_time) or (self._host.is_codesys and not is_single)
+        is_operated = bool(self._wanted) and not one_at_a_time
+        return is_operated or starts > 1 or (self._host.is_codesys and not is_single)
+
+    @property
+    def _is_crowded(self) -> bool:
+        """True if a transition may lead to a step that is active already."""
+        is_switched = bool(self._checks.switched) or self._modes.switches_steps
+        return is_switched or len(self._initial) > len(sequences_of(self._rewriting.source))
 
     # -- one sequence for each step
 
@@ -111,7 +121,9 @@ class SequenceRewriter:
         switched = self._checks.is_switched(step, "on")
         if switched is not None:
             entered.append(_all([switched, *(f"NOT {as_term(each)}" for each in self._leaving(step))]))
-        return self._operated(step, _any(entered), edges, begins=True)
+        on, off = self._modes.switched(step)
+        begins = _all([_any([*entered, on]), f"NOT {as_term(off)}" if off != "FALSE" else "TRUE"])
+        return self._operated(step, begins, edges, begins=True)
 
     def _ends(self, step: Step, edges: dict[str, str]) -> str:
         """Return when an active step is not active any more."""
@@ -121,9 +133,9 @@ class SequenceRewriter:
             left.append(off if on is None else f"{off} AND NOT {on}")
         found = _any(left)
         entered = [self._fires(each) for each in self._order if step.id in each.targets and step.id not in each.sources]
-        if entered and found != "FALSE" and self._checks.switched:
+        if entered and found != "FALSE" and self._is_crowded:
             found = _all([found, f"NOT {as_term(_any(entered))}"])
-        return self._operated(step, found, edges, begins=False)
+        return self._operated(step, _any([found, self._modes.switched(step)[1]]), edges, begins=False)
 
     def _operated(self, step: Step, text: str, edges: dict[str, str], *, begins: bool) -> str:
         """Return a condition with what INIT_SQ and OFF_SQ do to the step."""

@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, does_something
+from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
 from plcopen_sfc.languages.networks import body_statements
@@ -33,62 +34,93 @@ from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Outcome
 
-_LAMPS = {"AUTO_ON": "TRUE", "MAN_ON": "FALSE", "TAP_ON": "FALSE", "TOP_ON": "FALSE"}
-
 
 class ShownState:
     """Statements for the outputs that a block has; they read the step flags behind the step change."""
 
-    def __init__(self, rewriting: ChartRewriting, checks: StepChecks) -> None:
-        self._rewriting, self._host, self._checks = rewriting, rewriting.host, checks
+    def __init__(self, rewriting: ChartRewriting, checks: StepChecks, modes: OperatingModes) -> None:
+        self._rewriting, self._host, self._checks, self._modes = rewriting, rewriting.host, checks, modes
         source = rewriting.source
         self._steps = sorted(rewriting.chart.chart.steps, key=lambda step: step.number or 0)
         self._is_one = (
             sum(step.initial for step in source.steps) == 1
             and all(len(transition.targets) < 2 for transition in source.transitions)
             and not any(row.qualifier is Qualifier.ON for _, row in source.associations())
+            and not modes.switches_steps
         )
         rows = {(row.target or "").strip('"').casefold() for _, row in source.associations()}
         outputs = rewriting.chart.pou.variables(SectionKind.OUTPUT)
         self._names = {v.name.upper(): v.name for v in outputs if v.name.casefold() not in rows}
-        self.lines = list(self._lines()) if source.graph_settings is not None else []
-        """The statements."""
+        self.early: list[str] = []
+        """The statements for before the edges of inputs: transitions of CODESYS see these a scan before the steps."""
+        self.lines: list[str] = []
+        """The statements for behind all others."""
+        if rewriting.of_graph:
+            is_early = self._host.is_codesys and modes.changes_conditions
+            (self.early if is_early else self.lines).extend(self._situation())
+            self.lines += self._errors()
 
     @property
     def names(self) -> set[str]:
         """The outputs that the statements write."""
-        return {line.split(" := ")[0].strip() for line in self.lines if " := " in line}
+        return {line.split(" := ")[0].strip() for line in (*self.early, *self.lines) if " := " in line}
 
-    def _lines(self) -> Iterator[str]:
-        flags = [self._host.active(step) for step in self._steps]
+    def _situation(self) -> Iterator[str]:
+        flags: list[str] = [self._host.active(step) for step in self._steps]
         if "S_NO" in self._names and flags:
             yield from self._number(self._names["S_NO"])
         if "S_ACTIVE" in self._names and flags:
-            yield f"{self._names['S_ACTIVE']} := {' OR '.join(flags)};"
+            shows = self._modes.shows_selected() is not None and "S_NO" in self._names
+            shown = self._kept(self._names["S_NO"]) if shows else flags
+            yield f"{self._names['S_ACTIVE']} := {' OR '.join(shown)};"
         if "S_MORE" in self._names and flags:
             count = " + ".join(f"BOOL_TO_INT({flag})" for flag in flags)
             yield f"{self._names['S_MORE']} := {'FALSE' if self._is_one else f'{count} > 1'};"
+        for name, value in self._modes.lamps().items():
+            if name in self._names:
+                yield f"{self._names[name]} := {value};"
+
+    def _errors(self) -> Iterator[str]:
         if "ERR_FLT" in self._names:
             found = [self._disturbed(step) for step in self._steps]
             errors = [text for text in found if text]
             if None not in found:
                 yield f"{self._names['ERR_FLT']} := {' OR '.join(errors) or 'FALSE'};"
-        for name, value in _LAMPS.items():
-            if name in self._names:
-                yield f"{self._names[name]} := {value};"
+
+    def _kept(self, shown: str) -> list[str]:
+        """Return conditions of which one is TRUE while the step displayed is active."""
+        return [f"({self._host.active(step)} AND {shown} = {step.number or 0})" for step in self._steps]
 
     def _number(self, shown: str) -> Iterator[str]:
         """Yield the number of the step displayed: that of before while it is active, else the first active one."""
-        inner = "" if self._is_one else "    "
-        kept = [f"({self._host.active(step)} AND {shown} = {step.number or 0})" for step in self._steps]
-        if inner:
-            yield f"IF NOT ({' OR '.join(kept)}) THEN"
-        for at, step in enumerate(self._steps):
-            yield f"{inner}{'ELSIF' if at else 'IF'} {self._host.active(step)} THEN"
-            yield f"{inner}    {shown} := {step.number or 0};"
-        yield from (f"{inner}ELSE", f"{inner}    {shown} := 0;", f"{inner}END_IF;")
-        if inner:
-            yield "END_IF;"
+        selected = self._modes.shows_selected()
+        cases = [(selected, [f"{shown} := {self._modes.selected_shown};"])] if selected is not None else []
+        first = list(self._first_active(shown, self._steps, ["ELSE", f"    {shown} := 0;"]))
+        if self._is_one:
+            cases.append(("", first))
+        else:
+            cases.append((f"NOT ({' OR '.join(self._kept(shown))})", first))
+            for name, edge in self._modes.turns().items():
+                steps, sign = (self._steps, ">") if name == "S_NEXT" else (self._steps[::-1], "<")
+                onward = self._first_active(shown, steps, [], f" AND {{number}} {sign} {shown}")
+                again = self._first_active(shown, steps, [])
+                lines = [*[*onward][:-1], "ELSE", *(f"    {line}" for line in again), "END_IF;"]
+                cases.append((edge, lines))
+        if cases == [("", first)]:
+            yield from first
+            return
+        for at, (condition, lines) in enumerate(cases):
+            yield f"{'ELSIF' if at else 'IF'} {condition} THEN" if condition else "ELSE"
+            yield from (f"    {line}" for line in lines)
+        yield "END_IF;"
+
+    def _first_active(self, shown: str, steps: Iterable[Step], otherwise: list[str], needs: str = "") -> Iterator[str]:
+        """Yield a statement that shows the first of the steps that is active."""
+        for at, step in enumerate(steps):
+            condition = self._host.active(step) + needs.format(number=step.number or 0)
+            yield f"{'ELSIF' if at else 'IF'} {condition} THEN"
+            yield f"    {shown} := {step.number or 0};"
+        yield from (*otherwise, "END_IF;")
 
     def _disturbed(self, step: Step) -> str | None:
         """Return when an active step has an error: empty where it never has, None where that is no expression."""
@@ -143,7 +175,7 @@ class PermanentRewriter:
             found = [operation for operation in operations if does_something(operation.body)]
             if found:
                 self._operations(when, found)
-        edges, switches = self._checks.edges(), list(self._checks.switches())
+        edges, switches = [*self._shown.early, *self._checks.edges()], list(self._checks.switches())
         if switches and self._host.is_codesys and initial is not None:
             body = StBody(text="\n".join(switches))
             self._steps.store(initial, self.name("switches"), body, first=False, instead_of=None)

@@ -8,11 +8,12 @@ compare both.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, is_supervised
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.types import DataType
 from plcopen_sfc.model.variables import SectionKind
 
 COMPUTED = frozenset(ActionEvent) - {ActionEvent.S0, ActionEvent.C}
@@ -43,6 +44,8 @@ class StepChecks:
             self._wanted[step.id] = {event for event in wanted & COMPUTED if self._can_happen(step, event)}
         self.operated: set[str] = set()
         """The inputs whose edges are computed."""
+        self.modes: Callable[[], list[str]] = list
+        """Returns statements that switch the operating modes by the edges of inputs."""
         self.start: Step | None = None
         """The step that leads to all sequences, where OFF_SQ keeps it."""
         self.switched: dict[int, set[str]] = {}
@@ -79,6 +82,17 @@ class StepChecks:
     def names_of_edges(self) -> list[str]:
         """Return the variables that are computed for the edges of inputs."""
         return [name for (owner, _), name in self._names.items() if isinstance(owner, str)]
+
+    def edge(self, name: str) -> str:
+        """Return the variable that is TRUE behind the computed edges in the scan in which an input rises."""
+        self.operated.add(name)
+        return self._command(name, "edge")
+
+    def quantity(self, owner: str, quantity: str, kind: DataType | None = None) -> str:
+        """Return the variable of an input, or of the block, for a quantity."""
+        if (owner, quantity) not in self._names:
+            self._names[owner, quantity] = self._rewriting.new_variable(f"{owner}_{quantity}", kind)
+        return self._names[owner, quantity]
 
     def rising(self, name: str) -> str:
         """Return an expression for transitions that is TRUE in the scan in which an input of the block rises."""
@@ -150,9 +164,7 @@ class StepChecks:
                 yield f"({self._inputs[name]} AND NOT {self._command(name, 'before')})"
 
     def _command(self, name: str, quantity: str) -> str:
-        if (name, quantity) not in self._names:
-            self._names[name, quantity] = self._rewriting.new_variable(f"{name}_{quantity}")
-        return self._names[name, quantity]
+        return self.quantity(name, quantity)
 
     def waits(self, start: Step) -> str:
         """Return the variable that is TRUE where OFF_SQ rises in the first scan, that of the step `start`."""
@@ -163,10 +175,11 @@ class StepChecks:
 
     def edges(self) -> list[str]:
         """Return the edges of inputs, for an action that is executed before those of the steps."""
-        found: list[str] = []
+        modes, found = self.modes(), list[str]()
         for name in sorted(self.operated):
             own, before = self._inputs[name], self._command(name, "before")
             found += [f"{self._command(name, 'edge')} := {own} AND NOT {before};", f"{before} := {own};"]
+        found += modes
         if self.start is not None:
             rises = f"{self._host.active(self.start)} AND {self._command('OFF_SQ', 'edge')}"
             found.append(f"{self.waits(self.start)} := {self.waits(self.start)} OR ({rises});")

@@ -20,7 +20,7 @@ from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Configuration
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork, Step, Transition
 from plcopen_sfc.model.variables import VariableSection
 
 if TYPE_CHECKING:
@@ -188,6 +188,8 @@ def restore_chart(
     _take_out(chart, added)
     for number in sorted(added):
         _put_sequences(chart, marks[number].get("instead_of"))
+    if added and chart.graph_settings is None:
+        chart.graph_settings = GraphSettings()  # by which a writer adds them again
     if any(marks[number].get("added") for number in outdated):
         chart.graph_settings = None  # what stands for its operating inputs counts now
     for step in chart.steps:
