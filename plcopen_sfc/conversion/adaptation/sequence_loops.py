@@ -61,7 +61,7 @@ class SequenceRewriter:
         heads = [next(step for step in part if step.id in self._initial) for part in plain]
         if looped:
             heads += self._loops([step for part in looped for step in part], added)
-        if self._host.is_codesys and (len(heads) > 1 or looped):
+        if self._host.is_codesys and self._rewriting.of_graph and (len(heads) > 1 or looped):
             self._start(heads, added)
         instead_of = replaced_sequences(self._rewriting.source, self._chart)
         added.mark([_TOGETHER], instead_of)
