@@ -22,6 +22,7 @@ def check(
     profile: str | Profile | None = None,
     select: Iterable[str] = (),
     ignore: Iterable[str] = (),
+    externals: Iterable[str] = (),
 ) -> list[Diagnostic]:
     """Return the findings in the charts of a project, of a POU, or in one chart; docs/checks.md has the rules.
 
@@ -31,6 +32,9 @@ def check(
     from the program are not looked at, and ``plcopen-sfc: ignore STR09`` in the comment of a step, a transition, a
     chart or a POU lets findings there be.
 
+    `externals` are patterns (``GVL_*``) for names that are declared outside of a partial export: with them every other
+    name that nothing declares is a finding, instead of one of what may be declared elsewhere.
+
     Findings of a project that was loaded have the file and, as far as its format has them, the line; in a folder, that
     of the document. Findings of the reader are in `Project.diagnostics`, not here. Raises `ModelError` for a rule or
     profile that does not exist.
@@ -38,7 +42,7 @@ def check(
     from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # brings the parser with it
 
     check_argument(subject, (Project, Pou, SfcNetwork), "check needs a chart, a POU or a project")
-    found = check_charts(subject, profile=profile, select=select, ignore=ignore)
+    found = check_charts(subject, profile=profile, select=select, ignore=ignore, externals=externals)
     project = subject.project
     return _located(found, project) if found and project is not None else found
 

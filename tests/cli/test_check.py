@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc.analysis.checks import all_rules
 from plcopen_sfc.analysis.checks.rule_table import catalogue
 
@@ -167,6 +168,21 @@ class TestConfiguration:
         (place / "line" / "pyproject.toml").write_text('[tool.plcopen_sfc]\nignore = ["STR"]\n', encoding="utf-8")
         found = found_codes(cli("check", "line/press.xml", "wrong.xml", "--json", "--select", "STR05,STR01"))
         assert found == ["STR05"]
+
+    def test_externals_are_declared_elsewhere_and_all_others_here(self, cli, place):
+        project = sfc.Project(name="Part", dialect="codesys")
+        do = [("N Act", "GVL_Io.xGo := fbAxis.xDone AND xOther;")]
+        project.add_program("Main", sfc.step("S1", actions=do, initial=True), "a", sfc.jump("S1"))
+        sfc.save(project, place / "part.xml", format="codesys")
+        assert [each.code for each in sfc.check(project, select=["VAR"])] == ["VAR02"]
+        (place / "pyproject.toml").write_text(
+            '[tool.plcopen_sfc]\nexternals = ["GVL_*", "FBAXIS"]\nselect = ["VAR01", "VAR02"]\n', encoding="utf-8"
+        )
+        outcome = cli("check", "part.xml")
+        assert outcome.code == 1
+        assert [line.split(": ", 2)[2] for line in outcome.out.splitlines() if "VAR0" in line] == [
+            "'xOther' names nothing that the project declares"
+        ]
 
     @pytest.mark.parametrize(
         "text",

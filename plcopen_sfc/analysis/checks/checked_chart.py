@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from fnmatch import fnmatchcase
 from functools import cached_property
 from itertools import combinations
 
@@ -176,10 +177,14 @@ _COILS = frozenset({"TrCoil", "IlCoil", "SvCoil"})
 
 
 class CheckedProject:
-    """A project as the rules on its charts see it: declared variables, and what writes them."""
+    """A project as the rules on its charts see it: declared variables, and what writes them.
 
-    def __init__(self, project: Project) -> None:
+    `externals` are patterns for names that are declared elsewhere; where there are some, all others are declared here.
+    """
+
+    def __init__(self, project: Project, externals: Iterable[str] = ()) -> None:
         self.project = project
+        self.externals = tuple(pattern.casefold() for pattern in externals)
 
     @cached_property
     def dialect(self) -> Dialect:
@@ -194,7 +199,12 @@ class CheckedProject:
     @cached_property
     def undeclared(self) -> tuple[Occurrence, ...]:
         """The names that nothing declares, each where it is first."""
-        return tuple(each for each in self.named.undeclared() if not is_of_the_tool(each))
+        return tuple(
+            each
+            for each in self.named.undeclared()
+            if not is_of_the_tool(each)
+            and not any(fnmatchcase(each.reference.name.casefold(), pattern) for pattern in self.externals)
+        )
 
     @cached_property
     def undeclared_members(self) -> tuple[Occurrence, ...]:

@@ -23,8 +23,11 @@ _LISTED = 12
 def is_partial(around: CheckedProject, pou: Pou) -> bool:
     """True if the file of a POU may leave out what is declared elsewhere: it declares nothing global.
 
-    In IEC 61131-3 a POU names what is global itself, in VAR_EXTERNAL: there a POU is partial that declares nothing.
+    In IEC 61131-3 a POU names what is global itself, in VAR_EXTERNAL: there a POU is partial that declares nothing. No
+    file is partial of which it is known what is declared elsewhere.
     """
+    if around.externals:
+        return False
     project = around.project
     sections = any(section.variables for section in project.global_sections())
     blocks = any(block.kind is DataBlockKind.GLOBAL for block in project.data_blocks)

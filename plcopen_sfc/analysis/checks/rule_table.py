@@ -151,13 +151,14 @@ def check_charts(
     profile: str | Profile | None = None,
     select: Iterable[str] = (),
     ignore: Iterable[str] = (),
+    externals: Iterable[str] = (),
 ) -> list[Diagnostic]:
     """Return the findings in the charts of a project, of a POU, or in one chart: see `plcopen_sfc.api.check`."""
     rules = selected(all_rules(), select, ignore)
     project = subject if isinstance(subject, Project) else _home(subject)
     execution = profile_named(profile) if profile is not None else default_profile(project)
     found: list[Diagnostic] = []
-    for chart in _charts(subject, CheckedProject(project), execution):
+    for chart in _charts(subject, CheckedProject(project, externals), execution):
         found += findings(chart, rules)
     return found
 

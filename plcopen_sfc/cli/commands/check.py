@@ -41,6 +41,7 @@ class CheckSettings:
     ignore: tuple[str, ...] | None = None
     profile: str | None = None
     fail_on: str | None = None
+    externals: tuple[str, ...] = ()
 
 
 class Configurations:
@@ -82,15 +83,21 @@ def _read(path: Path) -> CheckSettings | None:
 
 
 def _checked(path: Path, table: Mapping[str, Any]) -> CheckSettings:
-    known = {"select": "a list of codes", "ignore": "a list of codes", "profile": "a text", "fail-on": "a text"}
+    known = {
+        "select": "a list of codes",
+        "ignore": "a list of codes",
+        "profile": "a text",
+        "fail-on": "a text",
+        "externals": "a list of names",
+    }
     for key, value in table.items():
         if key not in known:
             hint = "Known are: " + ", ".join(known)
             raise ConfigurationError(
                 f"[tool.{_TABLE}] has an unknown key {key!r}", location=Location(str(path)), hint=hint
             )
-        codes = known[key] == "a list of codes"
-        fits = isinstance(value, list) and all(isinstance(i, str) for i in value) if codes else isinstance(value, str)
+        listed = known[key].startswith("a list")
+        fits = isinstance(value, list) and all(isinstance(i, str) for i in value) if listed else isinstance(value, str)
         if not fits:
             raise _wrong(path, key, known[key])
     return CheckSettings(
@@ -99,6 +106,7 @@ def _checked(path: Path, table: Mapping[str, Any]) -> CheckSettings:
         ignore=tuple(table["ignore"]) if "ignore" in table else None,
         profile=table.get("profile"),
         fail_on=table.get("fail-on"),
+        externals=tuple(table.get("externals", ())),
     )
 
 
@@ -233,6 +241,7 @@ class CheckOptions:
     profile: str | None = None
     fail_on: str | None = None
     format: str = "text"
+    externals: tuple[str, ...] = ()
 
 
 def codes(texts: Sequence[str] | None) -> tuple[str, ...] | None:
@@ -266,7 +275,13 @@ def run(screen: Screen, files: ManyFiles, how: CheckOptions) -> int:
 def _check(screen: Screen, name: str, wanted: CheckOptions) -> list[Diagnostic]:
     project = load_input(screen, name)
     read = project.diagnostics  # reads the charts, too, before anything is printed of them
-    found = check(project, profile=wanted.profile, select=wanted.select or (), ignore=wanted.ignore or ())
+    found = check(
+        project,
+        profile=wanted.profile,
+        select=wanted.select or (),
+        ignore=wanted.ignore or (),
+        externals=wanted.externals,
+    )
     others = [finding for finding in read if finding.code not in _SAID_BY_RULES]
     screen.exit_code = max(screen.exit_code, _exit_code(found, others, wanted.fail_on or "warning"))
     for finding in others:
@@ -309,6 +324,7 @@ def _with(how: CheckOptions, configuration: CheckSettings) -> CheckOptions:
         profile=how.profile or configuration.profile,
         fail_on=how.fail_on or configuration.fail_on,
         format=how.format,
+        externals=configuration.externals,
     )
 
 
