@@ -12,16 +12,20 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT
-from plcopen_sfc.languages.binding.text_sites import text_sites
+from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.text_sites import Site, text_sites
 from plcopen_sfc.languages.s7_boxes import translate_boxes
 from plcopen_sfc.languages.s7_programs import has_results, name_results
+from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.translation.translation_context import family
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.text import is_direct
+from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import PROFILES, StepVariables, default_profile, profile_of_format
@@ -50,6 +54,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
     if kind.tool and dialect is None and not options.same and family(project.dialect) is Dialect.CODESYS:
         _note_wider_arithmetic(project, kind, report)
+    if kind.tool and not options.same:
+        _note_operands(project, kind, report)
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
@@ -222,6 +228,32 @@ _OUTCOMES = {
     Severity.ERROR: Outcome.NOT_EXECUTED,
 }
 """Outcome of a text by the severity of the notes of its translation: without a counterpart it is left as it is."""
+
+
+def _note_operands(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Report actions on variables that are not Boolean: no tool compiles them, and some write another type."""
+    resolver = Resolver(project, project.dialect)
+    for chart in project.charts():
+        names = {association.target for _, association in chart.chart.associations()} - {None}
+        types = {name: _elementary_type(resolver, chart, name) for name in names if name is not None}
+        for step, row in chart.chart.associations():
+            type_ = types.get(row.target or "")
+            switches = row.value is None and row.body is None and row.kind is None and row.qualifier in _SWITCHING
+            if switches and type_ is not None and type_ is not Elementary.BOOL:
+                why = f"`{row.target}` is of the type {type_.value}, and an action is a Boolean variable in {kind.tool}"
+                path = f"{chart.report_path} / step {step.name} / action {row.target}"
+                report.add(Outcome.NOT_EXECUTED, "action", path, why)
+
+
+_SWITCHING = frozenset(Qualifier) - {Qualifier(name) for name in "CALL ON OFF CS CU CD CR TL TD TR TF".split()}
+
+
+def _elementary_type(resolver: Resolver, chart: Chart, name: str) -> Elementary | None:
+    """Return the type of the variable that an action writes; None for all else."""
+    if chart.pou.find_action(name) is not None:
+        return None
+    found = resolver.type_of(parse_expression(name, resolver.dialect).tree, Site(pou=chart.pou, charts=(chart.chart,)))
+    return found.name if isinstance(found, ElementaryType) else None
 
 
 def _note_wider_arithmetic(project: Project, kind: Format, report: ConversionReport) -> None:

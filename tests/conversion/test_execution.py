@@ -79,3 +79,31 @@ class TestPartly:
         assert report.with_outcome(Outcome.APPROXIMATED)
         with pytest.raises(LossError, match="otherwise or not at all"):
             sfc.save(project, io.BytesIO(), format="codesys", strict=True)
+
+
+OPERANDS = b"""PROGRAM Main
+VAR_INPUT Begin : BOOL; Organization_Block : INT; END_VAR
+VAR n : INT; q : BOOL; END_VAR
+INITIAL_STEP Idle: END_STEP
+STEP Work: %s(N); END_STEP
+TRANSITION FROM Idle TO Work := Begin; END_TRANSITION
+TRANSITION FROM Work TO Idle := Organization_Block > 3; END_TRANSITION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("target", ["codesys", "twincat", "codesys23", "plcopen-2.01", "simaticml"])
+def test_an_action_on_a_variable_that_is_not_boolean_is_not_executed(target: str) -> None:
+    project = sfc.loads(OPERANDS % b"n", format="iec-text")
+    _, report = sfc.convert(project, target, partial=True)
+    lost = report.with_outcome(Outcome.NOT_EXECUTED)
+    assert [(item.what, item.path) for item in lost] == [("action", "POU Main / step Work / action n")]
+    assert "of the type INT" in lost[0].why
+
+
+@pytest.mark.parametrize("target", ["twincat", "codesys23", "codesys-export"])
+def test_words_that_only_other_tools_reserve_are_names_in_texts_of_declarations(target: str) -> None:
+    data, report = sfc.convert(sfc.loads(OPERANDS % b"q", format="iec-text"), target)
+    assert not report.losses
+    names = [variable.name for variable in sfc.loads(data, format=target, as_tool=True).pou("Main").variables()]
+    assert names[:2] == ["Begin", "Organization_Block"]

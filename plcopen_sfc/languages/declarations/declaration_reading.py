@@ -103,7 +103,8 @@ def _unit(text: str, tokens: list[Token], first: int, dialect: Dialect) -> tuple
     stop_at = _POUS if keyword in _WITH_BODY else frozenset()
     index = first + 1
     while index < len(tokens) and tokens[index].type != closing:
-        if tokens[index].type in stop_at and _begins_a_line(text, tokens, index):
+        is_name = tokens[index + 1 : index + 2] and tokens[index + 1].type in ("COLON", "COMMA")
+        if tokens[index].type in stop_at and not is_name and _begins_a_line(text, tokens, index):
             break
         index += 1
     last = index if index < len(tokens) and tokens[index].type == closing else None

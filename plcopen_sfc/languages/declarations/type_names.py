@@ -50,7 +50,12 @@ SECTION_KEYWORDS: dict[SectionKind, str] = {kind: word for word, (kind, _) in SE
 
 _IDENTIFIER = re.compile(r"[^\W\d]\w*")
 _RESERVED = KEYWORDS | STATEMENT_KEYWORDS | frozenset("AND OR XOR MOD TRUE FALSE NULL AND_THEN OR_ELSE BEGIN".split())
-_BETWEEN = frozenset({"ON", "WITH", "TASK", "EXTENDS", "IMPLEMENTS"})
+_BETWEEN = frozenset(
+    """
+    ON WITH TASK EXTENDS IMPLEMENTS ACTION BEGIN CLASS CONFIGURATION DATA_BLOCK NAMESPACE ORGANIZATION_BLOCK RESOURCE
+    TITLE UNION USING
+    """.split()
+)
 """Words that tools and our reader take for names wherever a name is declared."""
 _SYSTEM_TYPES = re.compile(
     r"(?:FB|FC|DB|OB|UDT|SFB|SFC)\d+|Void|Variant|Any|Pointer|Block_\w+|DTL|S5Time|Timer|Counter|Struct"
