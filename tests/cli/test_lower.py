@@ -391,3 +391,13 @@ def test_functions_of_a_python_file_are_called(cli: Cli, tmp_path: Path, monkeyp
     (column,) = [each for each in json.loads(run.out)["columns"] if each["name"] == "n"]
     assert [value for _, value in column["changes"]] == [1, 2, 3, 4, 0, 1, 2]
     assert cli(*asked, "--functions", "missing.py").code == 2
+
+
+def test_items_with_one_reason_are_in_one_line(cli: Cli, fixtures: Path, tmp_path: Path) -> None:
+    arguments = ["lower", fixtures / "steplist/mixer.csv", tmp_path / "mixer.scl", "--to", "scl", "--no-verify"]
+    told = [line for line in cli(*arguments).out.splitlines() if line.startswith("not executed")]
+    assert len(told) == 1
+    assert "global variable Start, Fault" in told[0]
+    assert "and 5 more: " in told[0]
+    each = [line for line in cli(*arguments, "--verbose").out.splitlines() if line.startswith("not executed")]
+    assert len(each) == 11

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -12,25 +11,15 @@ from plcopen_sfc.api import load, save
 from plcopen_sfc.batch import known_format
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
-from plcopen_sfc.cli.screen import Screen, Table
-from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
+from plcopen_sfc.cli.report_items import show_counts, show_items, show_not_executed
+from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.errors import InputError, Location, LossError
 from plcopen_sfc.files import folder_exists, refuse_empty, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import FIELD, LOSSES, ConversionReport, Item, Outcome
+from plcopen_sfc.report import FIELD, LOSSES, ConversionReport, Outcome
 
-_SHOWN = 20
 _FINDINGS = 1
-_OUTCOME_STYLES = {
-    Outcome.NOT_EXECUTED: "bold red",
-    Outcome.APPROXIMATED: "yellow",
-    Outcome.DROPPED: "red",
-    Outcome.EXTENSION_DATA: "cyan",
-    Outcome.TRANSLATED: "green",
-}
-"""Every outcome but `kept`, the worst first."""
 
 
 @dataclass(frozen=True)
@@ -192,7 +181,7 @@ def _show(screen: Screen, report: ConversionReport) -> None:
     if report.unchanged:
         screen.line("the format is the same and nothing was edited: the file as it was read")
         return
-    _show_not_executed(screen, report.with_outcome(Outcome.NOT_EXECUTED))
+    show_not_executed(screen, report.with_outcome(Outcome.NOT_EXECUTED))
     for path, found in report.compared.items():
         screen.line(
             f"{path}: {found}"
@@ -203,94 +192,13 @@ def _show(screen: Screen, report: ConversionReport) -> None:
             screen.line(f"  {line}")
     if report.compared:
         screen.line()
-    _show_items(screen, report)
-    _show_counts(screen, report)
-
-
-def _show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
-    """Print all that the target will not execute: by chart or object, then by step or transition."""
-    if not items:
-        return
-    screen.line((f"NOT EXECUTED in the target: {len(items)}", _OUTCOME_STYLES[Outcome.NOT_EXECUTED]))
-    operated = [item for item in items if item.what == OPERATING_INPUT]
-    for around, those in _grouped(operated, lambda item: ObjectPath.of(item.path).around).items():
-        names = [ObjectPath.of(item.path).last for item in those]
-        screen.line(f"  {around}{_position(those[0])}")
-        screen.line(f"    operating inputs without effect: {', '.join(names)}")
-        screen.line(
-            f"    If nobody operates {'them' if names[1:] else 'it'}, convert again with --at-rest {','.join(names)}."
-        )
-    for around, those in _grouped((item for item in items if item not in operated), _owner).items():
-        screen.line(f"  {around or 'the project'}")
-        for place, these in _grouped(those, _inside).items():
-            indent = "    "
-            if place:
-                screen.line(f"    {place}{_position(these[0])}")
-                indent = "      "
-            for item in these:
-                screen.line(f"{indent}{item.what}: {item.why}{'' if place else _position(item)}")
-    screen.line()
-
-
-def _grouped(items: Iterable[Item], key: Callable[[Item], str]) -> dict[str, list[Item]]:
-    groups: dict[str, list[Item]] = {}
-    for item in items:
-        groups.setdefault(key(item), []).append(item)
-    return groups
-
-
-def _owner(item: Item) -> str:
-    """The chart or the object that an item belongs to: its path up to a step or a transition."""
-    found = (each for each in ObjectPath.of(item.path).outwards() if each.last.startswith(("step ", "transition ")))
-    inside = [*found]
-    return inside[-1].around if inside else item.path
-
-
-def _inside(item: Item) -> str:
-    """The step or transition that an item belongs to; empty: it concerns the whole object."""
-    return ObjectPath.of(item.path).inside(_owner(item)).owner
-
-
-def _position(item: Item) -> str:
-    if not item.line:
-        return ""
-    return f" ({item.file}:{item.line})" if item.file else f" (line {item.line})"
-
-
-def _show_items(screen: Screen, report: ConversionReport) -> None:
-    """Print what else differs for a machine or for the way back; with --verbose every item that is not simply kept."""
-    outcomes = [outcome for outcome in _OUTCOME_STYLES if outcome is not Outcome.NOT_EXECUTED]
-    items = [item for outcome in outcomes for item in report.with_outcome(outcome)]
+    # with --verbose every item that is not simply kept; else what differs for a machine, or for the way back
+    items = [item for item in report.items if item.outcome not in (Outcome.KEPT, Outcome.NOT_EXECUTED)]
     if not screen.verbose:
         items = [
             item for item in items if item.outcome in LOSSES or (item.outcome is Outcome.DROPPED and item.what != FIELD)
         ]
-    shown = items if screen.verbose else items[:_SHOWN]
-    for item in shown:
-        place = item.place + _position(item)
-        reason = f": {item.why}" if item.why else ""
-        screen.line((item.outcome.value, _OUTCOME_STYLES.get(item.outcome, "")), f": {place}{reason}")
-    if len(shown) < len(items):
-        screen.line(f".. and {len(items) - len(shown)} more: --verbose shows all, --report writes all")
-    if shown:
+    show_items(screen, items)
+    if items:
         screen.line()
-
-
-def _show_counts(screen: Screen, report: ConversionReport) -> None:
-    """Print how many items there are of each outcome; with --verbose a table of the kinds of things."""
-    counts = report.counts()
-    outcomes = [outcome for outcome in Outcome if any(outcome is known for _, known in counts)]
-    if not outcomes:
-        return
-    if screen.verbose:
-        table = Table(["what", *(outcome.value for outcome in outcomes)])
-        for what in sorted({what for what, _ in counts}):
-            table.rows.append([what, *(counts.get((what, outcome), 0) for outcome in outcomes)])
-        screen.table(table)
-    else:
-        totals = [
-            (outcome, sum(count for (_, known), count in counts.items() if known is outcome)) for outcome in outcomes
-        ]
-        told = ", ".join(f"{total} {outcome.value}" for outcome, total in totals)
-        screen.line(f"items: {told} (--verbose lists them)")
-    screen.line()
+    show_counts(screen, report)

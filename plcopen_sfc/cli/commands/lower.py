@@ -10,6 +10,7 @@ from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.batch import functions_of
 from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, exit_code_for, load_input, written_to_stdout
+from plcopen_sfc.cli.report_items import show_items
 from plcopen_sfc.cli.screen import INTERRUPTED, UNREADABLE, Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
 from plcopen_sfc.errors import LossError, LoweringError
@@ -17,10 +18,9 @@ from plcopen_sfc.files import folder_exists
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou
 from plcopen_sfc.lowering.chart_lowering import LoweringOptions
-from plcopen_sfc.report import ConversionReport, Item
+from plcopen_sfc.report import ConversionReport
 
 _FINDINGS = 1
-_SHOWN = 10
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def run(screen: Screen, source: str, target: str | None, how: LowerOptions) -> i
             )
         except LossError as loss:
             if not screen.as_json and not screen.quiet:
-                _show_losses(screen, loss.report.losses)
+                show_items(screen, loss.report.losses)
             screen.result({"file": None, "pous": [], "refused": [], "conversion": loss.report.as_dict()})
             screen.error(loss)
             return _FINDINGS
@@ -130,15 +130,8 @@ def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: Co
         screen.line((each.name, "bold"), head.removeprefix(each.name))
         for line in rest if each.proof is not None else [*rest, "not compared with the chart"]:
             screen.line(line)
-    _show_losses(screen, [*(item for each in lowered for item in each.losses), *report.losses])
+    show_items(screen, [*(item for each in lowered for item in each.losses), *report.losses])
     screen.line("written: ", (target, "bold"))
-
-
-def _show_losses(screen: Screen, losses: Sequence[Item]) -> None:
-    for item in losses if screen.verbose else losses[:_SHOWN]:
-        screen.line((item.outcome.value, "yellow"), f": {item.place}: {item.why}")
-    if len(losses) > _SHOWN and not screen.verbose:
-        screen.line(f".. and {len(losses) - _SHOWN} more: --verbose shows all, --report writes all")
 
 
 def _beside(source: Path, to: str) -> str:

@@ -1,0 +1,127 @@
+"""Items of a report as a person reads them: what is not executed first, items with one reason in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from typing import TypeVar
+
+from plcopen_sfc.cli.screen import Screen, Table
+from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
+from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.report import ConversionReport, Item, Outcome
+
+_LINES = 20
+"""Lines for items without --verbose."""
+_NAMES = 6
+"""Names in a line for several items."""
+_STYLES = {
+    Outcome.NOT_EXECUTED: "bold red",
+    Outcome.APPROXIMATED: "yellow",
+    Outcome.DROPPED: "red",
+    Outcome.EXTENSION_DATA: "cyan",
+    Outcome.TRANSLATED: "green",
+}
+"""Every outcome but `kept`, the worst first."""
+
+K = TypeVar("K", bound=Hashable)
+
+
+def show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
+    """Print all that the target will not execute: by chart or object, then by step or transition."""
+    if not items:
+        return
+    screen.line((f"NOT EXECUTED in the target: {len(items)}", _STYLES[Outcome.NOT_EXECUTED]))
+    operated = [item for item in items if item.what == OPERATING_INPUT]
+    for around, those in _grouped(operated, lambda item: ObjectPath.of(item.path).around).items():
+        names = [ObjectPath.of(item.path).last for item in those]
+        screen.line(f"  {around}{_position(those[0])}")
+        screen.line(f"    operating inputs without effect: {', '.join(names)}")
+        screen.line(
+            f"    If nobody operates {'them' if names[1:] else 'it'}, convert again with --at-rest {','.join(names)}."
+        )
+    others = [item for item in items if item not in operated]
+    for those in _grouped((item for item in others if not _inside(item)), lambda item: (item.what, item.why)).values():
+        if those[1:] and not screen.verbose:  # such as 24 addresses of one list
+            screen.line(f"  {_listed([item.path for item in those])}")
+            screen.line(f"    {those[0].what}: {those[0].why}")
+            others = [item for item in others if item not in those]
+    for owner, those in _grouped(others, _owner).items():
+        screen.line(f"  {owner or 'the project'}")
+        for place, these in _grouped(those, _inside).items():
+            indent = "    "
+            if place:
+                screen.line(f"    {place}{_position(these[0])}")
+                indent = "      "
+            for item in these:
+                screen.line(f"{indent}{item.what}: {item.why}{'' if place else _position(item)}")
+    screen.line()
+
+
+def show_items(screen: Screen, items: Iterable[Item]) -> None:
+    """Print items, the worst outcome first. Without --verbose those with one reason are in one line, in a few lines."""
+    ranked = [*_STYLES, Outcome.KEPT]
+    ordered = sorted(items, key=lambda item: ranked.index(item.outcome))
+    if screen.verbose:
+        groups = [[item] for item in ordered]
+    else:
+        groups = [*_grouped(ordered, lambda item: (item.outcome, item.what, item.why or item.path)).values()]
+    shown = groups if screen.verbose else groups[:_LINES]
+    for group in shown:
+        item = group[0]
+        place = _listed([item.place, *(each.path for each in group[1:])]) + ("" if group[1:] else _position(item))
+        screen.line(
+            (item.outcome.value, _STYLES.get(item.outcome, "")), f": {place}{f': {item.why}' if item.why else ''}"
+        )
+    more = sum(len(group) for group in groups[len(shown) :])
+    if more:
+        screen.line(f".. and {more} more: --verbose shows all, --report writes all")
+
+
+def show_counts(screen: Screen, report: ConversionReport) -> None:
+    """Print how many items there are of each outcome; with --verbose a table of the kinds of things."""
+    counts = report.counts()
+    outcomes = [outcome for outcome in Outcome if any(outcome is known for _, known in counts)]
+    if not outcomes:
+        return
+    if screen.verbose:
+        table = Table(["what", *(outcome.value for outcome in outcomes)])
+        for what in sorted({what for what, _ in counts}):
+            table.rows.append([what, *(counts.get((what, outcome), 0) for outcome in outcomes)])
+        screen.table(table)
+    else:
+        totals = [
+            (outcome, sum(count for (_, known), count in counts.items() if known is outcome)) for outcome in outcomes
+        ]
+        told = ", ".join(f"{total} {outcome.value}" for outcome, total in totals)
+        screen.line(f"items: {told} (--verbose lists them)")
+    screen.line()
+
+
+def _grouped(items: Iterable[Item], key: Callable[[Item], K]) -> dict[K, list[Item]]:
+    groups: dict[K, list[Item]] = {}
+    for item in items:
+        groups.setdefault(key(item), []).append(item)
+    return groups
+
+
+def _listed(places: Sequence[str]) -> str:
+    named = ", ".join(places[:_NAMES])
+    return named if len(places) <= _NAMES else f"{named} and {len(places) - _NAMES} more"
+
+
+def _owner(item: Item) -> str:
+    """The chart or the object that an item belongs to: its path up to a step or a transition."""
+    found = (each for each in ObjectPath.of(item.path).outwards() if each.last.startswith(("step ", "transition ")))
+    inside = [*found]
+    return inside[-1].around if inside else item.path
+
+
+def _inside(item: Item) -> str:
+    """The step or transition that an item belongs to; empty: it concerns the whole object."""
+    return ObjectPath.of(item.path).inside(_owner(item)).owner
+
+
+def _position(item: Item) -> str:
+    if not item.line:
+        return ""
+    return f" ({item.file}:{item.line})" if item.file else f" (line {item.line})"
