@@ -26,10 +26,12 @@ from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, walk
 from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.model.types import SimpleValue, Variable
 from plcopen_sfc.model.variables import SectionKind
 
@@ -65,6 +67,8 @@ class ActionCalls:
     def __init__(self, project: Project) -> None:
         self.call_of_chart: Callable[[Pou, Action], str | None] = lambda _owner, _action: None
         """Returns the statement that executes the chart of an action once; None where there is none."""
+        self.reached: set[int] = set()
+        """Ids of the actions whose statements are in the place of a call."""
         self._resolver = Resolver(project, Dialect.SCL)
         self._names = frozenset(action.name.casefold() for pou in project.pous for action in pou.actions)
         programs = names_of_programs(project) if self._names else {}
@@ -90,8 +94,10 @@ class ActionCalls:
         return body if found.text == body.text else StBody(text=found.text)
 
     def is_replaced(self, text_site: TextSite) -> bool:
-        """True for a text in which statements are in the place of all calls of actions."""
+        """True for a text in which statements are in place of all calls of actions, and for actions of steps."""
         site = text_site.site
+        if isinstance(text_site.holder, Step | ActionAssociation):
+            return True  # the report tells each of them at its step
         if not isinstance(text_site.holder, StBody) or site.pou is None or site.method is not None:
             return False
         return not self.inlined(text_site.text, site.pou).problems
@@ -173,6 +179,7 @@ class ActionCalls:
             raise _NoStatementsError(inner.problems[0])
         before, after = _arguments(call, path, text)
         code = self._at(inner.text, owner, path) if path else inner.text
+        self.reached.add(id(action))
         of = f" of {path}" if path else ""
         is_empty = not parse_statements(code, Dialect.SCL).tree.statements  # TIA Portal wants a statement in a branch
         lines = [*before, f"// action {action.name}{of}", *([code.strip("\r\n")] if code.strip() else [])]

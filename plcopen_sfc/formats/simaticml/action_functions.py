@@ -13,10 +13,11 @@ it, as CODESYS has one chart: it goes on from where it was when it was last exec
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field
 
-from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites_in
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites, text_sites_in
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_globals import global_names
@@ -29,7 +30,7 @@ from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, StandardBlock, s
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import Coil, OutputPin, OutputVariable
+from plcopen_sfc.model.network import BlockVariable, Coil, OutputPin, OutputVariable
 from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -97,6 +98,10 @@ class ActionFunctions:
         self._taken |= {caller.block.name.casefold() for caller in programs.callers}
         self._types = {declaration.name.casefold() for declaration in project.data_types}
         self._pous = {pou.name.casefold(): pou for pou in project.pous}
+        self._passed = frozenset(_passed_inputs(project))
+        self._kept_inside: dict[str, frozenset[str]] = {}
+        types = (each.type for other in project.pous for each in other.variables())
+        self._instanced = {type_.name.strip('"').casefold() for type_ in types if isinstance(type_, DerivedType)}
 
     def function(self, pou: Pou, label: str, body: Body) -> Pou | str:
         """Return the function for the body of an action of `pou`; a reason where there is none."""
@@ -137,6 +142,33 @@ class ActionFunctions:
     def instances(self, pou: Pou) -> list[Variable]:
         """Return the instances of the blocks for charts of the actions of `pou`."""
         return [chart.instance for chart in self.charts.values() if chart.owner.name == pou.name]
+
+    def kept_inside(self, pou: Pou) -> frozenset[str]:
+        """Return the inputs of a block that no call passes, and that are instances or written by the block itself.
+
+        CODESYS has such inputs. In S7 they are static variables, which others write and read as well. What no instance
+        in the project shows may be passed elsewhere.
+        """
+        around = self.charts.get(pou.name.casefold())
+        pou = around.owner if around is not None else pou
+        if pou.name.casefold() not in self._instanced:
+            return frozenset()
+        if pou.name not in self._kept_inside:
+            inputs = {v.name.casefold(): self._block(v.type) for v in pou.variables(SectionKind.INPUT)}
+            written = self._written(pou) if inputs.keys() - self._passed else set()
+            found = {name for name, block in inputs.items() if block is not None or name in written}
+            self._kept_inside[pou.name] = frozenset(found - self._passed)
+        return self._kept_inside[pou.name]
+
+    def _written(self, pou: Pou) -> set[str]:
+        """Return the variables that the bodies of a block and of its actions write in texts and as targets."""
+        uses = _Uses(pou, self, follows=False)
+        for body in (*pou.bodies, *(action.body for action in pou.actions)):
+            if isinstance(body, SfcBody):
+                uses.add(body.chart)
+            elif isinstance(body, StBody):
+                uses.add_statements(body.text)
+        return uses.writes
 
     def _call_of_chart(self, owner: Pou, action: Action) -> str | None:
         found = self.chart(owner, action)
@@ -184,12 +216,14 @@ class ActionFunctions:
                 continue
             if name not in blocks and not self._is_passed(variable.type):
                 return f"{variable.name} has a type that no parameter has"
-            if name in blocks and section.kind not in (SectionKind.LOCAL, SectionKind.IN_OUT):
+            is_inside = section.kind in (SectionKind.LOCAL, SectionKind.IN_OUT) or name in self.kept_inside(pou)
+            if name in blocks and not is_inside:
                 return f"{variable.name} is an instance that is no static variable"
             is_input = section.constant or section.kind in (SectionKind.INPUT, SectionKind.CONSTANT)
+            is_input = is_input and name not in blocks and name not in self.kept_inside(pou)
             if is_input and name in written:
                 return f"it writes the input {variable.name}"
-            kind = SectionKind.INPUT if is_input and name not in blocks else SectionKind.IN_OUT
+            kind = SectionKind.INPUT if is_input else SectionKind.IN_OUT
             sections[kind].variables.append(Variable(name=variable.name, type=variable.type))
         return Interface(sections=[section for section in sections.values() if section.variables])
 
@@ -268,8 +302,8 @@ class ActionFunctions:
 class _Uses:
     """Names of local variables in a chart, and in all that it executes of its POU: all of them, and those it writes."""
 
-    def __init__(self, owner: Pou, functions: ActionFunctions) -> None:
-        self._owner, self._functions = owner, functions
+    def __init__(self, owner: Pou, functions: ActionFunctions, *, follows: bool = True) -> None:
+        self._owner, self._functions, self._follows = owner, functions, follows
         self.names: set[str] = set()
         self.writes: set[str] = set()
         self.problem = ""
@@ -297,15 +331,21 @@ class _Uses:
         """Add the action that a name is. Returns True if it is one."""
         action = self._owner.find_action(name.removeprefix("#").strip('"'))
         if action is None:
-            return False
-        if id(action) not in self._followed:
+            call = f"{name}();"  # the action of an instance
+            if not self._follows:
+                return "." in name
+            if not name.count(".") or not self._functions.calls.inlined(call, self._owner).called:
+                return False
+            self.add_statements(call)
+            return True
+        if self._follows and id(action) not in self._followed:
             self._followed.add(id(action))
             if isinstance(action.body, SfcBody):
                 found = self._functions.chart(self._owner, action)
                 if isinstance(found, str):
                     self.problem = self.problem or f"{action.name}: {found}"
                 else:
-                    self._add_statements(found.call)
+                    self.add_statements(found.call)
             elif action.body is not None:
                 for text_site in text_sites_in(action.body):
                     self._add_text(text_site)
@@ -313,14 +353,14 @@ class _Uses:
 
     def _add_text(self, text_site: TextSite) -> None:
         if text_site.reading is SiteKind.STATEMENTS:
-            self._add_statements(text_site.text)
+            self.add_statements(text_site.text)
         elif text_site.reading is SiteKind.EXPRESSION:
             self._add_names(text_site.text)
             if isinstance(text_site.holder, Coil | OutputVariable | OutputPin) and (path := _path(text_site.text)):
                 self.writes.add(path)
 
-    def _add_statements(self, text: str) -> None:
-        text = self._functions.calls.inlined(text, self._owner).text
+    def add_statements(self, text: str) -> None:
+        text = self._functions.calls.inlined(text, self._owner).text if self._follows else text
         self._add_names(text)
         tree = parse_statements(text, Dialect.SCL).tree
         self.writes |= {path[0] for path in self._functions.effects(self._owner, tree).writes if path}
@@ -331,6 +371,18 @@ class _Uses:
             if token.value.startswith("#"):
                 name = token.value[1:].strip('"').casefold()
                 self.names |= {name} - actions
+
+
+def _passed_inputs(project: Project) -> Iterator[str]:
+    """Yield the names, in lower case, of all arguments and connected pins in a project."""
+    for text_site in text_sites(project):
+        if text_site.is_program_text:
+            yield from (match.casefold() for match in _ARGUMENT.findall(text_site.text))
+        elif isinstance(text_site.holder, BlockVariable):
+            yield text_site.text.strip('"').casefold()
+
+
+_ARGUMENT = re.compile(r'[(,]\s*"?(\w+)"?\s*:=')
 
 
 def _path(text: str) -> str:

@@ -8,6 +8,7 @@ operand would not compile.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from lxml import etree
@@ -40,6 +41,7 @@ from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
 from plcopen_sfc.report import Outcome
 
+_OTHER = re.compile(r'["#.]+')
 _ONCE = frozenset({Qualifier.P, Qualifier.P1, Qualifier.P0})
 _WHILE_ACTIVE = frozenset({Qualifier.NONE, Qualifier.N})
 _NATIVE_KINDS = frozenset({None, ActionKind.CONTINUOUS})
@@ -123,7 +125,7 @@ class RowPlanner:
         rows = _assignments(body)
         if rows.outcome is not Outcome.NOT_EXECUTED or self._pou is None:
             return rows
-        function = self._functions.function(self._pou, label.removeprefix("#").strip('"'), body)
+        function = self._functions.function(self._pou, _OTHER.sub("_", label.removeprefix("#").strip('"')), body)
         if isinstance(function, str):
             return PlannedRows(why=f"{rows.why}, and no function holds them: {function}")
         row = ActionAssociation(id=0, qualifier=Qualifier.CALL, body=StBody(text=call_of(function)))
@@ -161,7 +163,7 @@ class RowPlanner:
         return self._action_named(action.target)
 
     def _action_named(self, name: str) -> Body | PlannedRows | None:
-        """Body of an action of the POU; for an action of an instance, planned rows with the reason why not."""
+        """Body of an action of the POU, or the call of the action of an instance; None for anything else."""
         parsed = parse_expression(name, Dialect.SCL)
         path = _path(parsed.tree) if parsed.tree is not None and not parsed.problems else None
         if path is None or self._pou is None:
@@ -176,7 +178,7 @@ class RowPlanner:
         block = self._instance(path)
         if block is None:
             return None
-        return PlannedRows(why=f"S7 calls blocks, not their actions: {path[-1]} of {block} is not called")
+        return StBody(text=f"{name}();")  # its statements take the place of the call
 
     def _instance(self, path: list[str]) -> str | None:
         """Return the instance whose action the last name of `path` is; None where it is no action of an instance."""

@@ -9,7 +9,7 @@ the member itself, where it is an array too (seen in exports of V16: ``Path="62,
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from typing import Any
 
 from lxml import etree
@@ -370,11 +370,13 @@ def write_interface(
     graph: bool = False,
     static: bool = True,
     added: Sequence[Variable] = (),
+    kept_inside: Set[str] = frozenset(),
 ) -> etree._Element:
     """Write ``Interface``. `renamed` are new names of members that the chart of the block names.
 
     `graph`: the block has a chart, and needs the system parts of every sequencer. `static`: it has static variables,
-    which functions have not. `added` are static variables that only TIA Portal wants.
+    which functions have not. `added` are static variables that only TIA Portal wants, `kept_inside` the names of
+    inputs, in lower case, that are static variables there.
     """
     element = sub(parent, "Interface")
     for key, value in (interface.extension_data.attributes if interface.extension_data is not None else {}).items():
@@ -384,8 +386,8 @@ def write_interface(
         add_element(ctx, sections, content)
     left: dict[str, Any] = {}
     given = interface.sections
-    if ctx.tags or (not ctx.keeps_sections and not are_usual_sections(given, static=static)):
-        given, left[LAYOUT] = merged_sections(given, static=static, apart=ctx.tags)
+    if ctx.tags or kept_inside or (not ctx.keeps_sections and not are_usual_sections(given, static=static)):
+        given, left[LAYOUT] = merged_sections(given, static=static, apart=ctx.tags, kept_inside=kept_inside)
         for name, tag in ctx.tags.items():
             ctx.note(Outcome.TRANSLATED, "address", name, f"a tag, {tag.name} at {tag.address}")
     for section in given:

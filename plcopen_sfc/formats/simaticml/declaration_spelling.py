@@ -162,11 +162,16 @@ def are_usual_sections(sections: list[VariableSection], *, static: bool = True) 
 
 
 def merged_sections(
-    sections: list[VariableSection], *, static: bool = True, apart: Container[str] = ()
+    sections: list[VariableSection],
+    *,
+    static: bool = True,
+    apart: Container[str] = (),
+    kept_inside: Container[str] = (),
 ) -> tuple[list[VariableSection], list[Fields]]:
     """Return the sections that TIA Portal has for these, and the content of the comment about them.
 
     `apart` are names, in lower case, of variables that are no members of the block: the comment has them.
+    `kept_inside` are those of inputs that are static variables there.
     """
     found: dict[str, VariableSection] = {}
     layout: list[Fields] = []
@@ -177,13 +182,16 @@ def merged_sections(
             continue
         kept = section.model_dump(mode="json", exclude_none=True, exclude={"variables"})
         members = [variable for variable in section.variables if variable.name.casefold() not in apart]
+        inside = [each for each in members if section.kind is SectionKind.INPUT and each.name.casefold() in kept_inside]
         names = [
             variable.model_dump(mode="json", exclude_none=True) if variable.name.casefold() in apart else variable.name
             for variable in section.variables
         ]
-        layout.append({"section": kept, "names": names})
-        one = found.setdefault(name, VariableSection(kind=SECTIONS[name]))
-        one.variables = [*one.variables, *(_retained(variable, section) for variable in members)]
+        layout.append({"section": kept, "names": names} | ({"static": [v.name for v in inside]} if inside else {}))
+        for part, variables in ((name, [each for each in members if each not in inside]), ("Static", inside)):
+            if variables or part == name:
+                one = found.setdefault(part, VariableSection(kind=SECTIONS[part]))
+                one.variables = [*one.variables, *(_retained(variable, section) for variable in variables)]
     return [found[name] for name in _ORDER if name in found], layout
 
 
@@ -205,7 +213,7 @@ def restored_sections(sections: list[Any], layout: list[Fields]) -> list[Any]:
             for name in entry["names"]:
                 if not isinstance(name, str):
                     taken.append(name)
-                elif name in pool and pool[name][1] in kinds:
+                elif name in pool and (pool[name][1] in kinds or _is_inside(name, pool[name][1], entry)):
                     taken.append(pool.pop(name)[0])
             kept = section.get("retain") or section.get("persistent")
             section["variables"] = [_as_before(variable) for variable in taken] if kept else taken
@@ -217,6 +225,11 @@ def restored_sections(sections: list[Any], layout: list[Fields]) -> list[Any]:
         else:
             fitting["variables"].append(variable)
     return found
+
+
+def _is_inside(name: str, kind: SectionKind, entry: Fields) -> bool:
+    """True if an input that was written as a static variable still is one."""
+    return kind is SectionKind.LOCAL and name in entry.get("static", ())
 
 
 def _kinds(kept: Fields) -> set[SectionKind]:

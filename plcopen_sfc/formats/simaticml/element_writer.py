@@ -82,7 +82,12 @@ class DocumentWriting:
 
     @cached_property
     def called_actions(self) -> frozenset[int]:
-        """Ids of the actions that a step has or a program calls, where no statements are in place of the call."""
+        """Ids of the actions that a step has or a program calls."""
+        return called_actions(self.project)
+
+    @cached_property
+    def lost_actions(self) -> frozenset[int]:
+        """Ids of the actions that a program calls where nothing is in place of the call."""
         return called_actions(self.project, self.action_calls.is_replaced)
 
     @cached_property

@@ -7,6 +7,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.action_controls import action_controls, are_rows_alone
+from plcopen_sfc.formats.simaticml.action_functions import ActionFunctions
 from plcopen_sfc.formats.simaticml.action_rows import functions_of
 from plcopen_sfc.formats.simaticml.added_elements import bodies_with_result, is_added, mark_added, name_result
 from plcopen_sfc.formats.simaticml.block_interfaces import (
@@ -52,11 +53,11 @@ from plcopen_sfc.languages.s7_globals import UNCALLED, local_tags
 from plcopen_sfc.languages.s7_programs import report_program
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
+from plcopen_sfc.model.pou import Action, DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Tag, TagTable
 from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, SimpleValue, StructType, Variable
-from plcopen_sfc.model.variables import Interface
+from plcopen_sfc.model.variables import Interface, SectionKind
 from plcopen_sfc.report import CHART_OF_ACTION, Outcome
 
 POUS = {
@@ -165,7 +166,14 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
         static = pou.kind is not PouKind.FUNCTION or ctx.keeps_sections
         renamed = _renamed(ctx, pou)
         is_chart = chart is not None
-        write_interface(ctx, writer.values, pou.interface, renamed, graph=is_chart, static=static, added=added)
+        inside = functions.kept_inside(pou) if not ctx.keeps_sections else frozenset[str]()
+        for name in (v.name for v in pou.variables(SectionKind.INPUT) if v.name.casefold() in inside):
+            ctx.note(
+                Outcome.TRANSLATED, "section", name, "a static variable, as no input is an instance and none passes it"
+            )
+        write_interface(
+            ctx, writer.values, pou.interface, renamed, graph=is_chart, static=static, added=added, kept_inside=inside
+        )
     elif chart is not None:
         mark_added(write_interface(ctx, writer.values, Interface(), graph=True, added=added))
     kept = pou.extension_data.attributes.get("ProgrammingLanguage") if pou.extension_data is not None else None
@@ -181,12 +189,8 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
         del ctx.place[-2:]
         return
     for action in pou.actions:
-        is_told = action.name.casefold() in ctx.actions_reported or id(action) in functions.told
-        if action.body is not None and not is_told:
-            is_called = id(action) in ctx.called_actions
-            why = "blocks of TIA Portal have no actions: what calls it does not execute it" if is_called else UNCALLED
-            outcome = Outcome.NOT_EXECUTED if is_called else Outcome.EXTENSION_DATA
-            ctx.note(outcome, "POU action", f"action {action.name}", why)
+        if action.body is not None:
+            _note_action(ctx, functions, action)
     for method in pou.methods:
         why = "blocks of TIA Portal have no methods: what calls it does not execute it"
         ctx.note(Outcome.NOT_EXECUTED, "method", f"method {method.name}", why)
@@ -194,6 +198,20 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
         _without_graph(writer.values)
     ctx.place.pop()
+
+
+def _note_action(ctx: DocumentWriting, functions: ActionFunctions, action: Action) -> None:
+    """Report what becomes of an action of the block that is written, where no step has told it."""
+    outcome, why = Outcome.EXTENSION_DATA, UNCALLED
+    if id(action) in ctx.lost_actions:
+        outcome, why = Outcome.NOT_EXECUTED, "blocks of TIA Portal have no actions: what calls it does not execute it"
+    elif action.name.casefold() in ctx.actions_reported or id(action) in functions.told:
+        return
+    elif id(action) in functions.calls.reached:
+        outcome, why = Outcome.TRANSLATED, "its statements are in place of the calls of it"
+    elif id(action) in ctx.called_actions:
+        outcome, why = Outcome.NOT_EXECUTED, "what calls it is not executed"
+    ctx.note(outcome, "POU action", f"action {action.name}", why)
 
 
 def _may_have_controls(ctx: DocumentWriting) -> bool:

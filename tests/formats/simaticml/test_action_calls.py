@@ -342,3 +342,52 @@ def test_inlined_statements_are_readable_and_whole() -> None:
         "    #drive.run := FALSE;",
         "END_IF;",
     ]
+
+
+# -- inputs that are none in S7
+
+
+def test_inputs_that_nobody_passes_are_static_variables() -> None:
+    """An instance, or a variable that the block writes itself: no input of S7 is that, and no parameter gets it."""
+
+    def build(rig: Rig) -> None:
+        rig.project.pous.append(motor())
+        inner = inner_chart("b", "One", "Two")
+        inner.step("Two").actions.append(m.ActionAssociation(id=inner.new_id(), target="Go"))
+        sections = [
+            m.VariableSection(
+                kind=m.SectionKind.INPUT, variables=[variable("drive", "Motor"), variable("done"), variable("b")]
+            ),
+        ]
+        axis = m.Pou(
+            name="Axis",
+            kind=m.PouKind.FUNCTION_BLOCK,
+            interface=m.Interface(sections=sections),
+            bodies=[m.StBody(text=";")],
+            actions=[
+                m.Action(name="Move", body=m.SfcBody(chart=inner)),
+                m.Action(name="Go", body=m.StBody(text="drive.Start();\ndone := NOT done;")),
+            ],
+        )
+        rig.project.pous.append(axis)
+        rig.declare(m.SectionKind.LOCAL, variable("axis", "Axis"))
+        rig.action("Run_axis", m.StBody(text="axis.Move(b := g);\nr := axis.done;"))
+        rig.act("Work", "Run_axis")
+
+    data, report = sfc.convert(project_of(build), "simaticml")
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    tool = sfc.loads(data, as_tool=True).pou("Axis")
+    assert [variable.name for variable in tool.variables(m.SectionKind.INPUT)] == ["b"]
+    assert [variable.name for variable in tool.variables(m.SectionKind.LOCAL)] == ["drive", "done", "Move_chart"]
+    back = sfc.loads(data).pou("Axis")
+    assert [variable.name for variable in back.variables(m.SectionKind.INPUT)] == ["drive", "done", "b"]
+    assert not back.variables(m.SectionKind.LOCAL)
+
+
+def test_inputs_of_blocks_without_an_instance_stay_inputs() -> None:
+    def build(rig: Rig) -> None:
+        rig.action("Count", m.StBody(text="g := NOT g;\nIF g THEN n := 1; END_IF;"))
+        rig.act("Work", "Count")
+
+    report = sfc.convert(project_of(build), "simaticml", partial=True).report
+    assert any("it writes the input g" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))

@@ -225,7 +225,7 @@ def test_instruction_list_of_one_assignment_is_a_row_and_its_final_scan() -> Non
     assert not report.with_outcome(Outcome.NOT_EXECUTED)
 
 
-def test_actions_of_instances_are_not_called() -> None:
+def test_actions_of_instances_are_their_statements() -> None:
     project = project_with(action("N", "motor.Stop"), action("N", "motor.on", id=91))
     motor = m.Pou(name="Motor", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.StBody(text=";")])
     motor.interface = m.Interface(sections=[variables(m.SectionKind.INPUT, "on")])
@@ -235,8 +235,9 @@ def test_actions_of_instances_are_not_called() -> None:
     assert project.pous[0].interface is not None
     project.pous[0].interface.sections[2].variables.append(instance)
     data, report = converted(project)
-    assert rows(data) == [("N", "", "#motor.on", None)]
-    assert "S7 calls blocks, not their actions" in lost(report, "action")[0]
+    stop = [("N", "", "#motor.on", "FALSE"), ("N", "S0", "#motor.on", "FALSE")]
+    assert rows(data) == [*stop, ("N", "", "#motor.on", None)]
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
 
 
 def test_actions_and_methods_that_no_step_has_are_told() -> None:
