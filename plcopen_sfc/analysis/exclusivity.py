@@ -96,10 +96,10 @@ def truth(condition: AnyCondition, *, dialect: Dialect = Dialect.IEC, knowledge:
         return Truth.UNKNOWN
     formula = Formula(dialect, knowledge)
     terms = formula.terms([read])
-    can_be_true, _, _ = formula.check(terms)
+    can_be_true = formula.can_be_true(terms)
     if can_be_true is False:
         return Truth.NEVER
-    can_be_false, _, _ = formula.check([negation(terms[0])])
+    can_be_false = formula.can_be_true([negation(terms[0])])
     if can_be_false is False:
         return Truth.ALWAYS
     return Truth.VARIES if can_be_true and can_be_false else Truth.UNKNOWN
@@ -118,8 +118,7 @@ def covered(
         return Answer.UNKNOWN
     formula = Formula(dialect, knowledge)
     first, *rest = formula.terms([r for r in read if isinstance(r, JudgedCondition)])
-    possible, _, _ = formula.check([first, negation(disjunction(rest))])
-    return _not(possible)
+    return _not(formula.can_be_true([first, negation(disjunction(rest))]))
 
 
 def overlapping(
@@ -138,7 +137,7 @@ def overlapping(
     def between(left: Sequence[int], right: Sequence[int]) -> Iterator[tuple[int, int]]:
         if terms.keys() >= {*left, *right}:
             either = [disjunction([terms[place] for place in side]) for side in (left, right)]
-            if formula.check(either)[0] is False:
+            if formula.can_be_true(either) is False:
                 return
         if len(left) == len(right) == 1:
             yield left[0], right[0]

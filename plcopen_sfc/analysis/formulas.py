@@ -224,6 +224,7 @@ class Formula:
     _boolean: set[str] = field(default_factory=set)
     _own: frozenset[str] = frozenset()
     _side: int = 0
+    _common: Any = None
 
     def terms(self, readings: list[JudgedCondition]) -> list[Any]:
         """The z3 terms of conditions."""
@@ -239,23 +240,46 @@ class Formula:
 
     def check(self, terms: list[Any]) -> tuple[bool | None, dict[str, str], str]:
         """Return whether all terms can be true together, in which situation, and why that is unknown (None)."""
+        solver = self._asker()
+        possible, reason = self._judged(solver, terms)
+        return possible, self._situation(solver.model()) if possible else {}, reason
+
+    def can_be_true(self, terms: list[Any]) -> bool | None:
+        """Return whether all terms can be true together, as `check` does, in a third of the time.
+
+        One solver gets all questions about the terms that were made before the first. Which situation it finds would
+        depend on the order of the questions.
+        """
+        if self._common is None:
+            self._common = self._asker()
+        self._common.push()
+        try:
+            return self._judged(self._common, terms)[0]
+        finally:
+            self._common.pop()
+
+    def _asker(self) -> Any:
         z3, context = z3_context()
         solver = z3.SimpleSolver(ctx=context)
         solver.set("rlimit", _EFFORT)
-        solver.add(*terms, *self._bounds)
+        solver.add(*self._bounds)
+        return solver
+
+    def _judged(self, solver: Any, terms: list[Any]) -> tuple[bool | None, str]:
+        z3, _ = z3_context()
+        solver.add(*terms)
         found = solver.check()
         if found == z3.unsat:
-            return False, {}, ""
+            return False, ""
         if found != z3.sat:
-            return None, {}, f"it takes too long to decide ({solver.reason_unknown()})"
+            return None, f"it takes too long to decide ({solver.reason_unknown()})"
         if self.doubts:
-            return None, {}, self.doubts[0]
+            return None, self.doubts[0]
         guessed = [a for a in self._atoms.values() if a.kind in _NUMBERS and not a.typed]
         solver.add(*(z3.IsInt(a.term) for a in guessed if a.term.is_real()))
-        if solver.check() != z3.sat:
-            names = ", ".join(a.text for a in guessed)
-            return None, {}, f"it depends on whether {names} can be a fraction"
-        return True, self._situation(solver.model()), ""
+        if guessed and solver.check() != z3.sat:
+            return None, f"it depends on whether {', '.join(a.text for a in guessed)} can be a fraction"
+        return True, ""
 
     def names(self) -> list[str]:
         """The variables in the terms that were made."""

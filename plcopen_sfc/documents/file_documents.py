@@ -577,11 +577,14 @@ def _merged(
     data = patch_xml(content, tree(before, None, known), after)
     _pass_known_losses(report, known)
     try:
-        back = canonical(tree(codec.read(data).project, None, ConversionReport()))
+        back = codec.read(data).project
+        if not is_other and back == project:
+            return data
+        # equal to the tool, if not in the order of its drawing; comments carry ids in TC6 1.01, which may be others now
+        is_same = canonical(tree(back, None, ConversionReport())) == canonical(after)
     except FormatError:  # references by position that lead elsewhere now
         return None
-    # comments carry ids in TC6 1.01, which may be others now
-    return data if back == canonical(after) else None
+    return data if is_same else None
 
 
 def _pass_known_losses(report: ConversionReport, known: ConversionReport) -> None:

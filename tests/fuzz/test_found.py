@@ -173,3 +173,11 @@ def test_a_workbook_whose_formats_cannot_be_written_again_keeps_its_sheets() -> 
     written = sfc.convert(project)
     assert [(item.outcome, item.what) for item in written.report.losses] == [(sfc.Outcome.APPROXIMATED, "file")]
     assert next(sfc.loads(written.data).charts()).chart.steps[0].comment == "edited"
+
+
+def test_settings_without_flags_are_written_to_an_export() -> None:
+    project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    for chart in project.charts():
+        chart.chart.settings = m.SfcSettings(use_defaults=False)
+    back = sfc.loads(sfc.dumps(project, format="codesys-export", partial=True))
+    assert {chart.chart.settings.use_defaults for chart in back.charts() if chart.chart.settings} == {False}

@@ -5,7 +5,7 @@ Some of these charts do not come to rest.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import reduce
 from operator import or_
 
@@ -17,6 +17,7 @@ from plcopen_sfc.analysis.soundness import soundness
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st.effects import reads
+from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
 
@@ -52,6 +53,16 @@ def _endless(chart: CheckedChart) -> Iterator[Finding]:
 
 def _run_through(chart: CheckedChart) -> Iterator[Finding]:
     net = chart.net
+    known: dict[tuple[Expression | None, ...], bool] = {}  # the conditions of one station are those of the next
+
+    def implies(condition: NetworkExpression, others: Sequence[NetworkExpression]) -> bool:
+        if any(each.helpers or each.problems for each in (condition, *others)):
+            return _implies(condition, others, chart)
+        key = (condition.tree if not condition.before else None, *(other.tree for other in others))
+        if key not in known:
+            known[key] = _implies(condition, others, chart)
+        return known[key]
+
     for step in net.steps:
         entering = [net.transitions[i] for i in net.entering[step.index]]
         leaving = [net.transitions[i] for i in net.leaving[step.index] if len(net.transitions[i].sources) == 1]
@@ -60,7 +71,7 @@ def _run_through(chart: CheckedChart) -> Iterator[Finding]:
         if not entering or not plain or any(chart.truth(chart.sheet_of(t), t.transition) in _SAID for t in leaving):
             continue
         before = [chart.condition(chart.sheet_of(t), t.transition) for t in entering]
-        if all(_implies(condition, plain, chart) for condition in before):
+        if all(implies(condition, plain) for condition in before):
             message = "whenever the step is entered, a transition that leaves it is true already"
             yield Finding(chart.place_of(step), message)
 
@@ -69,7 +80,7 @@ _SAID = frozenset({Truth.ALWAYS})
 """Of conditions that are always true another rule speaks."""
 
 
-def _implies(condition: NetworkExpression, others: list[NetworkExpression], chart: CheckedChart) -> bool:
+def _implies(condition: NetworkExpression, others: Sequence[NetworkExpression], chart: CheckedChart) -> bool:
     """Return True if one of the others is true with it. What is called before conditions may change between them."""
     if condition.before or condition.tree is None:
         return False

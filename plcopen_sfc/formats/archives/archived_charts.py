@@ -600,7 +600,7 @@ def write_settings(settings: SfcSettings) -> etree._Element:
         flags[flag] = new_object("SFCPropertyFlagData")
         add_value(flags[flag], "Use", str(use.use).lower())
         add_value(flags[flag], "Declare", str(use.declare).lower())
-    add_dictionary(written, "Flags", "Flags", flags)
+    add_dictionary(written, "Flags", ("Flags", "SFCPropertyFlagData"), flags)
     for name, title in SWITCHES.items():
         value = getattr(settings, name)
         add_value(written, title, str(bool(value)).lower())

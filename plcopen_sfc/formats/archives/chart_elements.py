@@ -227,10 +227,17 @@ def written_attribute(attribute: Attribute, value: object, *, number: int, paren
 
 def add_descriptions(chart: etree._Element) -> None:
     """Append what the editor says about its attributes."""
-    add_dictionary(chart, "Categories", "Guid", {each.guid: _described(each) for each in _CATEGORIES})
+    add_dictionary(
+        chart, "Categories", ("Guid", "SFCAttributeCategory"), {each.guid: _described(each) for each in _CATEGORIES}
+    )
     known = {guid: _described_attribute(ATTRIBUTES[guid]) for guid in sorted(ATTRIBUTES)}
-    add_dictionary(chart, "Attributes", "Guid", known)
-    add_dictionary(chart, "EnumTemplates", "Guid", {each.guid: _described_choices(each) for each in _CHOICES})
+    add_dictionary(chart, "Attributes", ("Guid", "SFCAttributeDescription"), known)
+    add_dictionary(
+        chart,
+        "EnumTemplates",
+        ("Guid", "EnumValueTemplate"),
+        {each.guid: _described_choices(each) for each in _CHOICES},
+    )
 
 
 def _described(category: Category) -> etree._Element:

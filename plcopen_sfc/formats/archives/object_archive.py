@@ -160,9 +160,11 @@ def _fill(holder: etree._Element, found: Iterable[etree._Element]) -> None:
             del each.attrib["t"]
 
 
-def add_dictionary(thing: etree._Element, name: str, key_type: str, found: Mapping[str, etree._Element]) -> None:
-    """Append a dictionary of objects that are all of one type."""
-    kind = next(iter(found.values())).get("t", "")
+def add_dictionary(
+    thing: etree._Element, name: str, types: tuple[str, str], found: Mapping[str, etree._Element]
+) -> None:
+    """Append a dictionary of objects that are all of one type. `types` are those of its keys and of these objects."""
+    key_type, kind = types
     holder = etree.SubElement(thing, "d2", n=name, ckt=key_type, cvt=kind)
     for key, value in found.items():
         etree.SubElement(holder, "v").text = key

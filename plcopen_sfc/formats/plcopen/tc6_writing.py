@@ -11,6 +11,7 @@ import json
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 from lxml import etree
@@ -203,28 +204,27 @@ def finish_element(
     `also` are more extension data: parts of fields.
     """
     also = {**ctx.marks.get(id(thing), {}), **(also or {})}
-    extension_data: ExtensionData | None = getattr(thing, "extension_data", None)
+    # a dialect that writes the comment as data of its own does not write it as documentation too
+    own = ctx.dialect.native_fields.get(owner, _NONE)
+    documents = documents and "comment" not in own
+    left = fields_left(thing, _written(native, own, ctx.takes_markup, ctx.version.first_generation, documents))
+    left |= also
+    fields = thing.__dict__  # asking for an attribute that a class does not have takes long
+    extension_data: ExtensionData | None = fields.get("extension_data")
     if ctx.takes_markup:
         add_unknown(ctx, element, extension_data)
-        native = native | {"extension_data"}
+    written: list[Written] = []
     if not ctx.version.first_generation:
-        global_id: str | None = getattr(thing, "global_id", None)
+        global_id: str | None = fields.get("global_id")
         if global_id is not None:
             element.set("globalId", global_id)
-        native = native | {"global_id"}
-        written = list(ctx.dialect.data_writer(ctx, thing, owner)) if ctx.dialect.data_writer else []
-    else:
-        written = []
-    # a dialect that writes the comment as data of its own does not write it as documentation too
-    own = ctx.dialect.native_fields.get(owner, frozenset())
-    documents = documents and "comment" not in own
-    if documents:
-        native = native | {"comment"}
-    native = native | own
-    left = fields_left(thing, native) | also
+        if ctx.dialect.data_writer is not None:
+            written = list(ctx.dialect.data_writer(ctx, thing, owner))
+    comment: Text | None = fields.get("comment")
+    if not (left or written or extension_data) and comment is None:
+        return
     if owner in _WITHOUT_DATA:
         left |= data_left(ctx, extension_data)
-    comment: Text | None = getattr(thing, "comment", None)
     if isinstance(comment, MultilingualText):  # documentation is in one language, a comment of CODESYS too
         left["comment"] = comment.model_dump(mode="json")
     if not ctx.version.first_generation and owner not in _WITHOUT_DATA:
@@ -232,7 +232,7 @@ def finish_element(
     elif left:
         # An XML comment must not contain "--"; JSON can write the second hyphen as an escape.
         element.append(etree.Comment(COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")))
-    own_name = str(getattr(thing, "name", None) or "")
+    own_name = str(fields.get("name") or "")
     subject = "" if ctx.place and ctx.place[-1].endswith(own_name) else own_name
     for name in (name for name in left if name not in also):
         why = _WHY.get(name, f"TC6 {ctx.version.name} has no place for it")
@@ -243,6 +243,18 @@ def finish_element(
             ctx.note(Outcome.EXTENSION_DATA, _label(name), subject, why)
     if documents:
         write_text(ctx, element, "documentation", comment)
+
+
+_NONE: frozenset[str] = frozenset()
+
+
+@cache
+def _written(
+    native: frozenset[str], own: frozenset[str], takes_markup: bool, first_generation: bool, documents: bool
+) -> frozenset[str]:
+    """Return the fields of an object that the file has elsewhere than in the data of this package."""
+    besides = {"extension_data": takes_markup, "global_id": not first_generation, "comment": documents}
+    return native | own | {name for name, is_written in besides.items() if is_written}
 
 
 _WITHOUT_DATA = frozenset({"parameter"})
