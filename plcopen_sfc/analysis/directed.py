@@ -418,6 +418,7 @@ class DirectedSearch:
             held = self._goals.solve([], enabled)
             add(held, self._quiet)  # where an action adds up an input, nothing but clocks goes on only while that is 0
             add(held)
+            self._hold(held, add)
         for goals in (self._goals, self._others):
             for goal in goals.branches:
                 if goal in self._frontier:
@@ -440,6 +441,14 @@ class DirectedSearch:
             self._scan({**state.row, **values})
         for row in hoped[:_HOPES]:
             self._hope(number, row)
+
+    def _hold(self, held: Row | None, add: Callable[[Row | None], bool]) -> None:
+        """Add inputs that hold the situation, and with which branches are executed that wait for a time in it."""
+        for goals in (self._goals, self._others) if held is not None else ():
+            waiting = [goal for goal in goals.branches if goal.waits and goal in self._frontier]
+            for goal in sorted(waiting, key=lambda goal: goal.distance())[:_HOPES]:
+                values = goals.solve([goal], [], hoping=True)
+                add({**(held or {}), **values} if values else None)
 
     def _hope(self, number: int, row: Row) -> None:
         """Change single inputs with a condition TRUE as far as inputs decide it: a called block may decide the rest.

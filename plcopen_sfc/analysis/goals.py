@@ -58,7 +58,8 @@ class Goal:
     `distance` tells how far the values of variables that are no inputs are from it; 0 where inputs alone decide.
     `part`: a part of a condition that decides it then; `action`: the bit of an action that it executes; `tries`: how
     often inputs that were to do it have not done it; `has_inputs`: it may be solved, as far as that was looked at.
-    `places`: numbers of charts, and bits of steps in one of which it is looked at, as far as that is known.
+    `places`: numbers of charts, and bits of steps in one of which it is looked at, as far as that is known. `waits`: it
+    asks for an elapsed time.
     """
 
     name: str
@@ -72,6 +73,7 @@ class Goal:
     has_inputs: bool = True
     tries: int = 0
     places: Sequence[tuple[int, int]] = ()
+    waits: bool = False
     own: frozenset[str] = frozenset()
     distance: Distance = lambda: 0.0
     _formula: _Solving | None = field(default=None, repr=False)
@@ -148,6 +150,7 @@ class Goals:
             tree = normal_form(joined(Operator.AND, branch.guards))
             goal = Goal(branch.condition, tree, branch=number)
             goal.distance = self._distance(tree, wanted=True)
+            goal.waits = any(map(self._is_elapsed, walk(tree)))
             goal.places = self._steps_asked(tree) or self._executing.get(branch.owner.casefold(), ())
             goals.append(goal)
 
@@ -375,7 +378,7 @@ class Goals:
 
         return distance
 
-    def _is_elapsed(self, tree: Expression) -> bool:
+    def _is_elapsed(self, tree: n.Node) -> bool:
         """True if it is the elapsed time of a step or of a timer."""
         return isinstance(tree, n.Member) and tree.name.identifier.upper() in _ELAPSED
 
