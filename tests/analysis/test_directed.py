@@ -321,3 +321,13 @@ def test_branches_of_methods_and_values_of_unknown_types_are_run(call: str) -> N
     one, other = (sfc.loads(UNKNOWN.format(call=call).encode(), format="iec-text").pou("Fill") for _ in range(2))
     verdict = equivalent(one, other, runs=2, scans=200)
     assert (verdict.equal, verdict.different) == (True, False), str(verdict)
+
+
+@pytest.mark.slow
+def test_a_situation_is_held_for_branches_that_wait_for_a_time_in_it() -> None:
+    """A step exceeds its maximum time only while it is held, the limits are enabled and no error is shown yet."""
+    project = sfc.load("fixtures/codesys/distribution_belt.xml")
+    proof = sfc.lower(project, "case", pou="Ablauf_Band").proof
+    assert proof is not None
+    assert proof.equal, str(proof)
+    assert proof.coverage[1].counts["assignment"] == (100, 100)
