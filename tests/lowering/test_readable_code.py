@@ -10,7 +10,7 @@ from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.documents.lowered import lower_to_file
 from plcopen_sfc.languages.st import parse_statements, print_node
 from plcopen_sfc.languages.st.nodes import Name, Statement
-from plcopen_sfc.lowering.code.boolean_logic import with_distinct
+from plcopen_sfc.lowering.code.boolean_logic import one_of_values, with_distinct
 
 RING = """PROGRAM Main
 VAR_INPUT a : BOOL; b : BOOL; END_VAR
@@ -38,7 +38,7 @@ def lowered(construction: str = "case", profile: str = "iec", **parts: str) -> s
 def without(text: str) -> str:
     """The statement without comparisons of s with A, B and C that others decide."""
     (statement,) = parse_statements(text, m.Dialect.IEC).tree.statements
-    found: Statement = with_distinct(statement, {Name(each) for each in "ABC"})
+    found: Statement = with_distinct(statement, one_of_values({Name(each) for each in "ABC"}))
     return print_node(found, m.Dialect.IEC)
 
 
@@ -145,3 +145,18 @@ def test_steps_are_regions_in_tia_portal(tmp_path: Path) -> None:
         "REGION Step 3",
     ]
     assert "region" not in written(tmp_path, "codesys").lower()
+
+
+def test_flags_of_steps_of_which_one_is_active_exclude_each_other() -> None:
+    chart = """FUNCTION_BLOCK F VAR_INPUT go, back : BOOL; END_VAR VAR_OUTPUT q, r : BOOL; END_VAR
+    INITIAL_STEP A: q(R); END_STEP
+    STEP B: q(N); r(N); END_STEP
+    STEP C: r(R); END_STEP
+    TRANSITION FROM A TO %s := go; END_TRANSITION
+    TRANSITION FROM %s TO A := back; END_TRANSITION
+    END_FUNCTION_BLOCK"""
+    for targets, expected in (("B", "q := X_B;"), ("(B, C)", "r := X_B AND NOT X_C;")):
+        made = sfc.lower(sfc.loads((chart % (targets, targets)).encode(), format="iec-text"), "bits", profile="iec")
+        assert made.proof is not None
+        assert made.proof.proven, str(made.proof)
+        assert expected in made.pou.body.text  # type: ignore[union-attr]

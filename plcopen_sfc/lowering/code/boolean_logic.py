@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Hashable, Iterable
+from typing import TypeAlias
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
@@ -62,35 +63,50 @@ def simplified(tree: Expression) -> Expression:
     return transform(tree, simpler)
 
 
-def with_distinct(tree: Statement, values: Collection[Expression]) -> Statement:
-    """Return a statement without comparisons that others decide: something equals no more than one of `values`.
+Alternative: TypeAlias = "Callable[[Expression], tuple[Hashable, Hashable] | None]"
+"""For an expression what it is one of several values of, only one of which there can be, and which; None for others."""
 
-    ``s = A AND s <> B`` is ``s = A``, ``s = A AND s = B`` is FALSE.
-    """
 
-    def compared(operand: Expression) -> tuple[Expression, Expression] | None:
-        match n.bare(operand):
+def one_of_values(values: Collection[Expression]) -> Alternative:
+    """Return comparisons with `values` as alternatives: something equals no more than one of them."""
+
+    def compared(operand: Expression) -> tuple[Hashable, Hashable] | None:
+        match operand:
             case n.Operation(Operator.EQUAL, (left, right)) if right in values:
                 return left, right
         return None
 
+    return compared
+
+
+def with_distinct(tree: Statement, alternative: Alternative) -> Statement:
+    """Return a statement without terms that others decide, as no two values of an alternative are there at once.
+
+    ``s = A AND s <> B`` is ``s = A``, ``s = A AND s = B`` is FALSE.
+    """
+
     def simpler(node: n.Node) -> n.Node:
         if not (isinstance(node, n.Operation) and node.operator is Operator.AND):
             return node
-        known = dict(filter(None, map(compared, node.operands)))
+        known = dict(filter(None, map(alternative, map(n.bare, node.operands))))
 
         def decided(operand: Expression) -> Expression:
             inner = n.bare(operand)
-            pair = compared(inner)
-            if pair is not None and known.get(pair[0], pair[1]) != pair[1]:
-                return FALSE
+            pair = alternative(inner)
+            if pair is not None:
+                return FALSE if known.get(pair[0], pair[1]) != pair[1] else operand
             match inner:
-                case n.Operation(Operator.UNEQUAL, (left, right)) if right in values and left in known:
-                    return FALSE if known[left] == right else TRUE
                 case n.Unary(Operator.NOT, negated):
-                    alternatives = n.bare(negated)
-                    if isinstance(alternatives, n.Operation) and alternatives.operator is Operator.OR:
-                        return negation(disjunction(map(decided, alternatives.operands)))
+                    choice = n.bare(negated)
+                    if isinstance(choice, n.Operation) and choice.operator is Operator.OR:
+                        return negation(disjunction(map(decided, choice.operands)))
+                case n.Operation(Operator.UNEQUAL, _):
+                    pass
+                case _:
+                    return operand
+            excluded = alternative(n.bare(negation(inner)))
+            if excluded is not None and excluded[0] in known:
+                return FALSE if known[excluded[0]] == excluded[1] else TRUE
             return operand
 
         return conjunction(map(decided, node.operands)) if known else node

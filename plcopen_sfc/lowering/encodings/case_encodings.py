@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
 
@@ -16,17 +16,18 @@ from plcopen_sfc.lowering.actions.action_execution import StepCode
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
+    Alternative,
     assignment,
     conjunction,
     disjunction,
     equal,
     is_constant,
     negation,
+    one_of_values,
     when,
-    with_distinct,
 )
 from plcopen_sfc.lowering.code.code_bodies import INDENT, comment_lines, indented
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import TextNetwork
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.encodings.case_states import (
     RegionState,
@@ -201,14 +202,9 @@ class RegionEncoding(ScanSchedule):
         chosen = n.Case(selected, tuple(branches))
         self.code.add(self.texts.selection, [when(selecting, *ended, chosen)])
 
-    def add_actions(self) -> None:
-        """Append the code of steps, then the actions, without comparisons of states that other ones decide."""
-        begin = len(self.code.networks)
-        super().add_actions()
-        for place, network in enumerate(self.code.networks[begin:], begin):
-            if isinstance(network, CodeNetwork):
-                statements = tuple(with_distinct(each, self.names.all) for each in network.statements)
-                self.code.networks[place] = replace(network, statements=statements)
+    def alternatives(self) -> Alternative:
+        """Return the states: a variable has one of them."""
+        return one_of_values(self.names.all)
 
     def into_branches(self, begin: int) -> None:
         """Move what active steps do into the branches of the CASE, where that is the same."""

@@ -16,6 +16,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
+    Alternative,
     assignment,
     conjunction,
     disjunction,
@@ -164,6 +165,17 @@ class StepFlagEncoding(ScanSchedule):
     def enabled(self, transition: NetTransition) -> Expression:
         """Return the condition that all steps before a transition are active."""
         return conjunction(self.flags[i] for i in transition.sources)
+
+    def alternatives(self) -> Alternative | None:
+        """Return the flags of each region: one step of it is active at a time.
+
+        In textbook code neighbours overlap, and flags elsewhere can be written from there.
+        """
+        regions = find_regions(self.net)
+        if self.code.is_textbook or self.code.flags is not None or not self.is_safe or not isinstance(regions, Regions):
+            return None
+        flags = {flag: (region, flag) for flag, region in zip(self.flags, regions.region_of, strict=True)}
+        return flags.get
 
     def select(self) -> None:
         """Append nothing: `change_situation` does it."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import NoReturn
 
 from plcopen_sfc.analysis.exclusivity import exclusive
@@ -28,9 +29,17 @@ from plcopen_sfc.lowering.actions.action_execution import (
     add_main_actions,
 )
 from plcopen_sfc.lowering.actions.drive_block import DriveBlock, DriveSignal, without_texts
-from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, conjunction, is_constant, when
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    Alternative,
+    conjunction,
+    is_constant,
+    when,
+    with_distinct,
+)
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
@@ -166,6 +175,10 @@ class ScanSchedule(ABC):
             found += self.memory.conditional(self.texts.with_suffix(name, "entered"), entered, statements)
         return found
 
+    def alternatives(self) -> Alternative | None:
+        """Return the expressions of the situation of which no two can be TRUE at once; None if none are known."""
+        return None
+
     def was_active(self, steps: Sequence[int]) -> Expression | None:  # noqa: ARG002
         """Return an expression that is TRUE if one of the steps was active in the last scan.
 
@@ -255,7 +268,18 @@ class ScanSchedule(ABC):
         self.code.add(self.texts.times, self.times.calls())
 
     def add_actions(self) -> None:
-        """Append the code of steps, then the actions."""
+        """Append the code of steps, then the actions, without terms that other ones decide."""
+        begin = len(self.code.networks)
+        self._add_actions()
+        alternatives = self.alternatives()
+        if alternatives is None:
+            return
+        for place, network in enumerate(self.code.networks[begin:], begin):
+            if isinstance(network, CodeNetwork):
+                statements = tuple(with_distinct(each, alternatives) for each in network.statements)
+                self.code.networks[place] = replace(network, statements=statements)
+
+    def _add_actions(self) -> None:
         self.sfc_flags.report_step(self)
         add_changes(self.source, self.code, self, self.texts)
         self.sfc_flags.watch(self.source.watches, self.active, self.times)
