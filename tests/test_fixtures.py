@@ -76,6 +76,7 @@ FOUND = (
     "broken/value_of_another_kind.json",
     "broken/view_without_entries.export",
     "broken/start_value_of_itself.st",
+    "broken/variables_of_an_action.st",
     "broken/wires_from_nothing.json",
 )
 SOUND = (*CODESYS, *TWINCAT, *PLCOPEN, *ENCODINGS)

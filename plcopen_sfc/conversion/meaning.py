@@ -7,15 +7,15 @@ forms are made only where the texts differ: most texts of a conversion do not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from plcopen_sfc.languages.declarations.declaration_writing import write_type
 from plcopen_sfc.languages.networks import NetworkExpression, NetworkText, body_statements, normal_form
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
 from plcopen_sfc.languages.st.literals import LiteralError, literal_value
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
@@ -35,7 +35,7 @@ class Meaning:
     """Something that is executed: as people read it (`show`), as it is written (`raw`), and in normal form.
 
     `condition` is the expression of a condition, which z3 can compare with another; `text` gives a program as text with
-    its lines.
+    its lines, `statements` those of networks, None where they are no program.
     """
 
     show: Callable[[], str]
@@ -43,6 +43,7 @@ class Meaning:
     form: Callable[[], Hashable]
     condition: Callable[[], NetworkExpression] | None = None
     text: Callable[[], str] | None = None
+    statements: Callable[[], Sequence[n.Statement] | None] | None = None
 
     @classmethod
     def of(cls, value: Hashable, shown: str | None = None) -> Meaning:
@@ -56,7 +57,32 @@ def same(left: Meaning | None, right: Meaning | None) -> bool:
         return left is right
     if left.raw == right.raw or left.form() == right.form():
         return True
-    return is_stronger(left, right) and is_stronger(right, left)
+    return (is_stronger(left, right) and is_stronger(right, left)) or _same_networks(left, right)
+
+
+def _same_networks(left: Meaning, right: Meaning) -> bool:
+    """True if the statements of networks are the same, or assign what is equal by z3.
+
+    A ladder says ``X AND (A OR B)`` as TIA Portal draws it: ``X AND A OR X AND B``.
+    """
+    if left.statements is None or right.statements is None:
+        return False
+    mine, theirs = left.statements(), right.statements()
+    if mine is None or theirs is None or len(mine) != len(theirs):
+        return False
+    pairs = zip(mine, theirs, strict=True)
+    return all(print_node(one) == print_node(other) or _assign_equal(one, other) for one, other in pairs)
+
+
+def _assign_equal(one: n.Statement, other: n.Statement) -> bool:
+    if not isinstance(one, n.Assignment) or not isinstance(other, n.Assignment) or one.kind is not other.kind:
+        return False
+    calls = any(isinstance(node, n.Call) for each in (one, other) for node in walk(each))
+    if calls or print_node(one.target) != print_node(other.target):
+        return False
+    from plcopen_sfc.analysis.exclusivity import covered  # noqa: PLC0415  # z3 takes long to import
+
+    return bool(covered(one.value, [other.value])) and bool(covered(other.value, [one.value]))
 
 
 def is_stronger(one: Meaning | None, other: Meaning | None) -> bool:
@@ -91,19 +117,24 @@ def _shown_condition(read: Callable[[], NetworkExpression]) -> str:
     return print_node(found.tree)
 
 
+N = TypeVar("N", bound=n.Node)
 Renaming = Callable[[n.Node], n.Node]
 """Change that puts the names in a text into a common form."""
 
 
 def program_form(tree: n.Node, named: Renaming) -> str:
     """Program text in normal form, with its names in the common form of `named`; case of names does not matter."""
+    return print_node(_common_form(tree, named))
+
+
+def _common_form(tree: N, named: Renaming) -> N:
 
     def common(node: n.Node) -> n.Node:
         node = named(node)
         is_name = isinstance(node, n.Name) and node.quoting is n.Quoting.NONE
         return n.Name(node.identifier.casefold()) if is_name and isinstance(node, n.Name) else node
 
-    return print_node(transform(normal_form(tree), common))
+    return transform(normal_form(tree), common)
 
 
 def code_meaning(body: Body | None, dialect: Dialect, named: Renaming) -> Meaning | None:
@@ -120,6 +151,7 @@ def code_meaning(body: Body | None, dialect: Dialect, named: Renaming) -> Meanin
             plain(body),
             lambda: _network_form(body, dialect, named),
             text=lambda: print_node(body_statements(body, dialect).tree),
+            statements=lambda: _network_statements(body, dialect, named),
         )
     text = body.content if body.language == "opaque" else body.text
     if not text.strip():
@@ -144,14 +176,27 @@ def _text_meaning(text: str, dialect: Dialect, named: Renaming) -> Meaning:
 
 def _network_form(body: FbdBody | LdBody, dialect: Dialect, named: Renaming) -> Hashable:
     found = body_statements(body, dialect)
-    # titles and attributes are elements that other tools do not know; no machine executes them
-    obstacles = [problem.message for problem in found.obstacles if "only its tool understands" not in problem.message]
-    if obstacles:
+    if _obstacles(found):
         return plain(body)
     named = _with_helpers(found, named)
     ends = tuple(program_form(value, named) for _, value in found.open_ends)
     whole = program_form(found.tree, named)
     return (whole, *ends) if ends else whole
+
+
+def _network_statements(body: FbdBody | LdBody, dialect: Dialect, named: Renaming) -> Sequence[n.Statement] | None:
+    found = body_statements(body, dialect)
+    if _obstacles(found) or found.open_ends:
+        return None
+    return _common_form(found.tree, _with_helpers(found, named)).statements
+
+
+def _obstacles(found: NetworkText) -> list[str]:
+    """What keeps a network from being executed.
+
+    Titles and attributes are elements that other tools do not know; no machine executes them.
+    """
+    return [problem.message for problem in found.obstacles if "only its tool understands" not in problem.message]
 
 
 def _with_helpers(found: NetworkText, named: Renaming) -> Renaming:

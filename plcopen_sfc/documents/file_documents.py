@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
@@ -47,7 +47,7 @@ from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import FIELD, LOSSES, ConversionReport, Outcome
+from plcopen_sfc.report import FIELD, LOSSES, ConversionReport, Item, Outcome
 
 if TYPE_CHECKING:
     from lxml import etree
@@ -445,21 +445,21 @@ def _report_edits(
 
     codec, rules = kind.codec(source.version), default_profile(project)
 
-    def notes(meant: Project, content: bytes) -> ConversionReport:
+    def notes(meant: Project, content: bytes, told: Sequence[Item]) -> ConversionReport:
         seen = codec.read(codec.as_tool_sees(content)).project
         both = [
             each.model_copy(update={"pous": [pou for pou in each.pous if pou.report_path not in same]})
             for each in (meant, seen)
         ]
         behaviour = executed(both[0], rules)
-        found = ConversionReport(report.source_format, report.target_format, list(report.items))
+        found = ConversionReport(report.source_format, report.target_format, list(told))
         report_execution(found, compare(behaviour, executed(both[1], rules, compared_with=behaviour)), kind.tool, {})
         return found
 
     before, after = contents
-    found = notes(project, after)
+    found = notes(project, after, report.items)
     if found.losses != report.losses:
-        _pass_known_losses(found, notes(codec.read(before).project, before))
+        _pass_known_losses(found, notes(codec.read(before).project, before, []))
         report.items = found.items
 
 
@@ -592,20 +592,16 @@ def _pass_known_losses(report: ConversionReport, known: ConversionReport) -> Non
 
     `known` is the report on the file as it was. Where names are others now, losses of one kind are counted.
     """
-    left = Counter(item for item in known.items if item.outcome in LOSSES)
-    new: list[int] = []
-    for place, item in enumerate(report.items):
-        if left[item] > 0:
-            left[item] -= 1
-            report.items[place] = replace(item, outcome=Outcome.EXTENSION_DATA)
-        elif item.outcome in LOSSES:
-            new.append(place)
-    kinds = Counter((item.outcome, item.what) for item in left.elements())
-    for place in new:
-        item = report.items[place]
-        if kinds[item.outcome, item.what] > 0:
-            kinds[item.outcome, item.what] -= 1
-            report.items[place] = replace(item, outcome=Outcome.EXTENSION_DATA)
+    left = [item for item in known.items if item.outcome in LOSSES]
+    kinds: tuple[Callable[[Item], Hashable], ...]
+    kinds = (lambda item: (item.outcome, item.what, item.path), lambda item: (item.outcome, item.what))
+    for same in kinds:
+        counts = Counter(map(same, left))
+        for place, item in enumerate(report.items):
+            if item.outcome in LOSSES and counts[same(item)] > 0:
+                counts[same(item)] -= 1
+                left.remove(next(each for each in left if same(each) == same(item)))
+                report.items[place] = replace(item, outcome=Outcome.EXTENSION_DATA)
 
 
 def _is_read_as(project: Project, data: bytes, kind: Format, version: str) -> bool:

@@ -268,7 +268,8 @@ def test_an_edit_that_the_tool_does_not_execute_is_refused_in_its_own_format() -
     with pytest.raises(sfc.LossError) as raised:
         sfc.convert(edited, "simaticml")
     assert {(item.outcome, item.what) for item in raised.value.report.losses} == {
-        (sfc.Outcome.NOT_EXECUTED, "negation")
+        (sfc.Outcome.NOT_EXECUTED, "action"),
+        (sfc.Outcome.NOT_EXECUTED, "negation"),
     }
 
 

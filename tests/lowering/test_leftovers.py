@@ -134,7 +134,7 @@ def test_a_stored_action_is_not_reset_a_second_time(qualifier: str) -> None:
     assert lowered.proof.kind is VerdictKind.PROVEN
     body = lowered.pou.body
     assert isinstance(body, m.StBody)
-    assert body.text.count("NOT X_Off") == 1, body.text  # the flip-flop
+    assert body.text.count("NOT X_Off") <= 1, body.text  # the flip-flop, where X_On does not exclude it already
 
 
 def test_a_step_that_is_asked_not_to_be_active_is_another_number() -> None:

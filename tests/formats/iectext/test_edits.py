@@ -53,9 +53,9 @@ def test_a_step_is_renamed(plant: m.Project) -> None:
 @pytest.mark.parametrize("name", ["mixing_plant.st", "distribution_belt.st"])
 def test_renaming_any_step_changes_the_lines_that_name_it(name: str) -> None:
     before = (FIXTURES / "iectext" / name).read_bytes()
-    for number, step in enumerate(chart_of(sfc.load(FIXTURES / "iectext" / name)).steps):
+    for step in chart_of(sfc.load(FIXTURES / "iectext" / name)).steps:
         project = sfc.load(FIXTURES / "iectext" / name)
-        chart_of(project).steps[number].name = "Zz9_Neu"
+        chart_of(project).rename_step(step.name, "Zz9_Neu")
         lines = edited(project, before)
         removed = [line[1:] for line in lines if line.startswith("-")]
         assert removed
