@@ -39,6 +39,7 @@ from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept
 from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags
 from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs, unused_inputs
+from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import standard_block
@@ -525,7 +526,7 @@ class _Reader:
                 for variable in section.variables if is_told else ():
                     if section.kind is SectionKind.RETURN:
                         self._result(part, variable.type)
-                    else:
+                    elif not is_system_data(variable):  # which TIA Portal makes of the chart
                         kind = "variable of a function" if pou.kind is PouKind.FUNCTION else "variable"
                         self._local(part, pou, kind, variable, section)
         called: set[str] = set()

@@ -161,6 +161,11 @@ class S7Types:
         return list(tables.values())
 
 
+def is_system_data(variable: Variable) -> bool:
+    """True for what TIA Portal declares in a block of S7-GRAPH: its run-time data, its steps and transitions."""
+    return isinstance(variable.type, DerivedType) and variable.type.name.strip('"').upper().startswith("G7_")
+
+
 def constants_of(declaration: DataTypeDeclaration) -> list[Constant]:
     """The values of an enumeration with their numbers; none for one whose numbers are not known."""
     if not isinstance(declaration.type, EnumType):

@@ -30,6 +30,7 @@ from plcopen_sfc.formats.provenance import is_untouched
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
 from plcopen_sfc.languages.s7_globals import by_retention
 from plcopen_sfc.languages.s7_programs import is_void
+from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.syntax_problems import embedded_code
 from plcopen_sfc.languages.words import CODESYS23_KEYWORDS, CODESYS_KEYWORDS
 from plcopen_sfc.model.body import FbdBody, LdBody
@@ -38,7 +39,7 @@ from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag
-from plcopen_sfc.model.types import DerivedType, StructType, Variable
+from plcopen_sfc.model.types import StructType
 from plcopen_sfc.model.variables import Interface, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -246,12 +247,8 @@ RULES = (
 def _with_system_data(project: Project) -> Iterator[Pou]:
     """Yield the blocks with variables that TIA Portal declares for a sequencer, its steps and its transitions."""
     for pou in project.pous:
-        if any(_is_system_data(variable) for variable in pou.variables()):
+        if any(is_system_data(variable) for variable in pou.variables()):
             yield pou
-
-
-def _is_system_data(variable: Variable) -> bool:
-    return isinstance(variable.type, DerivedType) and variable.type.name.strip('"').upper().startswith("G7_")
 
 
 def _leave_out_system_data(pou: Pou, host: ChartHost, report: ConversionReport, marks: SourceMarks) -> None:
@@ -260,11 +257,11 @@ def _leave_out_system_data(pou: Pou, host: ChartHost, report: ConversionReport, 
     assert pou.interface is not None  # noqa: S101  # it has variables
     for number, section in enumerate(pou.interface.sections):
         for place, variable in enumerate(section.variables):
-            if _is_system_data(variable):
+            if is_system_data(variable):
                 left_out.append((number, place, variable.model_dump(mode="json", exclude_none=True)))
                 why = f"left out: {host.title} has data of steps of its own"
                 report.add(Outcome.TRANSLATED, "variable", f"{pou.report_path} / {variable.name}", why)
-        section.variables = [variable for variable in section.variables if not _is_system_data(variable)]
+        section.variables = [variable for variable in section.variables if not is_system_data(variable)]
     marks.setdefault(id(pou.interface), {})[SYSTEM_DATA_FIELD] = left_out
 
 

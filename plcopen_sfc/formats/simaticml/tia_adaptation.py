@@ -13,7 +13,7 @@ from plcopen_sfc.formats.simaticml.network_operands import HINT
 from plcopen_sfc.formats.simaticml.scl_tokens import CALL
 from plcopen_sfc.formats.simaticml.sequence_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
 from plcopen_sfc.languages.s7_globals import tag_tables_of
-from plcopen_sfc.languages.s7_types import s7_types
+from plcopen_sfc.languages.s7_types import is_system_data, s7_types
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import BodyBase, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import WiredCondition
@@ -22,7 +22,7 @@ from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
 from plcopen_sfc.model.sfc import PermanentOperation, Sequence, SfcNetwork, Step, Supervised, Transition
 from plcopen_sfc.model.text import MultilingualText
-from plcopen_sfc.model.types import DataTypeDeclaration, DerivedType, Variable
+from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.report import ConversionReport, Outcome
 
 TAB = 4
@@ -55,15 +55,10 @@ def adapt(project: Project, report: ConversionReport, *, foreign: bool) -> None:
     _mark_constants(project)
     for chart in project.charts():
         _shift_logic(chart.chart)
-        variables = {each.name.casefold() for each in chart.pou.variables() if not _is_own_member(each)}
+        variables = {each.name.casefold() for each in chart.pou.variables() if not is_system_data(each)}
         if foreign:
             _report_names(chart.chart, chart.report_path, variables, report)
         _numbers(chart.chart, chart.report_path, variables, report)
-
-
-def _is_own_member(variable: Variable) -> bool:
-    """True for the members that TIA Portal declares for steps and transitions, under their names."""
-    return isinstance(variable.type, DerivedType) and variable.type.name.startswith("G7_")
 
 
 _APART = 1 << 20

@@ -208,7 +208,10 @@ def test_a_guessed_code_page_says_how_sure_it_is() -> None:
 
 @pytest.mark.parametrize("number", range(6))
 def test_damaged_files_are_read_and_come_back(number: int) -> None:
-    """A file that ends early, lacks a line, or has one twice: never an error of Python, and no byte is lost."""
+    """A file that ends early, lacks a line, or has one twice: never an error of Python, and no byte is lost.
+
+    `partial`, as an edit may not fit into such a text, and a transition that leads nowhere is not written anew.
+    """
     data = BELT.read_bytes()
     lines = data.splitlines(keepends=True)
     at = (number * 41 + 5) % len(lines)
@@ -222,7 +225,7 @@ def test_damaged_files_are_read_and_come_back(number: int) -> None:
         assert sfc.dumps(project) == each
         if project.pous:
             project.pous[0].comment = "neu"
-            assert sfc.loads(sfc.dumps(project), format="codesys23").pous[0].comment == "neu"
+            assert sfc.loads(sfc.dumps(project, partial=True), format="codesys23").pous[0].comment == "neu"
 
 
 def test_instance_addresses_in_a_pou_are_told() -> None:

@@ -110,8 +110,8 @@ def test_files_without_digests_are_read_as_before() -> None:
 
 
 def test_what_is_programmed_in_an_empty_block_counts() -> None:
-    """TIA Portal has no IL, and SCL no jumps to such labels: the block is empty until somebody programs it."""
-    jump = m.IlBody(text="m:\nLD a\nST q\nLD b\nST r\nJMPC m")
+    """TIA Portal has no IL, and SCL no jumps into loops: the block is empty until somebody programs it."""
+    jump = m.IlBody(text="LD b\nJMPC x\nm:\nLD a\nST q\nx:\nLD b\nST r\nJMPC m")  # into a loop
     block = m.Pou(name="List", kind=m.PouKind.FUNCTION_BLOCK, bodies=[jump])
     text = sfc.dumps(m.Project(pous=[block]), format="simaticml", partial=True).decode("utf-8-sig")
     assert isinstance(sfc.loads(text.encode()).pou("List").bodies[0], m.IlBody)

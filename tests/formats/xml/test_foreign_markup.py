@@ -91,7 +91,7 @@ def test_an_edit_of_a_simaticml_file_with_a_project_of_others_is_one_line(tmp_pa
     project = sfc.load(path)
     assert sfc.dumps(project) == data
     chart = next(iter(project.charts())).chart
-    chart.steps[0].max_time = "T#77s"
+    chart.steps[0].comment = "neu"
     sfc.save(project, path, partial=True)
     before, after = data.splitlines(), path.read_bytes().splitlines()
     assert len(before) == len(after)
