@@ -160,10 +160,11 @@ def test_what_a_tool_would_not_do_of_a_file_is_told_before_the_import():
     drill = sfc.load(ROOT / "fixtures" / "simaticml" / "FB_Drill.xml")
     assert imported(drill, "tia") == imported(drill, "tia-V16") == []
     assert imported(sfc.load(CONVEYOR), "codesys") == imported(sfc.load(CONVEYOR), "twincat") == []
-    found = {each.message.partition(" has ")[0]: each for each in sfc.check_import(drill, "codesys")}
-    assert found["operating input: INIT_SQ"].code == "IMP001"
-    assert found["operating input: INIT_SQ"].location.line == 23
-    assert ("IMP002", "warning") in imported(drill, "codesys")  # a second sequence
+    belt = sfc.load(ROOT / "fixtures" / "codesys" / "distribution_belt.xml")
+    found = {each.message.partition(": it has ")[0]: each for each in sfc.check_import(belt, "tia")}
+    assert found["flag: S7-GRAPH has no SFCInit"].code == "IMP001"
+    assert found["flag: S7-GRAPH has no SFCInit"].location.line == 195
+    assert ("IMP002", "warning") in imported(drill, "codesys")  # a tag that is in no file
     assert ("IMP004", "error") in imported(drill, "codesys")
     assert ("IMP003", "info") in imported(sfc.load(FILLING), "beremiz")
     with pytest.raises(sfc.SfcError, match="did you mean 'codesys'"):

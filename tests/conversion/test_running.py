@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import pytest
 
@@ -35,7 +36,7 @@ def chart(first: str, second: str = "", initial: str = "", edge: str = "") -> sf
     return sfc.loads(text.encode(), format="iec-text")
 
 
-def saved(project: sfc.Project, target: str, **options: bool) -> ConversionReport:
+def saved(project: sfc.Project, target: str, **options: Any) -> ConversionReport:
     return sfc.save(project, io.BytesIO(), format=target, limit=20, **options)
 
 
@@ -178,7 +179,8 @@ def test_parallel_sequences_that_write_one_operand_are_told_apart_by_the_order_o
     assert [item.what for item in report.losses] == (["chart"] if outcome == "different" else [])
     if outcome == "equal":
         graph = sfc.loads(sfc.dumps(project, format="simaticml"), as_tool=True)
-        assert saved(graph, target, partial=True).compared["POU Main"].startswith("equal")
+        at_rest = saved(graph, target, partial=True, at_rest=["all"])  # the modes make loops of the sequences
+        assert at_rest.compared["POU Main"].startswith("equal")
 
 
 def test_a_chart_in_which_something_is_not_executed_is_not_run_and_none_without_a_limit() -> None:

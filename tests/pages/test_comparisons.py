@@ -107,9 +107,12 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     assert "Program what these SFC flags control" in tasks
     assert "Import into TIA Portal" in tasks
     assert "Test the charts that were not seen to be the samePOU Other" in tasks
-    flags = [item for item in report.with_outcome(sfc.Outcome.NOT_EXECUTED) if item.what == "flag"]
-    groups = [words_of(each) for each in tree.xpath("//section[@id='not_executed']/details/summary")]
-    assert any(group.startswith(f"{len(flags)} \u00d7 flag") for group in groups)
+    lost = report.with_outcome(sfc.Outcome.NOT_EXECUTED)
+    unknown = [item for item in lost if item.what == "flag" and "neither obeys it nor sets it" in item.why]
+    (listed,) = tree.xpath("//section[@id='not_executed']")
+    groups = [words_of(each) for each in listed.xpath("details/summary")]
+    assert [group.partition(":")[0] for group in groups] == [f"{len(unknown)} \u00d7 flag"]
+    assert len(listed.findall(".//li")) == len(lost) > len(unknown) > 1  # flags with reasons of their own are alone
 
 
 def test_nothing_of_a_project_becomes_html() -> None:

@@ -134,10 +134,10 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         _show_written(screen, target, report)
     if report.untested and not how.accept_untested:
+        is_run = any(not report.compared[path].startswith("not compared") for path in report.untested)
+        longer = "a longer --limit, or " if is_run else ""
         charts = "1 chart" if len(report.untested) == 1 else f"{len(report.untested)} charts"
-        screen.note(
-            f"not all of {charts} was run in both tools: a longer --limit, or --accept-untested if you have looked"
-        )
+        screen.note(f"not all of {charts} was run in both tools: {longer}--accept-untested if you have looked")
         screen.exit_code = _FINDINGS
     screen.exit_code = exit_code_for(screen, project.diagnostics)
     return report.as_dict()

@@ -239,10 +239,12 @@ def test_maximum_times_are_lost_where_something_watches_them() -> None:
         assert not _text_for(each)[1].with_outcome(Outcome.NOT_EXECUTED)
     variables = source.pou("Plant").interface.sections[0].variables
     variables.append(m.Variable(name="SFCError", type=m.ElementaryType(name=m.Elementary.BOOL)))
-    for target, what in (("iec-text", "maximum time"), ("plcopen", "max time"), ("simaticml", "max time")):
+    for target, what in (("iec-text", "maximum time"), ("plcopen", "max time")):
         _, report = sfc.convert(source, target, flavour="matiec" if target == "iec-text" else "", partial=True)
         found = [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == what]
         assert found == ["POU Plant / step S2"], target
+    in_tia = sfc.convert(source, "simaticml", strict=True, limit=5).report  # a ladder sets the variable there
+    assert in_tia.compared["POU Plant"].startswith("equal")
 
 
 def test_a_loop_at_a_step_of_codesys_whose_time_is_read_is_approximated() -> None:

@@ -151,17 +151,22 @@ def test_a_folder_has_one_object_in_each_document(tmp_path: Path) -> None:
 
 
 def test_documents_of_a_folder_know_the_whole_project(tmp_path: Path) -> None:
-    """An action of an instance is none of the document of the block that has the chart."""
+    """An action of an instance is none of the document of the block that has the chart, which gets its statements."""
     chart = m.SfcNetwork()
     step = chart.add_step("Go", initial=True)
     step.actions = [m.ActionAssociation(id=9, target="motor.Stop")]
     motor = m.Pou(name="Motor", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.StBody(text=";")])
-    motor.actions = [m.Action(name="Stop", body=m.StBody(text=";"))]
+    motor.actions = [m.Action(name="Stop", body=m.StBody(text="run := FALSE;"))]
+    run = m.Variable(name="run", type=m.ElementaryType(name=m.Elementary.BOOL))
+    motor.interface = m.Interface(sections=[m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[run])])
     instance = m.Variable(name="motor", type=m.DerivedType(name="Motor"))
     main = m.Pou(name="Main", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.SfcBody(chart=chart)])
     main.interface = m.Interface(sections=[m.VariableSection(kind=m.SectionKind.LOCAL, variables=[instance])])
-    report = sfc.save(m.Project(pous=[main, motor]), f"{tmp_path}/out/", format="simaticml", partial=True)
-    assert "POU Main / step Go / action motor.Stop" in {i.path for i in report.with_outcome(sfc.Outcome.NOT_EXECUTED)}
-    seen = sfc.load(tmp_path / "out", as_tool=True).pou("Main").sfc
-    assert seen is not None
-    assert seen.step("Go").actions == []
+    report = sfc.save(m.Project(pous=[main, motor]), f"{tmp_path}/out/", format="simaticml", limit=5)
+    assert not report.losses
+    assert report.compared["POU Main"].startswith("equal (proof")
+    seen = sfc.load(tmp_path / "out", as_tool=True)
+    chart_seen = seen.pou("Main").sfc
+    assert chart_seen is not None
+    rows = [(each.target, each.value) for each in chart_seen.step("Go").actions]
+    assert rows == [("#motor.run", "FALSE")] * 2  # the second one is the final scan
