@@ -8,7 +8,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering import LoweredPou, lower
+from plcopen_sfc.lowering import LoweredPou, States, lower
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.grafcets import pou_with
 from tests.lowering.random_grafcets import random_calm_grafcet, random_grafcet
@@ -82,6 +82,17 @@ def test_stored_actions(kind: str, step: str) -> None:
     chart = chain("1", "2", "3", conditions="a;Q OR b;b")
     chart.step(step).actions = [action(kind, "Q", value="NOT Q"), action(kind, "n", value="(n + 1) MOD 3")]
     assert compare(pou_with(chart, "a b", "Q n:INT")) >= 8
+
+
+@pytest.mark.parametrize("first", ["0", "1"])
+@pytest.mark.parametrize("states", list(States))
+def test_the_initial_step_is_activated_whatever_its_state_is(states: States, first: str) -> None:
+    """The copy of the state starts with a value too, which can be that of the initial step."""
+    chart = chain(first, "2", conditions="a;Q")
+    chart.step(first).actions = [action("onActivation", "Q", value="NOT Q")]
+    lowered = lower(pou_with(chart, "a", "Q"), "case", language="ST", profile=SHORT, actions="block", states=states)
+    assert lowered.proof is not None
+    assert lowered.proof.kind is VerdictKind.PROVEN
 
 
 @pytest.mark.slow

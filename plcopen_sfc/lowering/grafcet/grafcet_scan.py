@@ -169,6 +169,16 @@ class GrafcetScan:
         if drive.code.networks:
             self._code.add(title, [self._encoding.call(drive)])
 
+    def _call_at_the_start(self, drive: DriveBlock) -> n.CallStatement:
+        """Return the call of the block for stored actions where no step was active before.
+
+        The copy of a state, whose first value can be that of an initial step, does not tell that.
+        """
+        if isinstance(self._situation, StepFlags):
+            return drive.call
+        before = {self._situation.before(step.index) for step in self._net.steps}
+        return transform(drive.call, lambda node: FALSE if node in before else node)
+
     # -- steps
 
     def _seen(self, step: int) -> Expression:
@@ -306,8 +316,8 @@ class GrafcetScan:
         drive = self._drive_of_stored
         if drive is None:
             statements += self._at_the_start()
-        elif drive is not self._drive and self._at_the_start():  # no step was active before
-            statements.append(when(self._starting(), self._encoding.drives[0].call))
+        elif drive is not self._drive and self._at_the_start():
+            statements.append(when(self._starting(), self._call_at_the_start(self._encoding.drives[0])))
         self._code.add(self._texts.start, statements)
 
     def _at_the_start(self) -> list[Statement]:
