@@ -52,8 +52,9 @@ def agrees(expected: str, found: str) -> bool:
 
 @pytest.fixture
 def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with the example files in it, as the current one."""
-    shutil.copytree(ROOT / "fixtures", tmp_path / "fixtures")
+    """A folder with the example files and scripts in it, as the current one."""
+    for name in ("fixtures", "examples"):
+        shutil.copytree(ROOT / name, tmp_path / name)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

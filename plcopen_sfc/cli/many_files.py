@@ -207,7 +207,8 @@ def for_each(
 
     An error is printed, and stops no other file; the exit code is the worst of all. With several jobs `work` has to be
     a function of a module, or a `partial` of one. `journal`: a file that keeps what is done, and what is run, so that
-    the next run leaves it out. `told`: how many files were fine is printed in the end.
+    the next run leaves it out: what did not fail, and where the mapping names the result, is there and no older than
+    its source. `told`: how many files were fine is printed in the end.
     """
     from plcopen_sfc.analysis.processes import results  # noqa: PLC0415  # brings process pools with it
     from plcopen_sfc.batch import Journal  # noqa: PLC0415
@@ -217,14 +218,14 @@ def for_each(
         return [_alone(screen, work, given[0])]
     outcomes: list[Outcome] = []
     with Journal(str(journal[0]), journal[1]) if journal is not None else nullcontext() as kept:
-        done = kept.done if kept is not None else {}
+        done = {each[0] for each in given if kept is not None and _is_done(each, kept.done)}
         made = results(
             partial(_recorded, RecordedScreen.like(screen), work),
             [each for each in given if each[0] not in done],
             jobs,
             lost=_lost,
         )
-        ordered = (_resumed(path, done[path]) if path in done else next(made) for path, *_ in given)
+        ordered = (Outcome(path, resumed=True) if path in done else next(made) for path, *_ in given)
         for outcome in screen.progress(ordered, doing, len(given)):
             replay(screen, outcome.printed)
             screen.exit_code = max(screen.exit_code, outcome.exit_code)
@@ -270,9 +271,14 @@ def _lost(thing: tuple[Any, ...], why: str) -> Outcome:
     return Outcome(thing[0], error=error, exit_code=UNREADABLE, printed=[PrintedLine(line, message=True)])
 
 
-def _resumed(path: str, error: str) -> Outcome:
-    failed = SfcError(error) if error else None
-    return Outcome(path, error=failed, exit_code=UNREADABLE if error else 0, resumed=True)
+def _is_done(thing: tuple[Any, ...], done: Mapping[str, str]) -> bool:
+    path, *made = thing
+    if done.get(path) != "":
+        return False
+    try:
+        return not made or Path(path).stat().st_mtime_ns <= Path(made[0]).stat().st_mtime_ns
+    except OSError:
+        return False
 
 
 # -- summary ----------------------------------------------------------------------------------------------------------

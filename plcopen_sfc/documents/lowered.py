@@ -34,6 +34,7 @@ from plcopen_sfc.files import refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_uses import dialect_of
+from plcopen_sfc.languages.s7_globals import tag_tables_of
 from plcopen_sfc.lowering import LoweredPou, lower_project
 from plcopen_sfc.lowering.chart_lowering import LoweringOptions, faults_of
 from plcopen_sfc.lowering.construction import errors_of
@@ -228,13 +229,18 @@ class _Draft:
             refuse_uncompiled(self.report, seen, lowered)
             if options is None:
                 return lowered
-            whole = partial(load_project, self._path, format=self._format)
-            proof = prove_written(chart, lowered, seen, whole, **options.searching)
+            proof = prove_written(chart, lowered, seen, self._loaded, **options.searching)
             refuse_untested(lowered.name, proof, accepted=options.accept_untested)
         return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
 
     def _seen(self) -> Project:
-        return load_project(self._path, format=self._format, as_tool=True)
+        return self._loaded(as_tool=True)
+
+    def _loaded(self, *, as_tool: bool = False) -> Project:
+        found = load_project(self._path, format=self._format, as_tool=as_tool)
+        if self._format == "scl":  # declares no tags: they are in the project that the source is for
+            found.tag_tables = [table.model_copy(deep=True) for table in tag_tables_of(self._project)]
+        return found
 
     def put_in_place(self, lowered: Iterable[LoweredPou]) -> ConversionReport:
         """Write what the draft holds to the target, with a header at the code of each of `lowered`."""

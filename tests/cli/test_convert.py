@@ -288,3 +288,10 @@ def test_a_place_does_not_say_twice_what_it_is(cli: Any, tmp_path: Path) -> None
     outcome = cli("convert", source, tmp_path / "out.xml", "--to", "codesys", "--verbose")
     assert "translated: data block Recipe" in outcome.out
     assert "data block data block" not in outcome.out
+
+
+def test_without_a_run_the_result_says_so(cli, fixtures, tmp_path):
+    told = "no chart was run in both tools (--limit 0)"
+    source, target = "training-chain/codesys.xml", tmp_path / "out.xml"
+    assert told in cli("convert", source, target, "--to", "plcopen-2.01", "--limit", 0, "--strict").err
+    assert told not in cli("convert", source, target, "--to", "plcopen-2.01", "--limit", 20, "--strict").err

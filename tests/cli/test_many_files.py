@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import shutil
 import signal
 import subprocess
@@ -94,10 +95,19 @@ def test_a_conversion_of_many_goes_on_where_it_was(cli: Any, exports: Path) -> N
     cli(*arguments)
     journal = Path("run.journal").read_text(encoding="utf-8").splitlines(keepends=True)
     Path("run.journal").write_text("".join(journal[:4]), encoding="utf-8")  # the head, two files and the broken one
-    shutil.rmtree("out")
     outcome = cli(*arguments)
     assert outcome.out.splitlines()[-1] == "2 fine, 1 failed, 2 done before"
-    assert len(list(Path("out").rglob("*.json"))) == 2
+    made = sorted(Path("out").rglob("*.json"))
+    assert len(made) == 4
+    made[0].unlink()  # what is not there is not done
+    assert cli(*arguments).out.splitlines()[-1] == "1 fine, 1 failed, 3 done before"
+    assert sorted(Path("out").rglob("*.json")) == made
+    good, broken = (next(Path("exports").rglob(name)) for name in (Path(CODESYS[0]).name, "cut.xml"))
+    broken.write_bytes(good.read_bytes())  # nor is what was changed since, or failed
+    assert cli(*arguments).out.splitlines()[-1] == "1 fine, 4 done before"
+    later = time.time() + 5
+    os.utime(good, (later, later))
+    assert cli(*arguments).out.splitlines()[-1] == "1 fine, 4 done before"
     assert "journal of another" in cli(*arguments, "--strict").err
 
 

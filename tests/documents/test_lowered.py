@@ -241,3 +241,21 @@ def test_global_variables_that_the_code_names_must_be_in_the_project(tmp_path: P
     named = [item.path for item in made.report.items if item.what == "global variable"]
     assert "Start" in named
     assert "Spare" not in named
+
+
+def test_tags_in_the_place_of_a_list_are_those_of_the_chart(tmp_path: Path) -> None:
+    """A source of SCL declares no tags: ``GVL.Start`` is the tag ``Start`` of the project that the source is for."""
+    variables = [
+        boolean("Start").model_copy(update={"address": "%IX0.0"}),
+        boolean("Lamp").model_copy(update={"address": "%QX0.0"}),
+    ]
+    project = m.Project(
+        dialect=m.Dialect.CODESYS,
+        global_variables=[m.VariableSection(kind=m.SectionKind.GLOBAL, name="GVL", variables=variables)],
+    )
+    idle, work = sfc.step("Idle", initial=True), sfc.step("Work", actions=["N GVL.Lamp"])
+    project.add_program("Main", idle, "GVL.Start", work, "NOT GVL.Start", sfc.jump("Idle"))
+    (made,) = sfc.lower_to_file(project, str(tmp_path / "main.scl"), format="scl").pous
+    assert made.proof is not None
+    assert made.proof.proven
+    assert 'IF "Start" THEN' in (tmp_path / "main.scl").read_text(encoding="utf-8-sig")

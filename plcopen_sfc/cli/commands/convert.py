@@ -133,6 +133,8 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
     _show(screen, report)
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         _show_written(screen, target, report)
+    if not how.saving.limit and not report.unchanged and not report.compared and any(project.charts()):
+        screen.note("no chart was run in both tools (--limit 0): the report rests on what was written alone")
     if report.untested and not how.accept_untested:
         is_run = any(not report.compared[path].startswith("not compared") for path in report.untested)
         longer = "a longer --limit, or " if is_run else ""
