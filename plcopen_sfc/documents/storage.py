@@ -283,8 +283,10 @@ def save_project(
         from plcopen_sfc.conversion.adaptation.grafcet_variables import (  # noqa: PLC0415  # for conversions only
             with_declarable_variables,
         )
+        from plcopen_sfc.documents.writer_preparation import is_put_into_sfc  # noqa: PLC0415  # loading needs none
 
-        project, declared = with_declarable_variables(project, kind)
+        if is_put_into_sfc(project, kind):
+            project, declared = with_declarable_variables(project, kind)
     refuse_mistakes(project, kind)
     if path is not None and is_folder(path, project, name):
         from plcopen_sfc.documents.folder_projects import save_folder  # noqa: PLC0415  # most projects are files

@@ -60,9 +60,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
     profile = default_profile(project)
-    of_grafcet = profile.grafcet_terms and bool(kind.tool) and not options.same
-    if kind.drawing is DrawingNeed.NONE and kind.dialect is None:  # textual IEC 61131-3 keeps all others in pragmas
-        of_grafcet = of_grafcet and project.source is not None and project.source.format.startswith("grafcet")
+    of_grafcet = not options.same and is_put_into_sfc(project, kind)
     as_it_is = same_dialect and lacks_nothing and not options.flavour and not results and not of_grafcet
     if kind.drawing is DrawingNeed.NONE and as_it_is:
         behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None
@@ -130,6 +128,17 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     prepare(copy, style, positions=kind.positions, replace=replaced, foreign=True)
     kind.codec().adapt(copy, options, report)
     return Prepared(copy, meant, options, behaviour)
+
+
+def is_put_into_sfc(project: Project, kind: Format) -> bool:
+    """Return True if the GRAFCETs of a project become charts of IEC 61131-3 in files of a format.
+
+    Textual IEC 61131-3 keeps in pragmas what charts have of IEC 60848, unless they are of a tool for GRAFCET.
+    """
+    if not kind.tool or not default_profile(project).grafcet_terms:
+        return False
+    keeps = kind.drawing is DrawingNeed.NONE and kind.dialect is None
+    return not keeps or (project.source is not None and project.source.format.startswith("grafcet"))
 
 
 def _put_into_sfc(project: Project, kind: Format, report: ConversionReport) -> None:

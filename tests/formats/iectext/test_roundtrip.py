@@ -12,8 +12,12 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.report import Outcome
+from plcopen_sfc.semantics.profile import default_profile
 from tests.corpus import corpus_files, require_corpus
+from tests.lowering.grafcets import pou_with
 from tests.samples import FIXTURES, accepting, fixture_files
+from tests.semantics.charts.rig import chain
+from tests.semantics.charts.test_grafcet import action
 from tests.strategies import projects
 from tests.sweeps import some_files
 
@@ -91,6 +95,18 @@ def test_texts_of_others_load_and_come_back(path: Path) -> None:
     project = sfc.load(path)
     assert [chart.name for chart in project.charts()]
     assert sfc.dumps(project) == path.read_bytes()
+    assert_comes_back(project)
+
+
+def test_inputs_of_a_grafcet_with_an_address_come_back_from_text() -> None:
+    """Text keeps the terms of IEC 60848 in pragmas, so that the variables stay what they are too."""
+    chart = chain("1", "2", conditions="a;b")
+    chart.step("1").actions = [action("onActivation", "Q", value="NOT Q")]
+    pou = pou_with(chart, "a b", "Q")
+    assert pou.interface is not None
+    pou.interface.sections[0].variables[0].address = "%IX0.0"
+    project = m.Project(pous=[pou])
+    assert default_profile(project).name == "grafcet"
     assert_comes_back(project)
 
 
