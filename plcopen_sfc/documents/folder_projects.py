@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, BinaryIO, TypeVar, cast
@@ -99,6 +100,8 @@ def load_folder(
     source.version = frame.header.version if frame.header.version in kind.versions else newest
     source.shared = shared_fields(project)
     source.own_diagnostics += _findings(source, project)
+    if listed is None:
+        source.own_diagnostics += _of_other_tools(source)
     project.source = source
     return project
 
@@ -246,6 +249,25 @@ def _findings(source: FolderSource, project: Project) -> list[Diagnostic]:
     found += _duplicates(source, project.data_blocks, "DIR103", lambda block: block.number)
     return found
 
+
+def _of_other_tools(source: FolderSource) -> Iterator[Diagnostic]:
+    """Yield a finding for each format in which the folder has files that are no part of the project."""
+    found: dict[str, list[str]] = {}
+    for name in source.others:
+        for kind in all_formats():
+            if kind.tool and PurePosixPath(name).suffix.casefold() in kind.extensions and kind.name != source.format:
+                with suppress(FileAccessError):
+                    if recognised_as(kind, _start(Path(source.path, name))):
+                        found.setdefault(kind.name, []).append(name)
+                        break
+    for format, names in found.items():
+        shown = ", ".join(names[:_SHOWN]) + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")
+        message = f"the folder is a project of {source.format}; its files of {format} are no part of it"
+        yield Diagnostic("DIR105", Severity.WARNING, f"{message}: {shown}", Location(source.path))
+
+
+_SHOWN = 5
+"""Names of files in a finding."""
 
 T = TypeVar("T", bound=ProjectObject)
 

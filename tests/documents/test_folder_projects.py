@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from plcopen_sfc.model import Project
 from plcopen_sfc.model.compare import differences
 from tests.corpus import ROOT
 from tests.documents.exports import PLACES, block, changes, contents, export
+from tests.samples import FIXTURES
 from tests.sweeps import examples
 
 posix_only = pytest.mark.skipif(os.name == "nt", reason="needs POSIX permissions and links")
@@ -481,3 +483,16 @@ def test_any_edits_come_back(tmp_path_factory: pytest.TempPathFactory, deeds: li
         again = {thing.name: thing for thing in sfc.load(folder).data_blocks}
         assert again == {thing.name: thing for thing in project.data_blocks}
     assert (folder / "notes.txt").read_bytes() == b"x"
+
+
+def test_files_of_another_tool_are_told(tmp_path: Path) -> None:
+    """They are no part of the project of the folder: nobody may take its conversion for all that is in it."""
+    folder = tmp_path / "plant"
+    shutil.copytree(FIXTURES / "simaticml-plc", folder)
+    (folder / "notes.txt").write_text("PROGRAM", encoding="utf-8")
+    assert not [each for each in sfc.load(folder).diagnostics if each.code == "DIR105"]
+    shutil.copy(FIXTURES / "codesys" / "sorting_conveyor.xml", folder / "line.xml")
+    shutil.copytree(FIXTURES / "twincat-belt", folder / "belt")
+    told = [each.message for each in sfc.load(folder).diagnostics if each.code == "DIR105"]
+    assert [message.partition(": ")[2] for message in told if "files of codesys" in message] == ["line.xml"]
+    assert any("files of twincat" in message and "belt/GVLs" in message for message in told)
