@@ -33,6 +33,8 @@ LOSSES = (Outcome.NOT_EXECUTED, Outcome.APPROXIMATED)
 """What changes the behaviour of the machine, the worst first: ``strict`` does not let it pass."""
 CHART_OF_ACTION = "chart of an action"
 """What an item is about that tells of a block for the chart of an action; a run may show that it does the same."""
+SEQUENCE = "sequence"
+"""What an item is about that tells which inputs, at rest, keep the form of the sequences of a chart."""
 FIELD = "field"
 """What an item is about that concerns a part of an object which no machine executes, as the result is read again."""
 

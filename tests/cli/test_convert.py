@@ -46,6 +46,22 @@ def test_inputs_without_effect_are_named_with_the_option(cli, fixtures, tmp_path
     assert "convert again with" not in cli(*arguments, *option.rstrip(".").split()).out
 
 
+def test_sequences_that_become_loops_are_told_with_the_option_that_keeps_them(cli, fixtures, tmp_path):
+    out = tmp_path / "out.xml"
+    arguments = ("convert", "simaticml/FB_Drill.xml", out, "--to", "codesys", "--partial", "--limit", "0")
+    told = [line for line in cli(*arguments).err.splitlines() if "keeps their sequences" in line]
+    assert len(told) == 1
+    assert told[0].startswith("POU FB_Drill: ")
+    assert any(
+        step.name.endswith("_rests") for chart in sfc.load(out, as_tool=True).charts() for step in chart.chart.steps
+    )
+    option = re.search(r"--at-rest \S+", told[0])[0]
+    assert "keeps their sequences" not in cli(*arguments, *option.split()).err
+    assert not any(
+        step.name.endswith("_rests") for chart in sfc.load(out, as_tool=True).charts() for step in chart.chart.steps
+    )
+
+
 def test_fresh_writes_from_the_model(cli, fixtures, tmp_path):
     outcome = cli("convert", BELT, tmp_path / "fresh.xml", "--to", "codesys", "--fresh", "--limit", "0")
     assert outcome.code == 0

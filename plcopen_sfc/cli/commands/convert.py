@@ -17,7 +17,7 @@ from plcopen_sfc.errors import InputError, Location, LossError
 from plcopen_sfc.files import folder_exists, refuse_empty, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import FIELD, LOSSES, ConversionReport, Outcome
+from plcopen_sfc.report import FIELD, LOSSES, SEQUENCE, ConversionReport, Outcome
 
 _FINDINGS = 1
 
@@ -204,3 +204,6 @@ def _show(screen: Screen, report: ConversionReport) -> None:
     if items:
         screen.line()
     show_counts(screen, report)
+    for item in report.items:
+        if item.what == SEQUENCE:
+            screen.note(f"{item.path}: {item.why}")

@@ -65,8 +65,9 @@ class OperatingModes:
         declared = {v.name.upper(): v.name for v in rewriting.chart.pou.variables(SectionKind.INPUT)}
         self.selected = declared.get(_SELECTED) if _MANUAL in self._modes else None
         """The input with the number of the selected step, where the manual mode can be switched on."""
-        self.switches_steps = self.selected is not None and bool({_ON, _OFF} & self._found.keys())
-        """True if people can switch steps."""
+        manual = self.selected is not None
+        self.switches_of_steps = [self._found[key] for key in (_ON, _OFF) if manual and key in self._found]
+        """The inputs with which people can switch steps."""
         self.changes_conditions = bool(self._modes)
         """True if transitions fire otherwise in some mode."""
         if self._modes:
@@ -117,7 +118,7 @@ class OperatingModes:
 
     def switched(self, step: Step) -> tuple[str, str]:
         """Return when people switch a step on, and when off."""
-        if not self.switches_steps or not step.number:
+        if not self.switches_of_steps or not step.number:
             return "FALSE", "FALSE"
         chosen = f"{as_term(self._on(_MANUAL))} AND {self.selected} = {step.number}"
         on, off = self._rises(_ON), self._rises(_OFF)

@@ -27,7 +27,7 @@ from plcopen_sfc.conversion.adaptation.operating_inputs import (
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.formats.plcopen.source_marks import replaced_sequences
 from plcopen_sfc.model.sfc import Step, Transition
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import SEQUENCE, Outcome
 from plcopen_sfc.semantics.net import Net
 
 _TOGETHER = ".sequences"
@@ -53,7 +53,9 @@ class SequenceRewriter:
         """Change the chart; what it does otherwise is in the report."""
         added = AddedElements(self._rewriting, self._checks)
         parts = sequences_of(self._chart)
-        looped = [part for part in parts if self._needs_loops(part)]
+        irregular = [part for part in parts if self._is_irregular(part)]
+        operators = [name for part in parts if part not in irregular for name in self._operators(part)]
+        looped = [part for part in parts if part in irregular or self._operators(part)]
         plain = [part for part in parts if part not in looped and self._initial.intersection(s.id for s in part)]
         unknown = [each for each in self._order if self._texts[each.id] is None]
         if looped and unknown:
@@ -61,6 +63,11 @@ class SequenceRewriter:
         heads = [next(step for step in part if step.id in self._initial) for part in plain]
         if looped:
             heads += self._loops([step for part in looped for step in part], added)
+        if operators:
+            names = ",".join(dict.fromkeys(operators))
+            why = f"steps are loops with `<Step>_rests`; where nobody operates {names}, "
+            why += f"--at-rest {names} keeps their sequences"
+            self._rewriting.note(Outcome.TRANSLATED, SEQUENCE, "", why)
         if self._host.is_codesys and self._rewriting.of_graph and (len(heads) > 1 or looped):
             self._start(heads, added)
         instead_of = replaced_sequences(self._rewriting.source, self._chart)
@@ -68,23 +75,25 @@ class SequenceRewriter:
         told = not any(self._initial.intersection(each.sources) for each in unknown)
         OperatingInputs(self._rewriting, self._checks, added).execute(plain if told else [], self._initial)
 
-    def _needs_loops(self, part: Sequence[Step]) -> bool:
+    def _is_irregular(self, part: Sequence[Step]) -> bool:
+        """True if a chart of the target cannot hold the sequence, whatever people operate."""
         ids = {step.id for step in part}
-        if not self._rewriting.of_graph:
-            return False
-        if not ids.isdisjoint(self._checks.switched) or self._modes.switches_steps:
-            return True
         starts = len(ids & self._initial)
-        is_single = starts == 1
+        is_switched = not ids.isdisjoint(self._checks.switched)
+        return self._rewriting.of_graph and (is_switched or starts > 1 or (self._host.is_codesys and not starts))
+
+    def _operators(self, part: Sequence[Step]) -> list[str]:
+        """Return the inputs for which a sequence needs loops that would keep its form without them."""
+        ids = {step.id for step in part}
         own = [each for each in self._order if not ids.isdisjoint(each.sources)]
-        one_at_a_time = is_single and all(len(each.sources) == 1 and len(each.targets) < 2 for each in own)
-        is_operated = bool(self._wanted) and not one_at_a_time
-        return is_operated or starts > 1 or (self._host.is_codesys and not is_single)
+        one_at_a_time = all(len(each.sources) == 1 and len(each.targets) < 2 for each in own)
+        is_plain = one_at_a_time and not ids.isdisjoint(self._initial)
+        return [*self._modes.switches_of_steps, *(() if is_plain else self._wanted.values())]
 
     @property
     def _is_crowded(self) -> bool:
         """True if a transition may lead to a step that is active already."""
-        is_switched = bool(self._checks.switched) or self._modes.switches_steps
+        is_switched = bool(self._checks.switched) or bool(self._modes.switches_of_steps)
         return is_switched or len(self._initial) > len(sequences_of(self._rewriting.source))
 
     # -- one sequence for each step

@@ -46,7 +46,7 @@ class ShownState:
             sum(step.initial for step in source.steps) == 1
             and all(len(transition.targets) < 2 for transition in source.transitions)
             and not any(row.qualifier is Qualifier.ON for _, row in source.associations())
-            and not modes.switches_steps
+            and not modes.switches_of_steps
         )
         rows = {(row.target or "").strip('"').casefold() for _, row in source.associations()}
         outputs = rewriting.chart.pou.variables(SectionKind.OUTPUT)
