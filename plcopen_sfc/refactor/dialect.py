@@ -16,7 +16,7 @@ from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in_s7
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
-from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements, walk
+from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements, render, transform, walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, string_literal
 from plcopen_sfc.languages.st.nodes import Assignment, Call, Expression, Member, Name, Node, Operation, Statements
 from plcopen_sfc.languages.st.printing import print_node
@@ -230,6 +230,8 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     resolver = Resolver(project, project.dialect)
     found: list[TranslatedText] = []
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
+    # by its header a file that a tool of CODESYS made, and that was converted for others
+    of_codesys = project.header.product.casefold().startswith(("codesys", "twincat"))
     for text_site in [
         text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
     ]:
@@ -237,6 +239,10 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
             found += _only_of_codesys(text_site, project.dialect, resolver)
         named = enumerations and "#" in text_site.text
         if family(target) is Dialect.CODESYS and "**" not in text_site.text and not named:
+            narrower = _without_widening(text_site, project.dialect, target, resolver) if of_codesys else None
+            if narrower is not None:
+                found.append(TranslatedText(text_site.report_path, changed=True, notes=()))
+                text_site.put(narrower)
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
         is_wider = _calculates_wider(text_site, project.dialect, target, resolver)
         site_known = replace(known, resolver=resolver) if is_wider else known
@@ -273,6 +279,43 @@ def _calculates_wider(text_site: TextSite, source: Dialect, target: Dialect, res
     context = _with_types(TranslationContext(), text_site.site, resolver, text_site)
     fitted = ArithmeticTranslator(family(source), family(target), context, Notes("")).fitted(parsed.tree)
     return fitted is not parsed.tree
+
+
+def _without_widening(text_site: TextSite, source: Dialect, target: Dialect, resolver: Resolver) -> str | None:
+    """Return a text of IEC 61131-3 without the conversions that CODESYS needs not, where these are the only ones.
+
+    That is so if the way back widens the same operands: what was written from CODESYS comes back as it was.
+    """
+    if not _CALCULATES.search(text_site.text) or not _WIDENS.search(text_site.text):
+        return None
+    parse = parse_statements if text_site.reading is SiteKind.STATEMENTS else parse_condition
+    parsed = parse(text_site.text, source)
+    text = render(parsed, transform(parsed.tree, _narrowed))
+    back = parse(text, target)
+    if parsed.problems or back.problems or text == text_site.text:
+        return None
+    context = _with_types(TranslationContext(), text_site.site, resolver, text_site)
+    widened = ArithmeticTranslator(family(target), family(source), context, Notes("")).fitted(back.tree)
+    return text if render(back, widened) == text_site.text else None
+
+
+def _narrowed(node: Node) -> Node:
+    """Return a calculation with operands that are not converted to wider integers."""
+    if not isinstance(node, Operation) or node.operator not in CALCULATING:
+        return node
+    operands = tuple(_operand_without_widening(each) for each in node.operands)
+    same = all(a is b for a, b in zip(operands, node.operands, strict=True))
+    return node if same else replace(node, operands=operands)
+
+
+def _operand_without_widening(node: Expression) -> Expression:
+    if isinstance(node, Call) and isinstance(node.callee, Name) and _WIDENS.fullmatch(f"{node.callee.identifier}("):
+        value = node.arguments[0].value if len(node.arguments) == 1 else None
+        return value if value is not None else node
+    return node
+
+
+_WIDENS = re.compile(r"U?S?INT_TO_U?[DL]INT\(")
 
 
 def _only_of_codesys(text_site: TextSite, dialect: Dialect, resolver: Resolver) -> Iterator[TranslatedText]:

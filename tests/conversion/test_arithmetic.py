@@ -41,7 +41,7 @@ ROUTES = [
     ("scl", "codesys", ""),
     ("scl", "simaticml", ""),
 ]
-DIALECTS = {"codesys": Dialect.CODESYS, "scl": Dialect.SCL}
+DIALECTS = {"codesys": Dialect.CODESYS, "scl": Dialect.SCL, "iec": Dialect.IEC}
 BODY = """stored := x {op} y;
 wide := x {op} y;
 is_greater := x {op} y > 100;
@@ -123,6 +123,32 @@ def test_text_that_stays_is_told_where_other_tools_may_calculate_with_16_bits(bo
     _, report = sfc.convert(sfc.loads(data), "iec-text")
     assert [item.path for item in report.losses if "32 bits" in item.why] == told
     assert len(report.losses) == len(told)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "is_negative := (x - y) < wide AND wide < (x + y);",
+        "wide := INT_TO_DINT(x);",
+        "wide := INT_TO_DINT(x) + count;",
+    ],
+)
+def test_arithmetic_that_was_widened_for_tc6_comes_back(body: str) -> None:
+    project = source_of("codesys", "INT", body)
+    project.header.product = "CODESYS"
+    data, _ = sfc.convert(project, "plcopen-2.01", partial=True)
+    back, _ = sfc.convert(sfc.loads(data), "codesys", partial=True)
+    found = sfc.loads(back).pous[0].body
+    assert isinstance(found, StBody)
+    assert found.text.strip() == body
+
+
+def test_conversions_in_files_of_other_tools_stay() -> None:
+    body = "is_negative := INT_TO_DINT(x) - INT_TO_DINT(y) < wide;"
+    back, _ = sfc.convert(
+        sfc.loads(sfc.dumps(source_of("iec", "INT", body), format="plcopen-2.01")), "codesys", partial=True
+    )
+    assert body.replace("<", "&lt;").encode() in back
 
 
 @pytest.mark.parametrize("operator", OPERATORS)
