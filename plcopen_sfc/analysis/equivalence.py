@@ -137,7 +137,7 @@ def equivalent(
     writes or reads (``SFCTrans``, ``S_NO``). `step_flags`: by the path of a step of `a` the variable of `b` that
     tells that it is active (``X2``), what it must equal (``s = 2``), or the path of a step of `b`; without it flags
     with usual names are recognised, and steps of the same path in two charts. `inputs`: by their names in `b` those of
-    inputs in `a` where they differ.
+    inputs in `a` where they differ; of what is compared without `outputs` too.
     `fixed`: inputs that keep a value, by their names in either. `free_inputs`: variables that nothing writes and that
     are to be inputs though they are not declared so, or ``all``, but never those that tell of steps. `left_out`: a
     variable of `b`; scans that end with its value TRUE are not compared, nor what follows them. A `LoweredPou` as `b`
@@ -359,7 +359,9 @@ class _Compared:
     def prepared(self, delay: Delay) -> tuple[Comparison, dict[str, Signal]]:
         """Both sides with a delay, and their inputs."""
         left, right = self._systems(delay)
-        return Comparison(left, right, self.outputs, self.step_flags, delay), self.connected(left, right)
+        return Comparison(left, right, self.outputs, self.step_flags, delay, names=self.inputs), self.connected(
+            left, right
+        )
 
     def connected(self, left: ProgramSystem, right: ProgramSystem) -> dict[str, Signal]:
         """Connect the inputs of two systems."""

@@ -193,10 +193,13 @@ def _input_keys(left: ProgramSystem, right: ProgramSystem) -> tuple[dict[str, st
 # -- outputs
 
 
-def output_pairs(left: ProgramSystem, right: ProgramSystem, *, delayed: bool) -> list[tuple[str, Signal, str]]:
+def output_pairs(
+    left: ProgramSystem, right: ProgramSystem, names: Mapping[str, str], *, delayed: bool
+) -> list[tuple[str, Signal, str]]:
     """All single values that both have and that are no inputs: name and signal on the left, name on the right.
 
     VAR_IN_OUT are both, where one of the two writes them.
+    `names`: of variables of the right those in the left, where they differ.
     `delayed`: the two see the inputs of different scans, and so do not give instances the same inputs.
     """
 
@@ -208,7 +211,8 @@ def output_pairs(left: ProgramSystem, right: ProgramSystem, *, delayed: bool) ->
         for s in (left, right)
     )
     placed = {right.addresses[name]: name for name in theirs if name in right.addresses}
-    named = {right.local_name(name): name for name in theirs}
+    renamed = {other.casefold(): own.casefold() for other, own in names.items()}
+    named = {renamed.get(local, local): name for name in theirs for local in [right.local_name(name)]}
     by_address = {name: placed[at] for name in mine if (at := left.addresses.get(name)) in placed and at is not None}
     taken = set(by_address.values())
     found = []

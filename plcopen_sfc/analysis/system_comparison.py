@@ -44,6 +44,8 @@ class Comparison:
         outputs: Iterable[str] | Mapping[str, str] | None,
         step_flags: Mapping[str, str] | None,
         delay: Delay,
+        *,
+        names: Mapping[str, str],
     ) -> None:
         self.left = left
         self.right = right
@@ -51,7 +53,7 @@ class Comparison:
         if outputs is not None:
             pairs = _named_pairs(left, right, outputs)
         else:
-            pairs = output_pairs(left, right, delayed=delay.queued != 0)
+            pairs = output_pairs(left, right, names, delayed=delay.queued != 0)
             own = operating_names(left.profile) ^ operating_names(right.profile)
             pairs = [each for each in pairs if each[0].upper().rpartition(".")[2] not in own]
         steps = step_observations(left, right, step_flags)

@@ -95,7 +95,7 @@ def report_running(
             resolve(result, here.name),
             profiles,
             step_flags=_step_flags(there, here, called),
-            inputs=_executed_inputs(report, there),
+            inputs=_renamed_variables(here, called) | _executed_inputs(report, there),
             free_inputs=ALL_FREE,
             cap=_CAP,
             runs=_RUNS,
@@ -206,6 +206,12 @@ def _step_flags(there: Chart, here: Chart, called: Mapping[str, str]) -> dict[st
     if all(name == step for name, step in found.items()):
         return None
     return {step.name: found[step.name] for step in there.chart.steps if step.name in found}
+
+
+def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]:
+    """Return the names in the source of variables of a POU of the result that have others there."""
+    paths = {variable.name: f"{here.pou.report_path} / {variable.name}" for variable in here.pou.variables()}
+    return {name: ObjectPath.of(called[path]).last for name, path in paths.items() if path in called}
 
 
 def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:

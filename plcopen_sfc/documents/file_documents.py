@@ -38,6 +38,7 @@ from plcopen_sfc.formats.provenance import (
 )
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.translation.renames import NameScope, kept_names
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody
@@ -249,7 +250,21 @@ def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
             if transition.id in earlier:
                 path = f"{new.report_path} / transition {labels[transition.id]}"
                 called[path] = f"{old.report_path} / transition {earlier[transition.id]}"
+    called |= _renamed_variables(project, copy)
     return {path: old for path, old in called.items() if path != old}
+
+
+def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:
+    """Return the paths in the source of variables of POUs whose names the dialect of the other side does not take."""
+    from_s7, to_s7 = kept_names(copy), kept_names(project)
+    found = {}
+    for old, new in zip(project.pous, copy.pous, strict=True):
+        known = {variable.name.casefold(): variable.name for variable in old.variables()}
+        for name in (variable.name for variable in new.variables() if variable.name.casefold() not in known):
+            other = from_s7.old_name(NameScope.LOCAL, name) or to_s7.new_name(NameScope.LOCAL, name)
+            if other is not None and other.casefold() in known:
+                found[f"{new.report_path} / {name}"] = f"{old.report_path} / {known[other.casefold()]}"
+    return found
 
 
 def _charts_of(pou: Pou) -> list[Chart]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from typing import Any
 
 import pytest
@@ -280,6 +281,27 @@ def test_an_action_with_an_operation_is_no_row(value: str) -> None:
     chart = next(sfc.loads(data, as_tool=True).charts()).chart
     called = [row.qualifier for step in chart.steps for row in step.actions if row.target is None]
     assert called == ["CALL"]
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+def test_variables_whose_names_the_target_reserves_are_the_same_on_both_sides(target: str) -> None:
+    text = """{plcopen_sfc project.dialect := 'scl'}
+FUNCTION_BLOCK Seq
+    VAR_INPUT sel, go : Bool; END_VAR
+    VAR_OUTPUT mux, w : Bool; END_VAR
+    INITIAL_STEP A: #w(N); END_STEP
+    TRANSITION FROM A TO B := #sel; END_TRANSITION
+    STEP B: #mux(N); END_STEP
+    TRANSITION FROM B TO A := NOT #sel AND #go; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    data = io.BytesIO()
+    report = sfc.save(project, data, format=target, limit=20)
+    names = {variable.name for variable in sfc.loads(data.getvalue()).pou("Seq").variables()}
+    assert {"sel_2", "mux_2"} <= names
+    assert re.match(r"equal(, second 1 scan later)? \(proof: ", report.compared["POU Seq"]), report.compared
+    assert not report.losses
 
 
 @pytest.mark.corpus
