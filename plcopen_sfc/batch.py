@@ -123,7 +123,7 @@ def apply(
     wanted = list(paths)
     work = partial(_applied, prepared, given, prove)
     run = [prepared.path, prepared.text or ""] if isinstance(prepared, Script) else [repr(prepared), ""]
-    with Journal(journal, [*run, given, write, prove]) if journal else nullcontext() as kept:
+    with RunJournal(journal, [*run, given, write, prove]) if journal else nullcontext() as kept:
         done = kept.done if kept is not None else {}
         fresh = results(work, [each for each in wanted if each not in done], jobs, scheduler=scheduler, lost=_lost)
         for path in wanted:
@@ -138,7 +138,7 @@ def _lost(path: str, why: str) -> AppliedFile:
     return AppliedFile(path, error=why)
 
 
-def _finished(found: AppliedFile, journal: Journal | None, *, write: bool) -> AppliedFile:
+def _finished(found: AppliedFile, journal: RunJournal | None, *, write: bool) -> AppliedFile:
     """Write what changes, and note it in the journal: before, so that an interruption in between is seen, and after."""
     try:
         if write and not found.error:
@@ -165,7 +165,7 @@ def _write(changes: Sequence[FileChange]) -> None:
             Path(change.path).unlink(missing_ok=True)
 
 
-class Journal:
+class RunJournal:
     """What a run has done, in lines of JSON: a head, then for each path one before it is written and one after.
 
     `done` has by path why it failed, empty where it did not. `run` is what the run does, as plain data. Raises
@@ -177,7 +177,7 @@ class Journal:
         self._head = blake2b(json.dumps(run, sort_keys=True).encode(), digest_size=16).hexdigest()
         self.done: dict[str, str] = {}
 
-    def __enter__(self) -> Journal:
+    def __enter__(self) -> RunJournal:
         lines = read_bytes(self._path).decode("utf-8", "replace").split("\n")[:-1] if Path(self._path).exists() else []
         try:
             read: Iterable[dict[str, Any]] = map(json.loads, lines) if lines else [{"run": self._head}]

@@ -206,12 +206,22 @@ def _convert(
 ) -> int:
     """Write files in another format and report every item."""
     from plcopen_sfc.cli.commands import convert
+    from plcopen_sfc.documents.storage import SaveOptions
 
     page = report if report is not None and report.suffix.casefold() in {".html", ".htm"} else None
     if page is not None:
         screen.report = None
-    seconds, resting = convert.limit_in_seconds(limit), o.names(at_rest)
-    saving = convert.SaveOptions(to, flavour, tia, strict, partial, fresh, normalize, seconds, resting)
+    saving: SaveOptions = {
+        "format": to,
+        "flavour": flavour,
+        "tia": tia,
+        "strict": strict,
+        "partial": partial,
+        "fresh": fresh,
+        "normalize": normalize,
+        "limit": convert.limit_in_seconds(limit),
+        "at_rest": o.names(at_rest),
+    }
     how = convert.ConvertOptions(saving, as_tool, accept_errors, accept_untested, page, lang)
     return convert.run(screen, files, how, resume)
 

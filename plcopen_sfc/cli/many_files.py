@@ -176,7 +176,7 @@ def replay(screen: Screen, printed: Iterable[PrintedLine | Table], *, results: b
 
 
 @dataclass(frozen=True)
-class Outcome:
+class FileResult:
     """What came of one file. `value` is what the work returned; `resumed`: the run that was resumed had done it."""
 
     path: str
@@ -202,7 +202,7 @@ def for_each(
     jobs: int = 1,
     journal: tuple[Path, object] | None = None,
     told: bool = True,
-) -> list[Outcome]:
+) -> list[FileResult]:
     """Do `work(screen, path)`, or `work(screen, path, what)` of a mapping, with each, and show it in their order.
 
     An error is printed, and stops no other file; the exit code is the worst of all. With several jobs `work` has to be
@@ -211,13 +211,13 @@ def for_each(
     its source. `told`: how many files were fine is printed in the end.
     """
     from plcopen_sfc.analysis.processes import results  # noqa: PLC0415  # brings process pools with it
-    from plcopen_sfc.batch import Journal  # noqa: PLC0415
+    from plcopen_sfc.batch import RunJournal  # noqa: PLC0415
 
     given = [*things.items()] if isinstance(things, Mapping) else [(path,) for path in things]
     if len(given) == 1 and journal is None:
         return [_alone(screen, work, given[0])]
-    outcomes: list[Outcome] = []
-    with Journal(str(journal[0]), journal[1]) if journal is not None else nullcontext() as kept:
+    outcomes: list[FileResult] = []
+    with RunJournal(str(journal[0]), journal[1]) if journal is not None else nullcontext() as kept:
         done = {each[0] for each in given if kept is not None and _is_done(each, kept.done)}
         made = results(
             partial(_recorded, RecordedScreen.like(screen), work),
@@ -225,7 +225,7 @@ def for_each(
             jobs,
             lost=_lost,
         )
-        ordered = (Outcome(path, resumed=True) if path in done else next(made) for path, *_ in given)
+        ordered = (FileResult(path, resumed=True) if path in done else next(made) for path, *_ in given)
         for outcome in screen.progress(ordered, doing, len(given)):
             replay(screen, outcome.printed)
             screen.exit_code = max(screen.exit_code, outcome.exit_code)
@@ -237,7 +237,7 @@ def for_each(
     return outcomes
 
 
-def _alone(screen: Screen, work: Callable[..., Any], thing: tuple[Any, ...]) -> Outcome:
+def _alone(screen: Screen, work: Callable[..., Any], thing: tuple[Any, ...]) -> FileResult:
     """Do the work with one file on the screen itself."""
     path = thing[0]
     try:
@@ -246,11 +246,11 @@ def _alone(screen: Screen, work: Callable[..., Any], thing: tuple[Any, ...]) -> 
     except SfcError as error:
         screen.exit_code = UNREADABLE
         screen.error(error)
-        return Outcome(path, error=error, exit_code=UNREADABLE)
-    return Outcome(path, value, exit_code=screen.exit_code)
+        return FileResult(path, error=error, exit_code=UNREADABLE)
+    return FileResult(path, value, exit_code=screen.exit_code)
 
 
-def _recorded(new_screen: Callable[[], RecordedScreen], work: Callable[..., Any], thing: tuple[Any, ...]) -> Outcome:
+def _recorded(new_screen: Callable[[], RecordedScreen], work: Callable[..., Any], thing: tuple[Any, ...]) -> FileResult:
     screen, path = new_screen(), thing[0]
     try:
         found = _alone(screen, work, thing)
@@ -260,15 +260,15 @@ def _recorded(new_screen: Callable[[], RecordedScreen], work: Callable[..., Any]
         hint = "This is a bug in plcopen_sfc, please report it; --verbose shows the details of this file alone."
         error = SfcError(f"{type(mistake).__name__}: {mistake}", location=Location(path), hint=hint)
     else:
-        return Outcome(path, found.value, found.error, found.exit_code, screen.printed)
+        return FileResult(path, found.value, found.error, found.exit_code, screen.printed)
     screen.error(error)
-    return Outcome(path, error=error, exit_code=UNREADABLE, printed=screen.printed)
+    return FileResult(path, error=error, exit_code=UNREADABLE, printed=screen.printed)
 
 
-def _lost(thing: tuple[Any, ...], why: str) -> Outcome:
+def _lost(thing: tuple[Any, ...], why: str) -> FileResult:
     line: Line = [("error: ", "bold red"), (f"{thing[0]}: {why}", "")]
     error = SfcError(why, location=Location(thing[0]))
-    return Outcome(thing[0], error=error, exit_code=UNREADABLE, printed=[PrintedLine(line, message=True)])
+    return FileResult(thing[0], error=error, exit_code=UNREADABLE, printed=[PrintedLine(line, message=True)])
 
 
 def _is_done(thing: tuple[Any, ...], done: Mapping[str, str]) -> bool:
@@ -284,7 +284,7 @@ def _is_done(thing: tuple[Any, ...], done: Mapping[str, str]) -> bool:
 # -- summary ----------------------------------------------------------------------------------------------------------
 
 
-def _summarise(screen: Screen, outcomes: Sequence[Outcome]) -> None:
+def _summarise(screen: Screen, outcomes: Sequence[FileResult]) -> None:
     words = Counter(
         "failed" if each.error is not None
         else "done before" if each.resumed

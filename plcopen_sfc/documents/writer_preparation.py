@@ -49,17 +49,15 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     """Return a copy of `project` for the writer of the format `kind`."""
     dialect = kind.dialect or (Dialect.IEC if options.flavour else None)
     same_dialect = dialect in (None, project.dialect)
-    of_matiec = default_profile(project).for_asks_ahead
-    if of_matiec and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
+    profile = default_profile(project)
+    if profile.for_asks_ahead and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
-    if kind.tool and dialect is None and not options.same and family(project.dialect) is Dialect.CODESYS:
-        _note_wider_arithmetic(project, kind, report)
     if kind.tool and not options.same:
+        _note_wider_arithmetic(project, kind, dialect, report)
         _note_operands(project, kind, report)
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
-    profile = default_profile(project)
     of_grafcet = not options.same and is_put_into_sfc(project, kind)
     as_it_is = same_dialect and lacks_nothing and not options.flavour and not results and not of_grafcet
     if kind.drawing is DrawingNeed.NONE and as_it_is:
@@ -79,7 +77,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         options,
         of_graph=profile.graph_parameters,
         of_codesys=bool(profile.flags),
-        of_matiec=of_matiec,
+        of_matiec=profile.for_asks_ahead,
         final_scan=profile.final_scan,
     )
     if profile.graph_parameters and kind.name != TIA_FORMAT:
@@ -265,8 +263,13 @@ def _elementary_type(resolver: Resolver, chart: Chart, name: str) -> Elementary 
     return found.name if isinstance(found, ElementaryType) else None
 
 
-def _note_wider_arithmetic(project: Project, kind: Format, report: ConversionReport) -> None:
-    """Report texts of CODESYS that stay as they are in files for other tools, and calculate in 16 bits there."""
+def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
+    """Report texts of CODESYS that stay as they are in files for other tools, and calculate in 16 bits there.
+
+    `dialect`: that of the file; None where it has the texts as they are.
+    """
+    if dialect is not None or family(project.dialect) is not Dialect.CODESYS:
+        return
     from plcopen_sfc.refactor.dialect import texts_that_calculate_wider  # noqa: PLC0415  # rarely needed
 
     for path in texts_that_calculate_wider(project, Dialect.IEC):

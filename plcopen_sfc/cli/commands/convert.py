@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.report_items import show_counts, show_items, show_not_executed
 from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.documents.storage import SaveOptions
 from plcopen_sfc.errors import InputError, Location, LossError
 from plcopen_sfc.files import folder_exists, refuse_empty, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.registry import format_named
@@ -23,23 +24,8 @@ _FINDINGS = 1
 
 
 @dataclass(frozen=True)
-class SaveOptions:
-    """Options of the command: those of `plcopen_sfc.api.save`."""
-
-    format: str
-    flavour: str = ""
-    tia: str = ""
-    strict: bool = False
-    partial: bool = False
-    fresh: bool = False
-    normalize: bool = False
-    limit: float = 0
-    at_rest: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
 class ConvertOptions:
-    """Options of the command, with those of saving.
+    """Options of the command, with those of saving, the `format` to write among them.
 
     `as_tool`: as its tool sees the source. A chart of which not all was reached when it was run in both tools is a
     finding, unless `accept_untested`. `page`: the report as HTML with the charts of both, in the language `lang`.
@@ -51,6 +37,11 @@ class ConvertOptions:
     accept_untested: bool = False
     page: Path | None = None
     lang: str = "en"
+
+    @property
+    def format(self) -> str:
+        """The format to write, as it was named."""
+        return self.saving["format"] or ""
 
 
 def limit_in_seconds(limit: str) -> float:
@@ -65,7 +56,7 @@ def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | N
     """
     if how.page is not None:
         refuse_unwritable(how.page)
-    kind = format_named(how.saving.format)[0]
+    kind = format_named(how.format)[0]
     extension = kind.extensions[0]
     sources, target = files.with_target()
     for name in sources.named:
@@ -74,7 +65,7 @@ def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | N
         (source,) = sources.named
         if target is None:
             from_stdin = source == STANDARD_STREAM
-            target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.saving.format, extension)
+            target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.format, extension)
         _refuse_another_source(source, target, kind.name)
         with written_to_stdout(screen, target, extension) as place:
             report = _convert(how, target, screen, source, place)
@@ -85,7 +76,7 @@ def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | N
     made = targets(
         sources,
         target,
-        lambda path: _beside(path, how.saving.format, extension),
+        lambda path: _beside(path, how.format, extension),
         lambda name: f"{name}/" if kind.folders and not Path(name).suffix else str(Path(name).with_suffix(extension)),
     )
     work = partial(_convert_one_of_many, how)
@@ -119,7 +110,7 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
         project.accept_errors()
     page, lang = how.page, how.lang
     try:
-        report = save(project, place, **asdict(how.saving))
+        report = save(project, place, **how.saving)
     except LossError as loss:
         _show(screen, loss.report)
         if page is not None:
@@ -133,7 +124,7 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
     _show(screen, report)
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         _show_written(screen, target, report)
-    if not how.saving.limit and not report.unchanged and not report.compared and any(project.charts()):
+    if not how.saving.get("limit") and not report.unchanged and not report.compared and any(project.charts()):
         screen.note("no chart was run in both tools (--limit 0): the report rests on what was written alone")
     if report.untested and not how.accept_untested:
         is_run = any(not report.compared[path].startswith("not compared") for path in report.untested)
