@@ -62,7 +62,7 @@ class FileChange:
 
 @dataclass(frozen=True)
 class AppliedFile:
-    """What a script did to the project at `path`, a file or a folder. `error`: why it failed, and nothing changes.
+    """Result of a script for the project at `path`, a file or a folder. `error`: why it failed, and nothing changes.
 
     `proofs`: whether what it changed still does the same, where that was asked for. `resumed`: the run that was resumed
     had done it; what changed is not known any more. `returned` is what the script returned, `lost` has the items that
@@ -87,7 +87,7 @@ class Script:
 
 
 Edit = Callable[[Project], Any]
-"""What changes a project. Several processes need one that can be pickled; a journal knows it by its `repr`."""
+"""A function that changes a project. Several processes need a picklable one; a journal knows it by its `repr`."""
 
 
 def apply(
@@ -166,7 +166,7 @@ def _write(changes: Sequence[FileChange]) -> None:
 
 
 class RunJournal:
-    """What a run has done, in lines of JSON: a head, then for each path one before it is written and one after.
+    """The progress of a run, in lines of JSON: a head, then for each path one before it is written and one after.
 
     `done` has by path why it failed, empty where it did not. `run` is what the run does, as plain data. Raises
     `ScriptError` for the journal of another run.

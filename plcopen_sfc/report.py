@@ -30,13 +30,13 @@ class Outcome(StrEnum):
 
 
 LOSSES = (Outcome.NOT_EXECUTED, Outcome.APPROXIMATED)
-"""What changes the behaviour of the machine, the worst first: ``strict`` does not let it pass."""
+"""Outcomes that change the behaviour of the machine, the worst first: ``strict`` does not let them pass."""
 CHART_OF_ACTION = "chart of an action"
-"""What an item is about that tells of a block for the chart of an action; a run may show that it does the same."""
+"""Subject of items that tell of a block for the chart of an action; a run may show that it does the same."""
 SEQUENCE = "sequence"
-"""What an item is about that tells which inputs, at rest, keep the form of the sequences of a chart."""
+"""Subject of items that tell which inputs, at rest, keep the form of the sequences of a chart."""
 FIELD = "field"
-"""What an item is about that concerns a part of an object which no machine executes, as the result is read again."""
+"""Subject of items about a part of an object that no machine executes, found as the result is read again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +171,7 @@ class Use:
 
 @dataclass(frozen=True, slots=True)
 class Undecided:
-    """A place that has the old name, and why nobody can tell whether it means what was renamed."""
+    """A place that has the old name, and why it is unknown whether it means what was renamed."""
 
     use: Use
     reason: str

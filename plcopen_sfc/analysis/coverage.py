@@ -34,9 +34,9 @@ _LIMITED = (Qualifier.L, Qualifier.SL)
 _UNDECIDED = ("can never decide it", "never decided it")
 
 Key = tuple[str, str, int, str]
-"""What can be reached: the chart or text it stands in, its name, a number where names are not unique, and the condition
-that an assignment stands behind, or the part of the condition of a transition. An outcome has its value as number, a
-part of a condition in a text -1."""
+"""A part that can be reached: the chart or text that it is in, its name, a number where names are not unique, and the
+condition that an assignment stands behind, or the part of the condition of a transition. An outcome has its value as
+number, a part of a condition in a text -1."""
 
 
 @dataclass(frozen=True)

@@ -98,10 +98,10 @@ def _is_divided(chart: SfcNetwork) -> bool:
 
 
 _WRITTEN = {"R_TRIG": ("q",), "F_TRIG": ("q",), "CTU": ("q",), "CTD": ("q",), "CTUD": ("qu", "qd")}
-"""What a call of a standard block writes in any case, without looking at the old value."""
+"""Members that a call of a standard block writes in any case, without looking at the old value."""
 
 _NOT_READ = {"TON": ("et",), "TOF": ("et",), "TP": ("et",)}
-"""What a call may write, but does not look at."""
+"""Members that a call may write, but does not look at."""
 
 
 def dead_cells(instance: Instance, observed: Collection[str]) -> list[tuple[list[Any], int, Value | None]]:

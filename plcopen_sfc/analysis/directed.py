@@ -61,7 +61,7 @@ _MOST_OTHERS = 8
 
 _MOST_STATES = 20_000
 _BOUND_TRIES = 3
-"""How often a bound of a comparison is solved."""
+"""Limit for solving one bound of a comparison."""
 
 _PHASES = 10
 """Parts of the effort: after one without anything new, what is left is looked at whether it is reachable at all.
@@ -70,7 +70,7 @@ After the next ones the rest is wanted in turn with it.
 """
 
 _TRIES = 8
-"""How often inputs are tried that z3 has found for a part of a condition."""
+"""Limit for trying inputs that z3 has found for a part of a condition."""
 
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 

@@ -5,8 +5,8 @@ compare it with constants: one for each constant, and one of each interval betwe
 when the programs run: they get a `Probe` instead of a number, which answers comparisons and notes what it is compared
 with. Anything else that is done with a probe ends the proof (`NotProvableError`).
 
-A number that nobody keeps needs no values to be tried one after the other: it begins as all that its type can hold, and
-each comparison that this does not decide splits it. So a scan that asks `Level > 80` runs twice, however many other
+A number that nothing keeps needs no values to be tried one after the other: it begins as all that its type can hold,
+and each comparison that this does not decide splits it. So a scan that asks `Level > 80` runs twice, however many other
 constants the programs compare the level with in other steps.
 """
 

@@ -91,7 +91,7 @@ _MOST_RUN_ALONE = 20_000
 """Scans of a difference that are run one by one; in longer ones those are skipped in which only clocks go on."""
 
 _QUICK_RUNS, _QUICK_SCANS = 12, 60
-"""What each of several delays is tried with before it is searched whether it fits."""
+"""Trial of each of several delays before it is searched whether it fits."""
 
 
 class Searching(TypedDict, total=False):

@@ -56,7 +56,7 @@ class VariableValues:
 
 
 Knowledge = Callable[[Expression], VariableValues | LiteralValue | None]
-"""What is known of a name in a condition: the values it can have, its constant value, or nothing."""
+"""Knowledge of a name in a condition: the values it can have, its constant value, or nothing."""
 
 
 KIND_OF_LITERAL = {

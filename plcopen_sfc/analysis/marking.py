@@ -177,7 +177,7 @@ def _sets(net: Net, competing: Competing, marking: int, enabled: tuple[int, ...]
 
 
 DEFAULT_CAP = 100_000
-"""How many markings are visited unless the caller says otherwise: a second or so, and some 20 MB."""
+"""Number of markings that are visited unless the caller says otherwise: a second or so, and some 20 MB."""
 
 
 @dataclass(frozen=True)

@@ -209,7 +209,7 @@ class _Abstract:
         if self._first:
             self._names.clear()
         for cells, slot in self._cells:
-            if isinstance(cells[slot], Term | int | float):  # else nobody uses it
+            if isinstance(cells[slot], Term | int | float):  # else nothing uses it
                 cells[slot] = self._names.of(cells[slot])
         return self._names.in_all(self._system.snapshot())
 

@@ -40,7 +40,7 @@ _BEFORE_GIVING_UP = 4
 """The part of all scans that are run before it is estimated how many more there will be."""
 
 BOTH_FAIL = "both end with an error"
-"""How a note begins that says so."""
+"""Beginning of a note about it."""
 
 InputReader = Callable[[str], Any]
 
@@ -85,7 +85,7 @@ class Branching:
         self._cursor = 0
         self.values: dict[str, Any] = {}
         self.answers: dict[Hashable, bool] = {}
-        """What came out of questions in this scan that nothing decides."""
+        """Answers in this scan to questions that nothing decides."""
 
     def combinations(self) -> Iterator[dict[str, Any]]:
         """Run the body of the loop once for each combination; it reads its inputs with `read`."""
@@ -315,7 +315,7 @@ def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
     """Return why two systems cannot be compared any further, and the error.
 
     Both fail, or neither of them becomes stable; or orders of a chart contradict each other, which is a mistake of its
-    author: nobody can say what follows; or the user does not want to know what follows. That only one of them never
+    author: what follows is unknown; or the user does not want to know what follows. That only one of them never
     becomes stable is a difference. Raises an error that says that a system cannot be executed at all.
     """
     for failure in failures:

@@ -45,7 +45,7 @@ class ReducedNet:
         self._next = 0
         self._waiting = dict.fromkeys(self._places)
         self.unsafe = False
-        """Whether a place got two tokens: then some step of the net can get two."""
+        """True if a place got two tokens: then some step of the net can get two."""
         for transition in net.transitions:
             self._add(set(transition.sources), set(transition.targets))
         for pre, post in closing:

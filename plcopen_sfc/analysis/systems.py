@@ -55,7 +55,7 @@ class FreeCalls(UnknownCalls):
         super().__init__()
         self.is_delayed = False
         self.number: Callable[[Hashable], Any] | None = None
-        """What stands for a number that is the answer to a question, where numbers need not be known."""
+        """Stand-in for a number that is the answer to a question, where numbers need not be known."""
         self._branching: Branching | None = None
 
     def begin_scan(self, branching: Branching | None) -> None:

@@ -2,8 +2,8 @@
 
 Lowered charts measure the time of a step with an on-delay that never ends (``Fill_time.ET >= T#5s``). Its elapsed time
 would go on growing for days while the step waits for something else, and every millisecond would be a state: beyond the
-greatest constant that it is compared with that makes no difference. And a timer that an action started and nobody calls
-any more would go on growing forever: once its time is over it makes no difference when it was started.
+greatest constant that it is compared with that makes no difference. And a timer that an action started and nothing
+calls any more would go on growing forever: once its time is over it makes no difference when it was started.
 
 `Clocking` and `StepTimes` say how far a search must follow times, and in which steps.
 """

@@ -177,7 +177,7 @@ def replay(screen: Screen, printed: Iterable[PrintedLine | Table], *, results: b
 
 @dataclass(frozen=True)
 class FileResult:
-    """What came of one file. `value` is what the work returned; `resumed`: the run that was resumed had done it."""
+    """Result for one file. `value` is what the work returned; `resumed`: the run that was resumed had done it."""
 
     path: str
     value: Any = None

@@ -34,9 +34,9 @@ _LISTS = ("list of global variables", "data block")
 _MEMBERS = ("global variable", "variable", "member", "action of the POU", "named transition")
 _CHARTS = frozenset({"chart", "partial chart", "macro-step"})
 _ENOUGH = 0.5
-"""How much of a thing must be the same."""
+"""Share of a thing that must be the same."""
 _ALIKE = 0.6
-"""How alike two names must be where there is nothing else to know a thing by (`difflib`)."""
+"""Likeness of two names that is enough where there is nothing else to know a thing by (ratio of `difflib`, 0 to 1)."""
 
 
 def renamed_outer(left: Part, right: Part) -> Iterator[Renaming]:
@@ -231,7 +231,7 @@ class _Walk:
 
 
 _LEAST = 0.3
-"""How much of the content of a step must be the same at the same place."""
+"""Share of the content of a step that must be the same at the same place."""
 
 _Edges = tuple[dict[str, list[tuple[str, Meaning | None]]], dict[str, list[tuple[str, Meaning | None]]]]
 

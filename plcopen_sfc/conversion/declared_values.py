@@ -173,7 +173,7 @@ class StartValues:
         return _Start(parts=tuple(parts))
 
     def _plain(self, value: Value, *, named: bool = False) -> _Start:
-        """A value as it is written; `named`: of a type that nothing declares, whose usual value nobody knows."""
+        """A value as it is written; `named`: of a type that nothing declares, whose usual value is unknown."""
         if isinstance(value, StructValue):
             members = sorted(value.members, key=lambda each: each.member.casefold())
             parts = tuple((each.member.casefold(), self._plain(each.value, named=True)) for each in members)

@@ -22,7 +22,7 @@ STORED = "stored value of "
 PLAIN_VARIABLES = "plain variables"
 """The aspect that lists variables of a chart of another tool whose names are parameters of charts of S7-GRAPH."""
 STABILITY, START = "search for stability", "start of several sequences"
-"""What reports call that charts of a GRAFCET evolve once in a scan, and that they begin with a step of their own."""
+"""Subject of items that tell that charts of a GRAFCET evolve once in a scan, and begin with a step of their own."""
 SHOWN_STATE = "shown state"
 """The aspect that lists outputs by which a chart of S7-GRAPH tells its state."""
 OPERATING_INPUT = "operating input"
@@ -30,7 +30,7 @@ OPERATING_INPUT = "operating input"
 UNUSED_INPUT = "unused operating input"
 """The kind of those that nothing in the project operates, although it has an instance of the block."""
 RESTING_INPUT = "operating input at rest"
-"""The kind of those of which the user says that nobody operates them."""
+"""The kind of those that are at rest, as the user says."""
 OPERATING_KINDS = frozenset({OPERATING_INPUT, UNUSED_INPUT, RESTING_INPUT})
 UNDECLARED_TYPE = "undeclared type"
 """The kind of parts that are names of types which nothing declares."""
@@ -42,7 +42,7 @@ class Detail(IntEnum):
     """Detail in which a tree tells of a project."""
 
     EXECUTED = 0
-    """What a controller executes, by what it does: conversions are compared by that."""
+    """A part that a controller executes, by what it does: conversions are compared by that."""
     MEANT = 1
     """Also what people and tools look at: comments, excluded elements, times of alarms, all types."""
     WRITTEN = 2

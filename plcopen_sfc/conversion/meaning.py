@@ -192,7 +192,7 @@ def _network_statements(body: FbdBody | LdBody, dialect: Dialect, named: Renamin
 
 
 def _obstacles(found: NetworkText) -> list[str]:
-    """What keeps a network from being executed.
+    """Return what keeps a network from being executed.
 
     Titles and attributes are elements that other tools do not know; no machine executes them.
     """

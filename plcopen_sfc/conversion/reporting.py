@@ -343,11 +343,11 @@ def _name_of(path: str) -> str:
 _WRITTEN_OTHERWISE = ("condition", "interlock", "supervision", "code")
 """Aspects in whose place writers put an undeclared name."""
 _IN_PLACE = re.compile(r"undeclared name (\w+)")
-"""How writers tell the name that they put in place of what the target cannot say."""
+"""Form in which writers tell the name that they put in place of what the target cannot say."""
 _LACKED = re.compile(
     r"(?:has no (?:counterpart of|function block|function|type) |declares `)([\w.]+)|(\w+) is no standard function"
 )
-"""How they tell the name of a function or a type that the target lacks."""
+"""Form in which they tell the name of a function or a type that the target lacks."""
 
 
 def _rewritten_steps(differences: Iterable[ExecutionDifference], settled: Counter[tuple[str, str]]) -> set[str]:

@@ -81,7 +81,7 @@ def read_later(
 
 
 _KNOWN: ContextVar[dict[int, tuple[LateElement, bool]] | None] = ContextVar("untouched", default=None)
-"""What is known to be untouched or not while nothing edits it, by its `id()`, with the object, which keeps its id."""
+"""Objects known to be untouched or not while nothing edits them, by `id()`, with the object, which keeps its id."""
 
 
 @contextmanager

@@ -54,7 +54,7 @@ COMPARISONS = {
     "LE": Operator.LESS_OR_EQUAL,
     "LT": Operator.LESS,
 }
-"""What operators with an operand do with it and the current result."""
+"""Effect of operators on their operand and the current result."""
 
 _SYMBOLS = frozenset({"OPERATOR", "NOT", "RPAR"})
 
@@ -200,7 +200,7 @@ def statements_with_result(
 
 
 _MOST_WAYS = 32
-"""How many ways through a list are joined to one expression: each jump can double its size."""
+"""Number of ways through a list that are joined to one expression: each jump can double its size."""
 
 
 class _Result:
@@ -344,7 +344,7 @@ def statements(text: str, dialect: Dialect, *, among_others: bool = False) -> n.
 _RETURNS = frozenset({"RET", "RETC", "RETCN"})
 
 _MOST_RUNS = 1_000
-"""How many ways through a list are tried: each jump can double them."""
+"""Number of ways through a list that are tried: each jump can double them."""
 
 
 class _Statements:

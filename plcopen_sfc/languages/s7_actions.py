@@ -38,7 +38,7 @@ from plcopen_sfc.model.variables import SectionKind
 _MOST_CHARACTERS = 100_000
 _INDENT = "    "
 _OPENS = re.compile(r"\b(?:THEN|ELSE|DO|OF|REPEAT)\b|:(?!=)", re.IGNORECASE)
-"""What statements are in, where it begins in the same line."""
+"""Words that statements are in, where they begin in the same line."""
 _PLAIN = re.compile(r"[\w#.:]+|'[^']*'")
 _UNSEEN = {
     SectionKind.TEMP: "a temporary variable",

@@ -176,7 +176,7 @@ S7_INSTANCES = {
     **{f"L{timer}": f"{timer}_LTIME" for timer in ("TON", "TOF", "TP")},
     **{counter: f"{counter}_INT" for counter in ("CTU", "CTD", "CTUD")},
 }
-"""What TIA Portal calls the types of instances of standard function blocks, where that is not the name of the block."""
+"""Types of instances of standard function blocks in TIA Portal, where these are not named like the block."""
 S7_VERSION = "1.0"
 """The version of the timers, counters and edges of IEC 61131-3 in TIA Portal."""
 

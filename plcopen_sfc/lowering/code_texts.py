@@ -541,7 +541,7 @@ class GermanTexts(Texts):
 
 
 _REACHED = {"step": "Schritten", "transition": "Transitionen", "action": "Aktionen"}
-"""What a header counts, with its German words."""
+"""Things that a header counts, with their German words."""
 
 TEXTS = {"en": Texts(), "de": GermanTexts()}
 """The texts by language."""

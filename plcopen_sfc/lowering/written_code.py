@@ -40,7 +40,7 @@ _MOST_LIKELY = (
     *("networks", "bodies", "body", "actions", "methods"),
     *("return type", "sections", "variables", "type", "initial"),
 )
-"""Which of all others a message names first."""
+"""Order in which a message names the others."""
 _NAMED = 3
 _SHOWN = 100
 

@@ -192,7 +192,7 @@ _WANTED = {
     "list_type": "a list",
     "dict_type": "a mapping",
 }
-"""What a field needs, by the type of pydantic's error."""
+"""Needs of a field in words, by the type of pydantic's error."""
 
 
 def _problem(model: type[BaseModel], owner: str, kind: str, loc: Sequence[int | str], error: Mapping[str, Any]) -> str:

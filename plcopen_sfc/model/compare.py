@@ -36,7 +36,7 @@ _KINDS: tuple[tuple[type[Any], str], ...] = (
     (Tag, "tag"),
     (LogicNetwork, "network"),
 )
-"""What messages and reports call the objects in lists; variables have their names alone."""
+"""Words for the objects of lists in messages and reports; variables have their names alone."""
 
 _SECTION = "section"
 _UNNAMED = frozenset({"body", "chart", "interface"})

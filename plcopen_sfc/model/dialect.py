@@ -19,4 +19,4 @@ class Dialect(StrEnum):
 
 
 STRING_LENGTHS = {Dialect.SCL: "254", Dialect.CODESYS: "80"}
-"""How many characters a string has whose declaration does not say it; IEC 61131-3 leaves that to the tool."""
+"""Length of a string, in characters, whose declaration gives none; IEC 61131-3 leaves it to the tool."""

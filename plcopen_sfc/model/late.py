@@ -125,7 +125,7 @@ class LateElement(Owned, Element):
 
 
 _ELSEWHERE_WRITTEN = re.compile(r"""[^\x20-\x7e]|["'&<>\\]""")
-"""What a name has that XML or JSON may write in another way."""
+"""Characters of names that XML or JSON may write in another way."""
 
 
 _DOT = re.compile(r"\.(?:\s|\\[nrt]|\\?\"|#|&quot;|&\#\w+;|\(\*.*?\*\)|/\*.*?\*/|//.*?(?:\n|\\n|&\#\w+;))*", re.DOTALL)

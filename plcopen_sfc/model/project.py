@@ -352,7 +352,7 @@ class Project(Owned, Element):
         return results
 
     def find(self, pattern: str, kind: str | None = None) -> list[Declaration]:
-        """What the project declares by this pattern (``*`` and ``?``): ``project.find("Motor*", "variable")``.
+        """Return what the project declares by this pattern (``*`` and ``?``): ``project.find("Motor*", "variable")``.
 
         It is compared with the whole path (``Main.Motor1``) and with its end (``Motor1``); case does not matter. `kind`
         is one of `plcopen_sfc.languages.binding.Kind`. Each has its `kind`, `path`, and the object (`holder`).

@@ -19,7 +19,7 @@ class ProjectObject(OwnedName, LateElement):
     folder: str | None = None
 
     kind_in_reports: ClassVar[str] = ""
-    """What messages and reports call such an object."""
+    """Word for such an object in messages and reports."""
 
     @property
     def report_path(self) -> str:

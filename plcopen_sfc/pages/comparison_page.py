@@ -24,10 +24,10 @@ _MARKS = {
     Outcome.DROPPED: "found-warning",
     Outcome.TRANSLATED: "found-info",
 }
-"""How steps and transitions look that an item of a report is about; the worst first."""
+"""Styles of steps and transitions that an item of a report is about; the worst first."""
 _MOST_ITEMS = 500
 _FEWEST_GROUPED = 3
-"""How many items with one reason are behind one line."""
+"""Number of items with one reason that are behind one line."""
 
 
 def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en") -> str:

@@ -17,7 +17,7 @@ from plcopen_sfc.version import __version__
 
 
 class ChartVerdict(StrEnum):
-    """What running a chart in both tools showed."""
+    """Result of running a chart in both tools."""
 
     SAME = "the same"
     DELAYED = "the same, a scan later"
@@ -105,7 +105,7 @@ _TASKS = {
     "condition": "Program these conditions",
     "condition of the transition": "Program these conditions",
 }
-"""What a person does about the losses of a kind, by what they are of."""
+"""Tasks for a person after the losses of a kind, by their subject."""
 
 
 def tasks(report: ConversionReport, words: Words, *, written: bool) -> Html:

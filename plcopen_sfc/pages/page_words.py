@@ -186,7 +186,7 @@ _RULES = {
     "LOW01": "Keine zwei Schritte f\u00fchren zueinander",
     "LOW02": "Keine Transition f\u00fchrt zu ihrem eigenen Schritt zur\u00fcck",
 }
-"""What each rule of `check` wants, by its code. The messages of findings are English."""
+"""Demand of each rule of `check`, by its code. The messages of findings are English."""
 
 
 class Words:

@@ -1,4 +1,4 @@
-"""What an edit changed, so that it can be taken back: a project is as it was before, its objects are the same."""
+"""Record of an edit, so that it can be taken back: a project is as it was before, its objects are the same."""
 
 from __future__ import annotations
 

@@ -177,7 +177,7 @@ def _closure(chart: SfcNetwork, start: StepKey, sides: Callable[[Transition], tu
 
 
 def find_declared(project: Project, pattern: str, kind: str | None = None) -> list[Declaration]:
-    """What a project declares by a pattern for its path or the end of its path."""
+    """Return what a project declares by a pattern for its path or the end of its path."""
     check_argument(pattern, str, 'find needs a pattern: "Motor*"')
     if kind is not None and kind not in [*Kind]:
         raise ModelError(f"{kind!r} is no kind of declaration{nearest(kind, [*Kind])}")

@@ -33,7 +33,7 @@ from plcopen_sfc.semantics.subjects import Subject, Watched, is_written, resolve
 from plcopen_sfc.semantics.trace import Column, Trace
 
 Inputs = InputSource | InputFunction | Trace | str | os.PathLike[str] | None
-"""Where the inputs of a simulation come from; a path is that of a CSV file."""
+"""Source of the inputs of a simulation; a path is that of a CSV file."""
 
 _DEFAULT_SCANS = 100
 _OPERATING_FLAGS = frozenset(flag.variable.casefold() for flag in COMMANDS)

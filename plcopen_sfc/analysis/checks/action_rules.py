@@ -325,7 +325,7 @@ def _with_time(chart: CheckedChart) -> Iterator[Finding]:
 
 
 _ZERO = re.compile(r"\s*(?:L?T(?:IME)?#0(?:[a-z]+)?|PT0S|0)\s*", re.IGNORECASE)
-"""What some tools write where there is no time."""
+"""Text that some tools write where there is no time."""
 
 
 def _several_times(chart: CheckedChart) -> Iterator[Finding]:

@@ -173,7 +173,7 @@ def is_of_the_tool(occurrence: Occurrence) -> bool:
 
 
 _COILS = frozenset({"TrCoil", "IlCoil", "SvCoil"})
-"""What the network of a transition, an interlock and a supervision of S7-GRAPH sets (seen in exports)."""
+"""Coils in the networks of a transition, an interlock and a supervision of S7-GRAPH (seen in exports)."""
 
 
 class CheckedProject:
@@ -193,7 +193,7 @@ class CheckedProject:
 
     @cached_property
     def named(self) -> Names:
-        """What is declared, and where it is named."""
+        """Declarations, and the places that name them."""
         return Names(self.project)
 
     @cached_property
@@ -213,7 +213,7 @@ class CheckedProject:
 
     @cached_property
     def unused(self) -> tuple[Declaration, ...]:
-        """What only text of the project could use, and none does."""
+        """Declarations that only text of the project could use, and none does."""
         return tuple(self.named.unused())
 
     @cached_property

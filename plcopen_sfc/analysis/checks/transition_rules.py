@@ -73,7 +73,7 @@ def _undecided(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, step, first, second, answer, why in _competing(chart):
         if answer is Answer.UNKNOWN:
             other = sheet.label(first)
-            message = f"nobody can tell whether it excludes {other}, which leaves {step.name} too"
+            message = f"it is unknown whether it excludes {other}, which leaves {step.name} too"
             yield Finding(sheet.at(second), f"{message}: {why}" if why else message)
 
 
@@ -216,7 +216,7 @@ def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _other_type(tree: n.Node, chart: CheckedChart, site: Site) -> str:
-    """What a value is that is certainly not Boolean; empty for all else."""
+    """Return the type of a value that is certainly not Boolean; empty for all else."""
     if isinstance(tree, n.Operation) and tree.operator in CALCULATING:
         return "a number or a time"
     if isinstance(tree, n.Name | n.Member | n.Index):

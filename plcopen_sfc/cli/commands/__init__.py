@@ -1,1 +1,1 @@
-"""What the commands do: functions that are given a screen and return the exit code."""
+"""The commands: functions that are given a screen and return the exit code."""

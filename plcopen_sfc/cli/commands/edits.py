@@ -47,7 +47,7 @@ class EditOptions:
 
 @dataclass(frozen=True)
 class _Edit(ABC):
-    """What a command does to a project. Called for each file, in a process of its own where there are several jobs."""
+    """A change of a project by a command. Called for each file, in a process of its own if there are several."""
 
     def __call__(self, project: Project) -> tuple[dict[str, Any], RecordedScreen]:
         """Edit a project; returns the report on it, and what is printed."""
@@ -123,7 +123,7 @@ class _Renumber(_Edit):
 
 @dataclass(frozen=True)
 class _Merge(_Edit):
-    """What was edited in a step list, the path of which is `source`."""
+    """Edits of a step list, the path of which is `source`."""
 
     source: str
 

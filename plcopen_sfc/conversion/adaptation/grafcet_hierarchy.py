@@ -388,7 +388,7 @@ class Rules:
         return sorted(self._chart.transitions, key=lambda t: (t.priority is None, t.priority or 0))
 
     def _ring(self, step: Step) -> set[int] | None:
-        """Return the steps of which, with `step`, always exactly one is active; None: nobody knows."""
+        """Return the steps of which, with `step`, always exactly one is active; None: unknown."""
         found, waiting = {step.id}, [step.id]
         while waiting:
             here = waiting.pop()

@@ -143,7 +143,7 @@ _NAMES = {
 """Names of the actions: CODESYS executes actions in the order of their names."""
 
 _EARLY = frozenset({"edges", "before"})
-"""What is executed before the actions of the steps."""
+"""Statements that are executed before the actions of the steps."""
 
 
 class PermanentRewriter:

@@ -28,7 +28,7 @@ _LANE = 12
 _TRACK = 8
 _CHANNEL = 12
 _NUDGE = 5
-"""How far a symbol moves down whose pin would be level with a wire of another source."""
+"""Distance by which a symbol moves down whose pin would be level with a wire of another source."""
 
 
 class Wire(NamedTuple):

@@ -380,7 +380,7 @@ def _about_step(sheet: PictureSheet, step: Step) -> Iterator[tuple[str, str]]:
 
 
 _USUAL_TIMES = ("", "T#10S", "T#7S")
-"""What TIA Portal gives every new step: it would be beside all of them."""
+"""Title that TIA Portal gives every new step: it would be beside all of them."""
 
 
 class TransitionSymbol:

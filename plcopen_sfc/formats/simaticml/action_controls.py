@@ -247,7 +247,7 @@ class _Planner:
     # -- the control as statements
 
     def _parts(self, draft: _Draft, rows: list[tuple[Step, ActionAssociation]], reset: str) -> Iterator[str]:
-        """What makes the output TRUE and is followed by the final scan; the statements before it go into `draft`."""
+        """Return what makes the output TRUE and has a final scan; the statements before it go into `draft`."""
 
         def on(*qualifiers: Qualifier) -> str:
             return self._on(rows, *qualifiers)
@@ -284,7 +284,7 @@ class _Planner:
             yield _and([bit, _not(timer(Q.SL, "end", bit))])
 
     def _pulses(self, draft: _Draft, rows: list[tuple[Step, ActionAssociation]]) -> Iterator[str]:
-        """What makes the output TRUE for one scan, without a final one."""
+        """Return what makes the output TRUE for one scan, without a final one."""
         if start := self._on(rows, Q.P1):
             yield self._edge(draft, "start", start)
         if start := self._on(rows, Q.P0):

@@ -58,7 +58,7 @@ class ActionControls:
     variables: list[Variable] = field(default_factory=list)
     networks: list[ControlNetwork] = field(default_factory=list)
     controlled: dict[tuple[int, int], str] = field(default_factory=dict)
-    """What is told of each association, by the ids of its step and its own."""
+    """Facts told of each association, by the ids of its step and its own."""
 
 
 @dataclass(frozen=True)

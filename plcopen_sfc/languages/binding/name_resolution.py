@@ -511,4 +511,4 @@ _RANKS = {
     Role.TRANSITION: {Kind.TRANSITION: 0, Kind.VARIABLE: 1},
     Role.TYPE: {Kind.POU: 0, Kind.DATA_TYPE: 0},
 }
-"""Which of several things of one name is meant: that with the lowest number."""
+"""Rank among things of one name: that with the lowest number is meant."""

@@ -102,7 +102,7 @@ class Names:
         self._by_path: dict[str, dict[str, list[Declaration]]] = {}
 
     def after_edits(self) -> Names:
-        """The names of the project anew, after texts and names in it have changed but nothing else."""
+        """Return the names of the project again, after texts and names in it have changed but nothing else."""
         anew = Names(self.project)
         anew._text_sites = self._text_sites
         return anew

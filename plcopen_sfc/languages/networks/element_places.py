@@ -36,7 +36,7 @@ GRID = 10
 ROW = 20
 """Height of what has one line of text, and the distance of the pins of a block."""
 FIRST_PIN = 30
-"""How far below the top of a block its first pin is."""
+"""Distance of the first pin of a block from its top."""
 _LETTER = 8
 
 

@@ -47,7 +47,7 @@ from plcopen_sfc.model.network import (
 )
 
 _MAX_WAITING = 8
-"""How many calls of function blocks may wait to be drawn together with the statement that uses them."""
+"""Number of calls of function blocks that may wait to be drawn together with the statement that uses them."""
 
 
 class Rung(NamedTuple):

@@ -50,7 +50,7 @@ _GAP = 2 * GRID
 RAIL_WIDTH = 10
 
 Inflow = Sequence[WireStart] | None
-"""Where power comes from: ends of wires, or None for the left power rail."""
+"""Source of power: ends of wires, or None for the left power rail."""
 
 
 class _Part(NamedTuple):

@@ -245,9 +245,9 @@ _STORED = {"TRUE": AssignmentKind.SET, "FALSE": AssignmentKind.RESET}
 
 
 MAX_DEPTH = 60
-"""How deep a value may be nested before it goes through a helper."""
+"""Depth to which a value may be nested before it goes through a helper."""
 MAX_FACTORS = 200
-"""How many factors a value may have that is used more than once."""
+"""Number of factors that a value may have that is used more than once."""
 
 
 class Wires:

@@ -36,7 +36,7 @@ PRECEDENCE: dict[Operator, int] = {
     Operator.MODULO: 7,
     Operator.POWER: 8,
 }
-"""How tightly binary operators bind (IEC 61131-3 ed. 3, table 71; the same in CODESYS and SCL).
+"""Precedence of binary operators (IEC 61131-3 ed. 3, table 71; the same in CODESYS and SCL).
 
 NOT and signs bind tighter than all of them, but that in SCL a power binds tighter than a sign: ``-2 ** 2`` is -4 there.
 """
@@ -48,7 +48,7 @@ _OPERATORS: dict[str, Operator] = {operator.value: operator for operator in PREC
 _SIGNS = {"+": Operator.PLUS, "-": Operator.NEGATE}
 
 Items = list[Any]
-"""What a rule consists of: tokens, nodes, and lists of nodes. The grammar says which stands where."""
+"""Parts of a rule: tokens, nodes, and lists of nodes, in the order of the grammar."""
 
 
 class StatementList(list[Any]):

@@ -315,7 +315,7 @@ _FIRM = frozenset({"VAR", "VAR_ACCESS", "VAR_CONFIG", "EDGE", "DIRECTION", "TITL
 _BEHIND_NAMES = frozenset(
     "COLON COMMA ASSIGN RPAR SEMICOLON DOT RSQB RANGE OPERATOR SIGN COMPOUND_ASSIGN CARET".split()
 )
-"""What may stand behind a name, but not behind a word of declarations."""
+"""Tokens that may follow a name, but not a word of declarations."""
 
 
 def tokenize_declarations(text: str, dialect: Dialect) -> Tokens:

@@ -164,7 +164,7 @@ def is_repeatable(expression: Expression) -> bool:
 
 
 _MAX_REPEATED = 30
-"""How many nodes an expression may have that is written more than once."""
+"""Number of nodes that an expression may have that is written more than once."""
 
 
 def is_standard_call(call: n.Call) -> bool:

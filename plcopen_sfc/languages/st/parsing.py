@@ -409,7 +409,7 @@ def _parser_for(scl: bool, declares: bool) -> tuple[Lark, Builder]:
 
 
 MAX_DEPTH = 150
-"""How many nodes may stand inside each other. The deepest body of the corpus has fewer than 30."""
+"""Number of nodes that may be nested. The deepest body of the corpus has fewer than 30."""
 
 
 def may_be_deep(tokens: list[Token]) -> bool:

@@ -20,7 +20,7 @@ from plcopen_sfc.languages.translation.translation_context import TITLES, Notes
 from plcopen_sfc.model.dialect import Dialect
 
 S7_TIMERS_AND_COUNTERS = frozenset({"TON", "TOF", "TP", "CTU", "CTD", "CTUD"})
-"""What S7 calls on an instance data block by name: ``"DB".TON(..)``."""
+"""Blocks that S7 calls on an instance data block by name: ``"DB".TON(..)``."""
 
 LACKED_BY_SCL = frozenset(
     """LOG ATAN2 IS_VALID IS_VALID_BCD TO_BIG_ENDIAN TO_LITTLE_ENDIAN FROM_BIG_ENDIAN FROM_LITTLE_ENDIAN DAY_OF_WEEK
@@ -104,7 +104,7 @@ _FROM_DATES = frozenset({"DT_TO_DATE", "DT_TO_TOD", "LDT_TO_DATE", "LDT_TO_TOD",
 """Conversions of dates that S7 has, and that give the same there."""
 _HALVES = "CODESYS rounds halves away from zero, {tool} to even numbers: 2.5 is 3 in CODESYS and 2 in {tool}"
 HALVES = _HALVES.format(tool="S7")
-"""What differs where a number with decimals becomes one without."""
+"""Difference where a number with decimals becomes one without."""
 
 
 class CallTranslator:

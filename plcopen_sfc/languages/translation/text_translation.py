@@ -144,7 +144,7 @@ class Translated:
 
 
 TextKind: TypeAlias = Literal["statements", "expression", "condition"]
-"""What a text is: a condition may also stand as in a TRANSITION, ``:= a AND b;``."""
+"""Kind of a text: a condition may also be written as in a TRANSITION, ``:= a AND b;``."""
 
 _PARSERS: dict[str, Callable[[str, Dialect], Parsed[Any]]] = {
     "statements": parse_statements,

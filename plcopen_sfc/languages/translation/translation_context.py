@@ -93,7 +93,7 @@ TITLES = {
     Dialect.TWINCAT: "TwinCAT",
     Dialect.SCL: "SCL",
 }
-"""How messages call a dialect."""
+"""Names of dialects in messages."""
 
 
 @dataclass(frozen=True, slots=True)

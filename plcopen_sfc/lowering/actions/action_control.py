@@ -37,7 +37,7 @@ from plcopen_sfc.semantics.net import Net
 Q = Qualifier
 _STORED = {Q.S, Q.SD, Q.DS, Q.SL}
 EarlierSteps: TypeAlias = "Callable[[Sequence[int]], Expression | None]"
-"""When one of some steps was active in the last scan; None where the code does not keep that."""
+"""Expression for when one of some steps was active in the last scan; None where the code does not keep that."""
 
 
 def unknown_before(steps: Sequence[int]) -> None:

@@ -18,7 +18,7 @@ from plcopen_sfc.model.types import DerivedType, ElementaryType
 _TIMERS = ("TON", "TOF", "TON_TIME", "TOF_TIME")
 """Types of instances whose calls change nothing but themselves."""
 _FARTHEST = 12
-"""How many statements may be between a helper and its reader: what is farther away is read better by its name."""
+"""Number of statements that may be between a helper and its reader: what is farther away is read better by its name."""
 
 
 def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:

@@ -130,7 +130,7 @@ class StepFlags:
 
 
 class FiringTransition(NamedTuple):
-    """What must be executed before a transition is decided on, and when it fires."""
+    """Statements before a transition is decided on, and the expression for when it fires."""
 
     before: Sequence[Statement]
     fires: Expression

@@ -141,7 +141,7 @@ class StepTimers:
 
 
 MayFire = Callable[[Expression, Expression], Expression]
-"""When a transition may fire, by its condition and by what tells that minimum times have passed."""
+"""Expression for when a transition may fire, of its condition and of what tells that minimum times have passed."""
 
 
 def resolve_steps(

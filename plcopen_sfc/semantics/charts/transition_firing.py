@@ -130,7 +130,7 @@ class Cleared(NamedTuple):
 NOTHING = Cleared(0, 0, 0)
 
 Choice = Callable[[Frame, Sequence[Move]], Cleared]
-"""Which of the enabled transitions are cleared, all of them on the same situation."""
+"""Choice of the enabled transitions that are cleared, all of them on the same situation."""
 
 
 def choice(profile: Profile) -> Choice:

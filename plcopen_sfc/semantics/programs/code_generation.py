@@ -98,7 +98,7 @@ _FUNCTIONS = {
     **{each.__name__: each for each in (abs, all, any, bool, divmod, enumerate, float, int, isinstance, len, list)},
     **{each.__name__: each for each in (max, min, range, round, str, sum, tuple, zip)},
 }
-"""What generated code has of Python: nothing that opens, imports or looks into an object."""
+"""Builtins of Python that generated code has: none that opens, imports or looks into an object."""
 
 
 class Linker:

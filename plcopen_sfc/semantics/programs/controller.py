@@ -88,7 +88,7 @@ class _Writer:
     loads: list[str] = dataclasses.field(default_factory=list)
     counts: dict[Layout, int] = dataclasses.field(default_factory=dict)
     size: int = 0
-    """How many items the tuple has: an item of `stored` may be several."""
+    """Number of items of the tuple: an item of `stored` may be several."""
 
     def plan(self, layout: Layout, leave_out: frozenset[int]) -> _Plan:
         """The functions."""

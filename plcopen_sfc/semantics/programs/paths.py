@@ -40,7 +40,7 @@ class PathTranslator(ABC):
         self.instances: Mapping[str, str] = {}
         """The types of instances by their names in lower case, where a network tells what is called on them."""
         self.comparisons = 0
-        """How many comparisons of anything but Booleans it has translated."""
+        """Number of comparisons of anything but Booleans that it has translated."""
 
     @abstractmethod
     def value(self, node: n.Expression, expected: t.Type | None = None) -> Code:

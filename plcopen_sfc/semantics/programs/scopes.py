@@ -448,7 +448,7 @@ class TranslatedPou(Callee):
         self.methods: dict[str, TranslatedMethod] = {}
         self.charts: list[tuple[str, CompiledChart]] = []
         self.executions: dict[int, Callable[[Frame], None]] = {}
-        """What executes the charts, by the identity of their bodies."""
+        """Programs that execute the charts, by the identity of their bodies."""
         self.actions: dict[str, Callable[[Frame], None]] = {}
 
     @property

@@ -328,7 +328,7 @@ case(
 
 case("SEL01", selection("a", "b"), selection("a", "NOT a AND b"), "it can be true together with S1 -> A", "grafcet")
 case("SEL01", selection("n > 3", "n < 5"), selection("n > 5", "n < 5"), "together", "grafcet")
-case("SEL02", selection("f(n) > 3", "f(n + 1) < 3"), selection("n > 3", "n < 3"), "nobody can tell", "grafcet")
+case("SEL02", selection("f(n) > 3", "f(n + 1) < 3"), selection("n > 3", "n < 3"), "it is unknown", "grafcet")
 case("SEL03", selection("a OR b", "a"), selection("a", "a OR b"), "one tried before it is", "codesys")
 
 
