@@ -19,6 +19,7 @@ from plcopen_sfc.conversion.executed_parts import (
     UNDECLARED,
     UNUSED_INPUT,
     Detail,
+    Key,
     Part,
     duration_meaning,
     plain_name,
@@ -124,6 +125,7 @@ class _Reader:
         self.starts = StartValues(project, self._number)
         if project.dialect is Dialect.SCL:
             self.lists.add(TABLE.casefold())
+        self.compared_with = compared_with
         self.structures = compared_with.lists
         self.whole.programs = frozenset(p.name.casefold() for p in project.pous if p.kind is PouKind.PROGRAM)
         # programs by the names of their instance data blocks: texts in SCL have those names before the blocks are made
@@ -177,6 +179,8 @@ class _Reader:
             name = occurrence.reference.name
             own = occurrence.text_site.site.pou
             if name.upper() in _OF_OBJECTS or (own is not None and name.casefold() in self._inherited(own)):
+                continue
+            if own is not None and name.casefold() in {flag.casefold() for flag in own.implicit_flags()}:
                 continue
             if (
                 name.casefold() in _RESULTS | self.global_names | self.programs.keys()
@@ -529,6 +533,11 @@ class _Reader:
                     elif not is_system_data(variable):  # which TIA Portal makes of the chart
                         kind = "variable of a function" if pou.kind is PouKind.FUNCTION else "variable"
                         self._local(part, pou, kind, variable, section)
+        for name in sorted(pou.implicit_flags()) if not self.detail else ():
+            known = self.compared_with.parts.get(Key("POU", plain_name(pou.name)), Part("")).parts
+            flag = Key("variable", plain_name(name))
+            if flag in known and flag not in part.parts:  # one tool lists what the other declares unasked
+                part.parts[flag] = known[flag]
         called: set[str] = set()
         programs = 0
         for body in pou.bodies:

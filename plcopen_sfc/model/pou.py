@@ -105,6 +105,13 @@ class Pou(ProjectObject):
         """The same as `chart`."""
         return self.chart
 
+    def implicit_flags(self) -> set[str]:
+        """The names of the SFC flags whose variables the tool declares for its charts, as their settings state it."""
+        bodies = (*self.bodies, *(action.body for action in self.actions))
+        charts = [body.chart for body in bodies if isinstance(body, SfcBody)]
+        flags = [flag for chart in charts if chart.settings is not None for flag in chart.settings.flags.items()]
+        return {flag.variable for flag, stated in flags if stated.use and stated.declare}
+
     def variables(self, kind: SectionKind | None = None) -> list[Variable]:
         """The variables of its interface, or those of one kind of section, in the order of their declaration."""
         return self.interface.variables(kind) if self.interface is not None else []

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.model import FlagUse, SfcFlag, SfcSettings
 from plcopen_sfc.report import ConversionReport, Outcome
 
 TARGETS = ("codesys", "plcopen-1.01", "plcopen-2.01", "simaticml", "scl")
@@ -215,3 +218,51 @@ def test_a_function_that_the_source_does_not_declare_either_is_told_in_words() -
     (item,) = sfc.convert(sfc.loads(source), "codesys")[1].losses
     assert item.outcome is Outcome.APPROXIMATED
     assert item.why.startswith("the name `Mystery` is declared neither in the source nor in CODESYS")
+
+
+FLAGGED = """FUNCTION_BLOCK Fb
+VAR_OUTPUT n : INT; END_VAR
+VAR SFCInit : BOOL; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := n > 3; END_TRANSITION
+TRANSITION FROM S2 TO S1 := TRUE; END_TRANSITION
+ACTION Again:
+SFCInit := TRUE;
+END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("target", ["twincat", "iec-text"])
+def test_the_variable_of_a_flag_that_codesys_declares_itself_is_declared_in_other_tools(
+    target: str, tmp_path: Path
+) -> None:
+    """Exports of CODESYS list such variables, and the text that was typed does not have them."""
+    project = sfc.loads((HEAD + FLAGGED).encode(), format="iec-text")
+    (pou,) = project.pous
+    assert pou.interface is not None
+    assert pou.chart is not None
+    pou.interface.declaration = "FUNCTION_BLOCK Fb\nVAR_OUTPUT\n\tn : INT;\nEND_VAR\n"
+    pou.chart.settings = SfcSettings(flags={SfcFlag.INIT: FlagUse(use=True, declare=True)})
+    source = sfc.loads(sfc.dumps(project, format="codesys"))
+    assert [v.name for v in source.pous[0].variables()] == ["n", "SFCInit"]
+    path = tmp_path / "result" if target == "twincat" else tmp_path / "result.st"
+    report = sfc.save(source, path, format=target)
+    assert not [item for item in report.losses if item.path.endswith("SFCInit")]
+    text = "".join(each.read_text("utf-8-sig") for each in (path.rglob("*.TcPOU") if path.is_dir() else [path]))
+    assert ("SFCInit : BOOL" in text.partition("END_FUNCTION_BLOCK")[0].partition("SFCInit :=")[0]) is (
+        target != "twincat"
+    )
+
+
+def test_an_action_that_another_step_would_execute_by_its_name_is_named_in_codesys_2_3() -> None:
+    source = sfc.loads((HEAD + FLAGGED.replace("Again", "S1_entry")).encode(), format="iec-text")
+    (pou,) = source.pous
+    assert pou.chart is not None
+    pou.chart.step("S2").entry_action = "S1_entry"
+    _, report = sfc.convert(source, "codesys23", partial=True)
+    (item,) = [each for each in report.losses if each.path == "POU Fb / step S1 / action S1_entry"]
+    assert item.outcome is Outcome.NOT_EXECUTED
+    assert "rename the action or the step" in item.why
+    assert not any("please report" in each.why for each in report.losses)

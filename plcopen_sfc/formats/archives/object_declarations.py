@@ -80,7 +80,15 @@ def bare(thing: Pou | Method) -> Project:
 
 
 def _interface(thing: Pou | Method) -> Interface | None:
-    return thing.interface.model_copy(deep=True) if thing.interface is not None else None
+    """Return a copy of the interface, without variables of SFC flags that the tool declares itself."""
+    if thing.interface is None:
+        return None
+    found = thing.interface.model_copy(deep=True)
+    if isinstance(thing, Pou) and found.declaration is not None:
+        implicit = {name for name in thing.implicit_flags() if not re.search(rf"\b{name}\b", found.declaration)}
+        for section in found.sections:
+            section.variables = [each for each in section.variables if each.name not in implicit]
+    return found
 
 
 def _declared(thing: Pou | Method) -> ExtensionData | None:

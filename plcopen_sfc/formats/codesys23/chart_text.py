@@ -332,6 +332,12 @@ class ChartNames:
             self._report.add(Outcome.NOT_EXECUTED, "step action", path, f"{wish} is another action of the POU")
         return name
 
+    def check_other(self, name: str, path: str) -> None:
+        """Report an action of the POU that a step executes by its name, though the source has none at this step."""
+        if name.casefold() in self._used:
+            why = "CoDeSys 2.3 executes an action of this name at the step: rename the action or the step"
+            self._report.add(Outcome.NOT_EXECUTED, "action", f"{path} / action {name}", why)
+
     def leave_out(self, association: ActionAssociation, path: str) -> None:
         """Report an association that the text does not have."""
         why = f"CoDeSys 2.3 has no qualifier {association.qualifier}: it is not executed"
@@ -396,6 +402,8 @@ def _step_block(step: Step, names: ChartNames, path: str) -> WrittenBlock:
         if content is not None:
             names.note("step action", path)
             names.action(f"{step.name}{ending}", content, path)
+        else:
+            names.check_other(f"{step.name}{ending}", path)
     blocks.append(WrittenBlock(("end", ""), "END_STEP"))
     for pragma, field_name in _STEP_PRAGMAS.items():
         value = plain(getattr(step, field_name)) or ""

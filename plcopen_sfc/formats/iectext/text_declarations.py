@@ -76,7 +76,7 @@ def write_interface(
     if interface is None:
         return _header(printer, keyword, name, None, indent=indent, intended=intended, read_back=read_back), []
     intended["interface"] = plain_fields(interface)
-    typed = _as_typed(printer, keyword, name, interface.declaration)
+    typed = _as_typed(printer, keyword, name, interface)
     if typed is not None:
         text, read_back["interface"] = typed
         _keep_as_typed(intended["interface"], interface.declaration or "", text)
@@ -139,8 +139,12 @@ def _read_back(printer: TextPrinter, text: str, keyword: str) -> tuple[TextPart 
 # -- declarations as they were typed ----------------------------------------------------------------------------------
 
 
-def _as_typed(printer: TextPrinter, keyword: str, name: str, declaration: str | None) -> tuple[str, Fields] | None:
-    """Return the text of a declaration that can be written as it was typed, and its fields."""
+def _as_typed(printer: TextPrinter, keyword: str, name: str, interface: Interface) -> tuple[str, Fields] | None:
+    """Return the text of a declaration that can be written as it was typed, and its fields.
+
+    A text without some variable cannot: exports of CODESYS have the variables of SFC flags that the tool declares.
+    """
+    declaration = interface.declaration
     if declaration is None or "\r" in declaration or "plcopen_sfc" in declaration:
         return None
     text = declaration.rstrip()
@@ -159,7 +163,9 @@ def _as_typed(printer: TextPrinter, keyword: str, name: str, declaration: str | 
         position = inner.end
         if any(section.get("variables") for section in sections):
             read_back.setdefault("sections", []).extend(sections)
-    return (text, read_back) if not src.diagnostics else None
+    declared = {variable["name"] for section in read_back.get("sections", ()) for variable in section["variables"]}
+    is_whole = all(variable.name in declared for variable in interface.variables())
+    return (text, read_back) if is_whole and not src.diagnostics else None
 
 
 def _keep_as_typed(fields: Fields, declaration: str, text: str) -> None:
