@@ -113,8 +113,12 @@ def condition_meaning(read: Callable[[], NetworkExpression], raw: Hashable) -> M
 def _shown_condition(read: Callable[[], NetworkExpression]) -> str:
     found = read()
     if found.tree is None:
-        return "a condition that cannot be read"
+        return UNREAD_CONDITION
     return print_node(found.tree)
+
+
+UNREAD_CONDITION = "a condition that cannot be read"
+"""What people read of a condition in a form of its tool that this package does not know."""
 
 
 N = TypeVar("N", bound=n.Node)

@@ -28,6 +28,7 @@ from plcopen_sfc.conversion.executed_parts import (
     UNDECLARED_TYPE,
     UNUSED_INPUT,
 )
+from plcopen_sfc.conversion.meaning import UNREAD_CONDITION
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import names_in
@@ -502,6 +503,7 @@ def _is_noticed(difference: ExecutionDifference, noticed: set[str], around_notic
         or difference.aspect in _LEFT_TO_THE_READER
         or difference.aspect.startswith(STORED)
         or path in around_noticed
+        or (difference.aspect == "condition" and difference.left == UNREAD_CONDITION)  # the reader kept it as it is
     ):
         return True
     return any(around in noticed for around in path.outwards())
@@ -582,6 +584,8 @@ def _why(difference: ExecutionDifference, tool: str) -> str:
         return f"exceeding the maximum time {right} sets SFCError in {tool}, and does nothing in the source"
     if left is None:
         return f"{aspect} `{right}` in {tool}, none in the source"
+    if left == UNREAD_CONDITION:
+        return f"the condition is in a form of its tool that is not read: {tool} does not execute it"
     if left == right:
         return f"the {aspect} does something else in {tool}: `{left}`"
     if right is None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.model import FlagUse, SfcFlag, SfcSettings
+from plcopen_sfc.model import FlagUse, NamedCondition, NamedTransition, OpaqueBody, SfcFlag, SfcSettings
 from plcopen_sfc.report import ConversionReport, Outcome
 
 TARGETS = ("codesys", "plcopen-1.01", "plcopen-2.01", "simaticml", "scl")
@@ -266,3 +266,14 @@ def test_an_action_that_another_step_would_execute_by_its_name_is_named_in_codes
     assert item.outcome is Outcome.NOT_EXECUTED
     assert "rename the action or the step" in item.why
     assert not any("please report" in each.why for each in report.losses)
+
+
+def test_a_condition_in_a_form_of_its_tool_is_named_in_all_others() -> None:
+    project = sfc.loads((HEAD + FLAGGED.replace("n > 3", "Done")).encode(), format="iec-text")
+    (pou,) = project.pous
+    assert pou.chart is not None
+    pou.transitions.append(NamedTransition(name="Done", body=OpaqueBody(source="twincat", content="<NWL/>")))
+    pou.chart.transitions[0].condition = NamedCondition(name="Done")
+    _, report = sfc.convert(project, "codesys", partial=True)
+    (item,) = [each for each in report.losses if each.what == "condition"]
+    assert item.why == "the condition is in a form of its tool that is not read: CODESYS does not execute it"

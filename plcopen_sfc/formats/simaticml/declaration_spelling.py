@@ -51,6 +51,7 @@ _ELEMENTARY = {
     "Char": Elementary.CHAR,
     "WChar": Elementary.WCHAR,
 }
+_IN_ANY_CASE = {name.casefold(): kind for name, kind in _ELEMENTARY.items()}
 _SPELLED = {kind: name for name, kind in _ELEMENTARY.items()}
 _STRING = re.compile(r"(W?)String(?:\[([^\]]+)\])?")
 _ARRAY = re.compile(r"Array\[([^\]]+)\] of (.+)")
@@ -64,9 +65,12 @@ _VERSIONED = re.compile(r"(?:TON|TOF|TP|TONR|IEC|CTU|CTD|CTUD)_\w+|[RF]_TRIG")
 
 
 def read_type(text: str, members: list[Fields] | None = None) -> Fields:
-    """Read a data type from its spelling; `members` are those of its ``Struct``, however deep that is."""
-    if text in _ELEMENTARY:
-        return {"kind": "elementary", "name": _ELEMENTARY[text]}
+    """Read a data type from its spelling; `members` are those of its ``Struct``, however deep that is.
+
+    Upper and lower case count as little as in TIA Portal: files that scripts wrote have ``BOOL``.
+    """
+    if (elementary := _IN_ANY_CASE.get(text.casefold())) is not None:
+        return {"kind": "elementary", "name": elementary}
     if text == "Struct":
         return {"kind": "struct", "members": members or []}
     if found := _STRING.fullmatch(text):

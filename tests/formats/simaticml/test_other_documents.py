@@ -11,6 +11,7 @@ from plcopen_sfc.cli import main
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import StructureError
 from plcopen_sfc.formats.simaticml.openness_schemas import validate
+from plcopen_sfc.model import Elementary, ElementaryType
 from tests.formats.simaticml.documents import FIXTURES
 
 MOTOR = (FIXTURES / "FB_Motor.xml").read_bytes()
@@ -97,3 +98,14 @@ def test_a_protected_block_without_its_program() -> None:
     assert project.pou("Secret").bodies == []
     assert sfc.dumps(project) == data
     assert validate(data) == []
+
+
+def test_types_are_read_in_any_case_and_written_as_they_are_spelled() -> None:
+    """Documents that scripts write have BOOL; TIA Portal itself writes Bool."""
+    odd = MOTOR.replace(b'<Member Name="Enable" Datatype="Bool"', b'<Member Name="Enable" Datatype="BOOL"')
+    assert odd != MOTOR
+    project = sfc.loads(odd)
+    enable = next(v for v in project.pous[0].variables() if v.name == "Enable")
+    assert enable.type == ElementaryType(name=Elementary.BOOL)
+    enable.name = "Released"
+    assert b'<Member Name="Released" Datatype="BOOL"' in sfc.dumps(project)
