@@ -74,6 +74,7 @@ _BARS = {
     False: (SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SELECTION_CONVERGENCE),
     True: (SymbolKind.SIMULTANEOUS_DIVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE),
 }
+_IDS = etree.XPath("descendant::v[@n='Id']/text()", smart_strings=False)
 _FLOW_PIN = "sfc"
 """Name of the output that exports of PLCopen XML give wires into transitions and convergences."""
 
@@ -90,7 +91,7 @@ class ChartReader:
 
     def read(self, chart: etree._Element) -> Fields:
         """Return the fields of the chart in an ``SFCImplementationObject``."""
-        numbers = [number_of(value) for value in chart.iter("v") if value.get("n") == "Id"]
+        numbers = [whole_number(text.removesuffix("L")) for text in _IDS(chart)]
         self._next = max((number for number in numbers if number is not None), default=-1) + 1
         root = member(chart, "Root")
         if root is None:

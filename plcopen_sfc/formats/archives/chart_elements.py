@@ -181,11 +181,10 @@ def read_attributes(element: etree._Element, kind: str) -> tuple[Fields, list[et
     """Return the fields that the attributes of an element state, without defaults, and what is not understood."""
     fields: Fields = {}
     unknown: list[etree._Element] = []
+    table = _BY_GUID[kind]
     for attribute in items(element, "Attributes"):
-        guid = (text_of(member(attribute, "AttributeId")) or "").strip("{}").casefold()
-        value = member(attribute, "Value")
-        text = text_of(member(value, "Value")) if value is not None else None
-        field, known = _BY_GUID[kind].get(guid, ("", None))
+        guid, text = _stated(attribute)
+        field, known = table.get(guid.strip("{}").casefold(), ("", None))
         if known is None or text is None or type_of(attribute) != "SFCAttribute":
             unknown.append(attribute)
             continue
@@ -195,6 +194,18 @@ def read_attributes(element: etree._Element, kind: str) -> tuple[Fields, list[et
         elif text != known.default:
             unknown.append(attribute)
     return fields, unknown
+
+
+def _stated(attribute: etree._Element) -> tuple[str, str | None]:
+    """Return the identity and the value of an attribute, which are most of an archive: in one walk."""
+    guid, text = "", None
+    for child in attribute:
+        name = child.get("n")
+        if name == "AttributeId":
+            guid = text_of(child) or ""
+        elif name == "Value":
+            text = text_of(member(child, "Value"))
+    return guid, text
 
 
 def attribute_numbers(element: etree._Element) -> Iterator[tuple[str, int]]:

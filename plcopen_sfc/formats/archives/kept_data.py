@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Collection
 from typing import NamedTuple
 
 from lxml import etree
@@ -11,6 +12,7 @@ from plcopen_sfc.formats.xml.extension_data import markup, parsed_markup
 from plcopen_sfc.model.base import ExtensionData, ForeignData
 
 _NAME = "urn:plcopen-sfc:twincat"
+_PLAIN = re.compile(r"\w*")
 
 
 class Kept(NamedTuple):
@@ -20,8 +22,12 @@ class Kept(NamedTuple):
     elements: list[etree._Element]
 
 
-def kept_data(attributes: dict[str, str], elements: Iterable[etree._Element] = ()) -> list[ForeignData]:
+def kept_data(attributes: dict[str, str], elements: Collection[etree._Element] = ()) -> list[ForeignData]:
     """Return the extension data that keeps attributes and elements; none where there are none."""
+    if len(attributes) == 1 and not elements:
+        [(name, value)] = attributes.items()
+        if _PLAIN.fullmatch(value):  # a name at each transition: an element for each takes a twentieth of the reading
+            return [ForeignData(name=_NAME, content=f'<twincat xmlns="" {name}="{value}"></twincat>')]
     holder = etree.Element("twincat", attributes)
     holder.extend(elements)
     return [ForeignData(name=_NAME, content=markup(holder))] if attributes or len(holder) else []

@@ -72,7 +72,10 @@ def type_of(item: etree._Element) -> str:
 
 def member(thing: etree._Element, name: str) -> etree._Element | None:
     """Return the member of an object with this name."""
-    return next((child for child in thing if child.get("n") == name), None)
+    for child in thing:
+        if child.get("n") == name:
+            return child
+    return None
 
 
 def items(thing: etree._Element, name: str) -> list[etree._Element]:

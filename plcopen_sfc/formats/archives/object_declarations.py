@@ -25,6 +25,7 @@ from plcopen_sfc.report import ConversionReport
 _TEXT = IecTextCodec()
 _DIALECT = "{plcopen_sfc project.dialect := 'codesys'} "
 _KEYWORDS = frozenset({"PROGRAM", "FUNCTION_BLOCK", "FUNCTION", "INTERFACE"})
+_BEGINNING = re.compile(rf"\b(?:{'|'.join(sorted(_KEYWORDS))}|(?:VAR|TYPE)\w*)\b", re.IGNORECASE)
 _HOLDER = "FUNCTION_BLOCK methods\n"
 _END = "\nEND_"
 PROPERTY = "property"
@@ -50,9 +51,12 @@ class Unit(NamedTuple):
 
 def unit_of(declaration: str) -> Unit:
     """Return the unit that a declaration of a POU, an interface, a type or of variables begins."""
-    words = (token.value.upper() for token in tokenize(declaration, Dialect.CODESYS, _KEYWORDS).tokens)
-    keyword = next((word for word in words if word in _KEYWORDS or word.startswith(("VAR", "TYPE"))), "")
-    return Unit(tail=f"{_END}{keyword}\n") if keyword in _KEYWORDS else Unit()
+    for found in _BEGINNING.finditer(declaration):
+        tokens = tokenize(declaration[: found.end()], Dialect.CODESYS, _KEYWORDS).tokens
+        keyword = tokens[-1].value.upper() if tokens else ""
+        if keyword == found.group().upper():  # and no word of a comment
+            return Unit(tail=f"{_END}{keyword}\n") if keyword in _KEYWORDS else Unit()
+    return Unit()
 
 
 METHOD = Unit(f"{_DIALECT}{_HOLDER}", f"{_END}METHOD{_END}FUNCTION_BLOCK\n")

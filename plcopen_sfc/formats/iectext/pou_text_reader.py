@@ -342,8 +342,8 @@ def _finished(src: TextSource, container: UnitText) -> Fields:
             src.note("IEC213", message, container.start, container.path, Severity.WARNING)
     if fields.get("chart") is not None:
         number(src, container.chart, fields["chart"])
-    resolved: Fields = _resolved(fields, container.in_place)
-    return resolved
+    # declarations name no bodies, and are most of many units
+    return {key: each if key == "interface" else _resolved(each, container.in_place) for key, each in fields.items()}
 
 
 def _place_in_head(data: Fields) -> int:
