@@ -446,11 +446,18 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
 
 
 def _report_edits(
-    report: ConversionReport, project: Project, source: FileSource, contents: tuple[bytes, bytes], kind: Format
+    report: ConversionReport,
+    project: Project,
+    source: FileSource,
+    contents: tuple[bytes, bytes],
+    kind: Format,
+    *,
+    back: Project | None = None,
 ) -> None:
     """Report where the tool executes something else in the POUs that were edited than `project`.
 
     `contents`: the file before and after. What the tool did not read before either is nothing that the edits have lost.
+    `back` is the project in the file after, if it was read.
     """
     same = {pou.report_path for number, pou in enumerate(project.pous) if is_from(pou, number, source.content)}
     if not kind.tool or len(same) == len(project.pous):
@@ -460,8 +467,9 @@ def _report_edits(
 
     codec, rules = kind.codec(source.version), default_profile(project)
 
-    def notes(meant: Project, content: bytes, told: Sequence[Item]) -> ConversionReport:
-        seen = codec.read(codec.as_tool_sees(content)).project
+    def notes(meant: Project, content: bytes, told: Sequence[Item], known: Project | None = None) -> ConversionReport:
+        shown = codec.as_tool_sees(content)
+        seen = known if known is not None and shown == content else codec.read(shown).project
         both = [
             each.model_copy(update={"pous": [pou for pou in each.pous if pou.report_path not in same]})
             for each in (meant, seen)
@@ -472,7 +480,7 @@ def _report_edits(
         return found
 
     before, after = contents
-    found = notes(project, after, report.items)
+    found = notes(project, after, report.items, back)
     if found.losses != report.losses:
         _pass_known_losses(found, notes(codec.read(before).project, before, []))
         report.items = found.items
@@ -619,11 +627,12 @@ def _pass_known_losses(report: ConversionReport, known: ConversionReport) -> Non
                 report.items[place] = replace(item, outcome=Outcome.EXTENSION_DATA)
 
 
-def _is_read_as(project: Project, data: bytes, kind: Format, version: str) -> bool:
+def _read_as(project: Project, data: bytes, kind: Format, version: str) -> Project | None:
+    """Return the project in `data`; None where it is another one than `project`."""
     back = read_back(data, kind, version)
     if not kind.ids:
         number_in_order(back)
-    return next(differences(project, back), None) is None
+    return back if next(differences(project, back), None) is None else None
 
 
 def _patched_text(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
@@ -631,22 +640,21 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
     from plcopen_sfc.formats.text_patch import patch_text  # noqa: PLC0415  # only to save edits
 
     codec = cast("TextCodec", kind.codec(source.version))
-    before = codec.read(source.content).project
+    before, text, spans = codec.located(source.content)
     options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
-    text, spans = codec.spans(source.content)
     after, known = codec.to_blocks(project, options, report), ConversionReport()
     old = codec.to_blocks(before, options, known)
     _pass_known_losses(report, known)
     meant = project if kind.ids else numbered_in_order(project)
-    fits = False
+    back: Project | None = None
     for by_words in (True, False):  # a word may stand for two things: `a, b : INT; (* comment *)`
-        if not fits:
+        if back is None:
             data, recoded = text.encode(patch_text(text, spans, old, after, by_words=by_words))
-            fits = _is_read_as(meant, data, kind, source.version)
+            back = _read_as(meant, data, kind, source.version)
     if recoded:
         why = f"{text.encoding} does not have all of its characters; the file is in UTF-8 now"
         report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)
-    if not fits:
+    if back is None:
         # rather a large diff than a lost edit
         report.add(
             Outcome.APPROXIMATED,
@@ -656,6 +664,7 @@ def _patched_text(project: Project, source: FileSource, kind: Format, report: Co
         )
         report_reading_errors(project, report)
         data = codec.write(project, options, ConversionReport())
-        verify(project, kind, read_back(data, kind, source.version), report)
-    _report_edits(report, project, source, (source.content, data), kind)
+        back = read_back(data, kind, source.version)
+        verify(project, kind, back, report)
+    _report_edits(report, project, source, (source.content, data), kind, back=back)
     return data

@@ -193,8 +193,8 @@ class TextCodec(Codec):
         """Return the text of a project, object by object."""
 
     @abstractmethod
-    def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
-        """Return the text of a file, and the places of the objects in it."""
+    def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
+        """Return the project in a file, its text, and the places of the objects in that."""
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ _BARS = {
     False: (SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SELECTION_CONVERGENCE),
     True: (SymbolKind.SIMULTANEOUS_DIVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE),
 }
-_IDS = etree.XPath("descendant::v[@n='Id']/text()", smart_strings=False)
+_IDS: Any = etree.XPath("descendant::v[@n='Id']/text()", smart_strings=False)
 _FLOW_PIN = "sfc"
 """Name of the output that exports of PLCopen XML give wires into transitions and convergences."""
 

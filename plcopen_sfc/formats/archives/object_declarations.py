@@ -146,7 +146,7 @@ def _patched(whole: str, declared: Project) -> str:
             _declare(old, new)
         for method, edited in zip(old.methods, new.methods, strict=False):
             _declare(method, edited)
-    source, spans = _TEXT.spans(whole.encode())
+    _, source, spans = _TEXT.located(whole.encode())
     report = ConversionReport()
     blocks = [_TEXT.to_blocks(project, WriteOptions(), report) for project in (before, after)]
     return patch_text(source, spans, *blocks)

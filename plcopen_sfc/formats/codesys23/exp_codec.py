@@ -588,10 +588,11 @@ class ExpCodec(TextCodec):
         known = options.baseline if not OWN_LINE.search(self.decode(options.source).text) else None
         return write_blocks(project, project, report, baseline=known)
 
-    def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
-        """Return the text of a file, and the place of each object in it."""
+    def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
+        """Return the project in a file, its text, and the place of each object in that."""
         source = self.decode(content)
-        return source, read_export(source).spans
+        found = read_export(source)
+        return found.project, source, found.spans
 
 
 CODEC = ExpCodec()

@@ -45,7 +45,7 @@ from plcopen_sfc.languages.declarations.declaration_comments import said
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
-from plcopen_sfc.languages.st.parsing import parse_statements
+from plcopen_sfc.languages.st.parsing import statement_problems
 from plcopen_sfc.model.body import Body, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou, PouKind
@@ -138,7 +138,7 @@ class _Reader:
     def _share(self) -> str:
         """Return how many of the letters beyond ASCII speak for the code page that was guessed."""
         runs = _RUNS.get(self.source.encoding)
-        letters = sum(not each.isascii() for each in self.text)
+        letters = sum(map(len, _BEYOND_ASCII.findall(self.text)))
         if runs is None or not letters:
             return ""
         share = sum(len(found.group()) for found in runs.finditer(self.text)) / letters
@@ -221,7 +221,7 @@ class _Reader:
             return chart.body, places + chart.places
         body = read_text_body(self.text, span)
         if isinstance(body, StBody):
-            for problem in parse_statements(body.text, Dialect.CODESYS).problems[:_MANY]:
+            for problem in statement_problems(body.text, Dialect.CODESYS)[:_MANY]:
                 offset = span[0] + _offset(self.text[span[0] : span[1]], problem.span[0])
                 self._note("EXP110", Severity.ERROR, problem.message, offset, path)
         return body, places + ([(("body", ""), span, ())] if body is not None else [])
@@ -346,6 +346,7 @@ class _Reader:
 
 _RUNS = {"cp1251": re.compile("[\u0400-\u04ff]{3,}"), "cp1252": re.compile("[\xa8\xb8\xc0-\xff]{3,}")}
 """Letters beside each other, in each of the code pages that are guessed."""
+_BEYOND_ASCII = re.compile(r"[^\x00-\x7f]+")
 _PAIR = re.compile(r"\$u(D[89AB][0-9A-F]{2})\$u(D[C-F][0-9A-F]{2})")
 """A character beyond the first 65536 in a comment of this package."""
 

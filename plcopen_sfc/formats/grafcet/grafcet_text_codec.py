@@ -289,10 +289,11 @@ class GrafcetTextCodec(TextCodec):
         """Return the text of a project, in the blocks that an edit replaces."""
         return write_blocks(project, report)
 
-    def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
-        """Return the text of a file, and the place of each object in it."""
+    def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
+        """Return the project in a file, its text, and the place of each object in that."""
         source = self.decode(content)
-        return source, read_text(source).spans
+        found = read_text(source)
+        return found.project, source, found.spans
 
 
 CODEC = GrafcetTextCodec()

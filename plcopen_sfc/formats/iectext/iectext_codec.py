@@ -449,11 +449,12 @@ class IecTextCodec(TextCodec):
         """Return the text of a project by its objects."""
         return write_project(project, options, report)
 
-    def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
-        """Return the places of those objects in the text of a file."""
+    def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
+        """Return the project in a file, its text, and the places of its objects in that."""
         source = self.decode(content)
         project, src = read_project(source.text, None)
-        return source, file_slices(project, src, self.to_blocks(project, WriteOptions(), ConversionReport()))
+        written = self.to_blocks(project, WriteOptions(), ConversionReport())
+        return project, source, file_slices(project, src, written)
 
     def fit(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Change `project`, a copy, into one that matiec executes."""

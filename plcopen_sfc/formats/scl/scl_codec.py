@@ -545,10 +545,11 @@ class SclCodec(TextCodec):
         """Return the text of a project, in the pieces that an edit replaces."""
         return write_pieces(project, report)
 
-    def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
-        """Return the text of a source, and the place of each object in it."""
+    def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
+        """Return the project in a source, its text, and the place of each object in that."""
         source = self.decode(content)
-        return source, read_source(source).spans
+        found = read_source(source)
+        return found.project, source, found.spans
 
 
 CODEC = SclCodec()

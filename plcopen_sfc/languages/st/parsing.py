@@ -327,6 +327,15 @@ def parse_statements(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Stat
     return _parse(text, Dialect(dialect), "statements")
 
 
+@lru_cache(maxsize=4096)
+def statement_problems(text: str, dialect: Dialect = Dialect.IEC) -> tuple[Problem, ...]:
+    """What does not parse in the statements of a body, in the order of the text.
+
+    Remembered, unlike the trees of long texts: to save an edit, a file is read again, and most of it is as it was.
+    """
+    return parse_statements(text, dialect).problems
+
+
 def parse_expression(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Expression]:
     """An expression. Never raises: see `Parsed.problems`."""
     return _parse(text, Dialect(dialect), "whole_expression")
