@@ -476,7 +476,7 @@ class _Chart:
     def station(self, index: int, source: str) -> str:
         """Eight steps; gives the id of the transition that leaves the last."""
         name = [f"{each}{index}" for each in NAMES]
-        first = self.step(name[0], source, actions=[("N", "", f"Belt{index}"), ("P1", "", self._text(index))])
+        first = self.step(name[0], source, actions=[("N", "", f"Belt{index}"), self._pulse(index)])
         there = self.transition(first, f"InPlace{index} AND NOT Door")
         clamp = self.step(name[1], there, actions=[("S", "", f"Clamp{index}")])
         split = self.bar("selectionDivergence", [clamp], 2)
@@ -497,8 +497,9 @@ class _Chart:
         both = self.bar("simultaneousConvergence", [left, right], 1)
         return self.transition(both, f"Printed{index}")
 
-    def _text(self, index: int) -> str:
-        return f"Count{index}" if self.wired_only else f"Count{index} := NOT Count{index};"
+    def _pulse(self, index: int) -> Action:
+        """What is done once; CODESYS has no P1."""
+        return ("P", "", f"Count{index}") if self.wired_only else ("P1", "", f"Count{index} := NOT Count{index};")
 
 
 VARIABLES = "Belt Clamp Count Valve Cap".split()

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import DamagedSourceError, Diagnostic, Severity
@@ -30,6 +30,7 @@ from plcopen_sfc.formats.provenance import (
     Origin,
     content_digest,
     file_digest,
+    is_edited,
     is_from,
     place_in_folder,
     remember_body,
@@ -146,7 +147,8 @@ def encode(
     source = project.source if isinstance(project.source, FileSource) else None
     if source is not None and source.format == kind.name and version in ("", source.version) and not flavour:
         version = source.version
-        if not fresh and fingerprint(project) == source.fingerprint:
+        edited = any(map(is_edited, project.objects()))  # takes less than to look at all of an edited object
+        if not fresh and not edited and fingerprint(project) == source.fingerprint:
             report.unchanged = True
             return source.content, report
         if not fresh and (kind.xml or kind.text):
@@ -406,27 +408,30 @@ _SHOWN = 60
 def _patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the file that was read with the edits in it. What has no edits is neither read nor drawn nor written."""
     from plcopen_sfc.conversion.adaptation import (  # noqa: PLC0415
-        is_rewritten,
+        has_rewritten_charts,
         is_rewritten_throughout,
         rewrite_project,
     )
     from plcopen_sfc.drawing import prepare  # noqa: PLC0415
 
     codec = cast("XmlCodec", kind.codec())
-    is_other = is_rewritten(project, source.content, kind)
     throughout = is_rewritten_throughout(project, source.content, kind)
+    is_other = throughout or has_rewritten_charts(project, kind)
     excerpt = None if throughout else _Excerpt.of(project, source, codec)
     if excerpt is not None:
         notes = ConversionReport(report.source_format, report.target_format)
-        data = _merged(excerpt.project, source, kind, notes, is_other=is_other, excerpt=excerpt)
-        whole = excerpt.filled(data) if data is not None else None
-        if data is not None and whole is not None:
+        merged = _merged(excerpt.project, source, kind, notes, is_other=is_other, excerpt=excerpt)
+        whole = excerpt.filled(merged.data) if merged is not None else None
+        if merged is not None and whole is not None:
             report.items += notes.items
-            _report_edits(report, excerpt.project, source, (excerpt.content, data), kind)
+            if not merged.is_same_to_tool:
+                _report_edits(report, excerpt.project, source, (excerpt.content, merged.data), kind)
             return whole
-    data = _merged(project, source, kind, report, is_other=is_other)
+    merged = _merged(project, source, kind, report, is_other=is_other)
     meant = project
-    if data is None:
+    if merged is not None:
+        data = merged.data
+    else:
         # rather a large diff than a lost edit
         report.add(
             Outcome.APPROXIMATED,
@@ -436,12 +441,13 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
         )
         before = codec.read(source.content).project
         options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
-        if is_rewritten(project, source.content, kind):
+        if is_other:
             project, marks = rewrite_project(project, kind, options, ConversionReport())
             options = replace(options, marks=marks)
         prepare(project, _drawing_style(kind), positions=kind.positions)
         data = codec.write(project, options, report)
-    _report_edits(report, meant, source, (source.content, data), kind)
+    if merged is None or not merged.is_same_to_tool:
+        _report_edits(report, meant, source, (source.content, data), kind)
     return data
 
 
@@ -551,6 +557,13 @@ class _Excerpt:
         return encoding.encode(apply_edits(new, edits)) if len(were) == len(are) else None
 
 
+class _Merged(NamedTuple):
+    """A file with the edits in it. `is_same_to_tool`: the tool reads from it the very project that was to be saved."""
+
+    data: bytes
+    is_same_to_tool: bool
+
+
 def _merged(
     project: Project,
     source: FileSource,
@@ -559,7 +572,7 @@ def _merged(
     *,
     is_other: bool = False,
     excerpt: _Excerpt | None = None,
-) -> bytes | None:
+) -> _Merged | None:
     """Return the file, or an excerpt of it, with the edits in it; None where reading it again does not give them.
 
     `is_other`: what is written is not what the project has.
@@ -601,13 +614,13 @@ def _merged(
     _pass_known_losses(report, known)
     try:
         back = codec.read(data).project
-        if not is_other and back == project:
-            return data
+        if back == project:
+            return _Merged(data, not is_other and codec.as_tool_sees(data) is data)
         # equal to the tool, if not in the order of its drawing; comments carry ids in TC6 1.01, which may be others now
         is_same = canonical(tree(back, None, ConversionReport())) == canonical(after)
     except FormatError:  # references by position that lead elsewhere now
         return None
-    return data if is_same else None
+    return _Merged(data, is_same_to_tool=False) if is_same else None
 
 
 def _pass_known_losses(report: ConversionReport, known: ConversionReport) -> None:

@@ -108,6 +108,11 @@ def is_untouched(thing: ProjectObject | SfcNetwork) -> bool:
     return found
 
 
+def is_edited(thing: ProjectObject) -> bool:
+    """True if the content is another than was read. False for what was not read, such as objects made by scripts."""
+    return _provenance(thing).digest is not None and not is_untouched(thing)
+
+
 def content_digest(thing: ProjectObject) -> bytes:
     """Return a digest of the content of an object: the same for an unread one and the same one read and not edited."""
     if not is_untouched(thing):

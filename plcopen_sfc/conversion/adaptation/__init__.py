@@ -14,10 +14,10 @@ source beside it (`formats.plcopen.source_marks`).
 """
 
 from plcopen_sfc.conversion.adaptation.project_rewriting import (
-    is_rewritten,
+    has_rewritten_charts,
     is_rewritten_throughout,
     rewrite_project,
     rule_tables,
 )
 
-__all__ = ["is_rewritten", "is_rewritten_throughout", "rewrite_project", "rule_tables"]
+__all__ = ["has_rewritten_charts", "is_rewritten_throughout", "rewrite_project", "rule_tables"]

@@ -330,11 +330,9 @@ def _without_result(project: Project) -> Iterator[Interface]:
             yield pou.interface
 
 
-def is_rewritten(project: Project, content: bytes, kind: Format) -> bool:
-    """True if the file `content` holds what was rewritten, or an edit of `project` made that necessary."""
+def has_rewritten_charts(project: Project, kind: Format) -> bool:
+    """True if an edited chart of `project` is written in other terms."""
     host = kind.charts
-    if is_rewritten_throughout(project, content, kind):
-        return True
     if host is None:
         return False
     charts = (chart for chart in project.charts() if not is_untouched(chart.chart))
@@ -342,7 +340,7 @@ def is_rewritten(project: Project, content: bytes, kind: Format) -> bool:
 
 
 def is_rewritten_throughout(project: Project, content: bytes, kind: Format) -> bool:
-    """True if that may concern any POU, and not the edited charts alone."""
+    """True if the file `content` holds what was rewritten, or `project` has such, in any POU and not in charts alone."""
     host = kind.charts
     if host is None:
         return kind.codec().is_rewritten(project, content)

@@ -32,7 +32,7 @@ class Tc6Version:
     name: str
     namespace: str
 
-    @property
+    @cached_property
     def first_generation(self) -> bool:
         """True if this is the grammar of 1.0 and 1.01: no foreign data, one body per POU, no ids at actions."""
         return self.namespace == f"{PREFIX}.xsd"

@@ -91,6 +91,7 @@ _PROLOG = re.compile(
     r"""(?:\s++|<\?.*?\?>|<!--.*?-->|<!DOCTYPE(?:[^\[>"']|"[^"]*"|'[^']*'|\[.*?\]\s*(?=>))*>)*+""", re.DOTALL
 )
 _ATTRIBUTE = re.compile(r"""(\s+)([^\s=]+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
+_HAS_MEANING = re.compile("[&\t\r\n]")
 _BLANKS = " \t"
 
 
@@ -155,7 +156,8 @@ class SourceTree:
 
     def value(self, attribute: SourceAttribute) -> str:
         """Return the value of an attribute, as a parser reports it."""
-        return RawText(self.text[attribute.value_start : attribute.value_end], attribute=True).value
+        raw = self.text[attribute.value_start : attribute.value_end]
+        return RawText(raw, attribute=True).value if _HAS_MEANING.search(raw) else raw  # few values have
 
     def declared(self, node: SourceNode) -> dict[str, str]:
         """Namespaces declared in this start tag, by prefix ("" is the default namespace)."""
