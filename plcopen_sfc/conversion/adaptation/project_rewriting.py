@@ -340,7 +340,7 @@ def has_rewritten_charts(project: Project, kind: Format) -> bool:
 
 
 def is_rewritten_throughout(project: Project, content: bytes, kind: Format) -> bool:
-    """True if the file `content` holds what was rewritten, or `project` has such, in any POU and not in charts alone."""
+    """True if the file `content` has what was rewritten, or `project` has such things, in more than its charts."""
     host = kind.charts
     if host is None:
         return kind.codec().is_rewritten(project, content)

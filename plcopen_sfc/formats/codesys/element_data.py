@@ -455,7 +455,8 @@ def _write_vendor_element(_ctx: Tc6WriteContext, element: VendorElement, _owner:
         yield names.FBD_ATTRIBUTES, UnknownDataRule.IMPLEMENTATION, table
 
 
-Writers = tuple[tuple[type[Model], Callable[[Tc6WriteContext, Any, str], Iterator[Written]]], ...]
+DataWriter = Callable[[Tc6WriteContext, Any, str], Iterator[Written]]
+Writers = tuple[tuple[type[Model], DataWriter], ...]
 """The writers of the data of objects by their class; the first that fits counts."""
 
 ELEMENT_WRITERS: Writers = (

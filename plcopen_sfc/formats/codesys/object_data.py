@@ -6,12 +6,14 @@ See `element_data` for the rules of readers.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 
 from lxml import etree
 
 from plcopen_sfc.formats.codesys import codesys_names as names
 from plcopen_sfc.formats.codesys.element_data import (
     ELEMENT_WRITERS,
+    DataWriter,
     Writers,
     local_name,
     only_child,
@@ -47,10 +49,14 @@ from plcopen_sfc.report import ConversionReport
 
 def write_data(ctx: Tc6WriteContext, thing: Model, owner: str) -> Iterator[Written]:
     """Yield the tool's own data of `thing`."""
-    for kind, writer in (*ELEMENT_WRITERS, *_OBJECT_WRITERS):
-        if isinstance(thing, kind):
-            yield from writer(ctx, thing, owner)
-            return
+    writer = _writer_of(type(thing))
+    if writer is not None:
+        yield from writer(ctx, thing, owner)
+
+
+@cache
+def _writer_of(kind: type[Model]) -> DataWriter | None:
+    return next((writer for known, writer in (*ELEMENT_WRITERS, *_OBJECT_WRITERS) if issubclass(kind, known)), None)
 
 
 def _text_element(ctx: Tc6WriteContext, name: str, text: str) -> etree._Element:

@@ -203,18 +203,20 @@ def finish_element(
     `native` are the fields of `thing` that the caller has written; `documents`: the element may have documentation.
     `also` are more extension data: parts of fields.
     """
-    also = {**ctx.marks.get(id(thing), {}), **(also or {})}
+    also = {**ctx.marks.get(id(thing), {}), **(also or {})} if also or ctx.marks else {}
     # a dialect that writes the comment as data of its own does not write it as documentation too
     own = ctx.dialect.native_fields.get(owner, _NONE)
     documents = documents and "comment" not in own
-    left = fields_left(thing, _written(native, own, ctx.takes_markup, ctx.version.first_generation, documents))
-    left |= also
+    first_generation = ctx.version.first_generation
+    left = fields_left(thing, _written(native, own, ctx.takes_markup, first_generation, documents))
+    if also:
+        left |= also
     fields = thing.__dict__  # asking for an attribute that a class does not have takes long
     extension_data: ExtensionData | None = fields.get("extension_data")
-    if ctx.takes_markup:
+    if extension_data is not None and ctx.takes_markup:
         add_unknown(ctx, element, extension_data)
     written: list[Written] = []
-    if not ctx.version.first_generation:
+    if not first_generation:
         global_id: str | None = fields.get("global_id")
         if global_id is not None:
             element.set("globalId", global_id)
@@ -227,7 +229,7 @@ def finish_element(
         left |= data_left(ctx, extension_data)
     if isinstance(comment, MultilingualText):  # documentation is in one language, a comment of CODESYS too
         left["comment"] = comment.model_dump(mode="json")
-    if not ctx.version.first_generation and owner not in _WITHOUT_DATA:
+    if not first_generation and owner not in _WITHOUT_DATA:
         _add_data(ctx, element, written, extension_data if ctx.takes_markup else None, left)
     elif left:
         # An XML comment must not contain "--"; JSON can write the second hyphen as an escape.

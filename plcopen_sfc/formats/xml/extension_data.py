@@ -180,7 +180,11 @@ def fields_left(thing: Model, native: frozenset[str]) -> dict[str, Any]:
     if isinstance(thing, LateElement):
         thing.read()
     fields = thing.__dict__  # as attributes they would take three times as long, and files have them by the million
-    names = {name for name, default in _defaults(type(thing), native) if fields.get(name, default) != default}
+    names = set()
+    for name, default in _defaults(type(thing), native):  # a comprehension would be a call for each of them
+        value = fields.get(name, default)
+        if value is not default and value != default:
+            names.add(name)
     return thing.model_dump(mode="json", include=names, exclude_none=True) if names else {}
 
 
