@@ -461,14 +461,21 @@ def _draw(
 
 
 @_command
-def _page(screen: Screen, files: o.Sources, lang: o.PageLanguage = "en") -> int:
+def _page(
+    screen: Screen,
+    files: o.Sources,
+    lang: o.PageLanguage = "en",
+    against: o.Against = None,
+    pou: o.PouName = None,
+    limit: o.AgainstLimit = "30s",
+) -> int:
     """Write a project as one HTML page: charts, texts, findings.
 
     The page needs no network: charts, declarations, cross references and the findings of `check` are in it.
     """
     from plcopen_sfc.cli.commands import drawings
 
-    return drawings.pages(screen, files, lang=lang)
+    return drawings.pages(screen, files, drawings.PageOptions(lang, against, pou, limit))
 
 
 @_command

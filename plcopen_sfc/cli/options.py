@@ -137,6 +137,10 @@ PictureFormat = Annotated[
     str | None,
     _option("--to", "Write svg, png, pdf, mermaid or dot. The default is the extension of DST, else svg.", "FORMAT"),
 ]
+Against = Annotated[
+    str | None, _option("--against", "Run the chart against that of this file, and mark what was not reached.", "FILE")
+]
+AgainstLimit = Annotated[str, _option("--limit", "With --against, run the chart for no longer than this.", "TIME")]
 PageLanguage = Annotated[str, _option("--lang", "Write headings of the page in en or de.", "LANG")]
 Paper = Annotated[
     str | None, _option("--paper", "Divide large pictures into sheets of A4, A3 or letter, a file for each.", "PAPER")

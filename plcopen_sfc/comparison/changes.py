@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import groupby
@@ -57,28 +57,38 @@ class Change:
     @property
     def news(self) -> str:
         """Return what has changed, without the place."""
+        return self.told(str)
+
+    def told(self, say: Callable[[str], str]) -> str:
+        """Return what has changed in the words of a language: `say` translates words and templates with ``{}``."""
         match self.kind:
             case ChangeKind.ADDED | ChangeKind.REMOVED:
                 told = self.after if self.kind is ChangeKind.ADDED else self.before
-                return f"{self.kind} ({told})" if told else self.kind.value
+                return say(f"{self.kind} ({{}})").format(told) if told else say(self.kind.value)
             case ChangeKind.RENAMED:
-                return f"renamed, was {self.before}" if self.before else f"named {self.after}"
+                return say("renamed, was {}").format(self.before) if self.before else say("named {}").format(self.after)
             case ChangeKind.MOVED:
-                return f"moved {self.before} -> {self.after}"
+                return say("moved {} -> {}").format(say(f"{self.before}"), say(f"{self.after}"))
+        aspect = say(self.aspect)
         if self.lines:
-            end = " added" if self.before is None else " removed" if self.after is None else ""
-            return self.aspect + end
+            return say("{} added" if self.before is None else "{} removed" if self.after is None else "{}").format(
+                aspect
+            )
         if self.before == self.after:
             is_program = "\n" in (self.before or "\n") or self.aspect.startswith("code")
-            told = "differs in what is no text" if is_program else f"{self.before} means something else"
-            return f"{self.aspect} {told}"
-        tells_itself = self.aspect in (*_TELL_THEMSELVES, self.before, self.after)
-        aspect = "" if tells_itself else f"{self.aspect} "
+            told = (
+                say("differs in what is no text") if is_program else say("{} means something else").format(self.before)
+            )
+            return f"{aspect} {told}"
+        if self.aspect in (*_TELL_THEMSELVES, self.before, self.after):
+            before, after = (say(f"{each}") for each in (self.before, self.after))
+            one_is_missing = after if self.before is None else say("no longer {}").format(before)
+            return one_is_missing if None in (self.before, self.after) else f"{before} -> {after}"
         if self.before is None:
-            return f"{self.after}" if tells_itself else f"{aspect}{self.after} added"
+            return say("{} added").format(f"{aspect} {self.after}")
         if self.after is None:
-            return f"no longer {self.before}" if tells_itself else f"{aspect}{self.before} removed"
-        return f"{aspect}{self.before} -> {self.after}"
+            return say("{} removed").format(f"{aspect} {self.before}")
+        return f"{aspect} {self.before} -> {self.after}"
 
     def __str__(self) -> str:
         """One line; the lines of program text follow."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from plcopen_sfc.comparison import Change, ChangeKind, ProjectDiff
+from plcopen_sfc.comparison import Change, ChangeKind, ProjectDiff, Proof
 from plcopen_sfc.drawing.pictures import chart_figure
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.project import Project
@@ -52,10 +52,11 @@ def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en")
     charts = list(_charts(pairs, words))
     shown = tuple(prefix for pair in pairs for _, prefix in pair if prefix)
     items = [
-        element("li", *_change(change, sides, shown), class_=f"change is-{change.kind}") for change in changes.changes
+        element("li", *_change(change, sides, shown, words), class_=f"change is-{change.kind}")
+        for change in changes.changes
     ]
     listed = element("ul", *items) if items else element("p", words("no differences"))
-    proofs = [element("li", str(proof), class_="comment") for proof in changes.proofs]
+    proofs = [element("li", _proof(proof, words), class_="comment") for proof in changes.proofs]
     overview = element(
         "section",
         element("h1", _title(a, b)),
@@ -206,9 +207,10 @@ def _title(a: Project, b: Project) -> str:
     return " \u2192 ".join(names)
 
 
-def _change(change: Change, sides: tuple[_Side, _Side], shown: tuple[str, ...]) -> Iterator[str]:
+def _change(change: Change, sides: tuple[_Side, _Side], shown: tuple[str, ...], words: Words) -> Iterator[str]:
     """Yield the words of a change, with links to what it is about in the charts of the prefixes `shown`."""
-    yield from (element("b", change.place), ": ", change.news)
+    news = change.told(lambda text: words.place(words.message(text)))
+    yield from (element("b", words.place(change.place)), ": ", news)
     for side, name in zip(sides, "AB", strict=True):
         anchor = side.index.anchor_at(change.path)
         if anchor in side.marks and anchor.startswith(shown):
@@ -225,7 +227,7 @@ def _items(items: list[Item], outcome: Outcome, side: _Side, words: Words) -> Ht
         if len(group) < _FEWEST_GROUPED:
             shown.append(element("ul", *lines))
             continue
-        caption = f"{len(group)} \u00d7 {group[0].what}: {without_names(group[0])}"
+        caption = f"{len(group)} \u00d7 {words.message(group[0].what)}: {without_names(group[0], words.message)}"
         shown.append(element("details", element("summary", caption), element("ul", *lines)))
     if len(items) > _MOST_ITEMS:
         shown.append(element("p", words("and {} more", len(items) - _MOST_ITEMS)))
@@ -236,8 +238,18 @@ def _items(items: list[Item], outcome: Outcome, side: _Side, words: Words) -> Ht
 def _item(item: Item, side: _Side, words: Words) -> Iterator[str]:
     anchor = side.index.anchor_at(item.path)
     is_drawn = any(anchor.startswith(prefix) for prefix in side.index.parts)
-    yield link(anchor if is_drawn else "", element("b", item.place))
+    yield link(anchor if is_drawn else "", element("b", _place(item, words)))
     if item.why:
-        yield f": {item.why}"
+        yield f": {words.message(item.why)}"
     if item.line:
         yield from (" ", element("small", words("line {}", item.line)))
+
+
+def _place(item: Item, words: Words) -> str:
+    path = words.place(item.path)
+    return path if item.place == item.path else f"{words.message(item.what)} {path}".strip()
+
+
+def _proof(proof: Proof, words: Words) -> str:
+    path, told = proof.path, str(proof).removeprefix(f"{proof.path}: ")
+    return f"{words.place(path)}: " + "\n".join(map(words.message, told.splitlines()))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from enum import StrEnum
 from hashlib import sha256
 
@@ -56,10 +56,10 @@ def verdicts(source: Project, report: ConversionReport, words: Words) -> Html:
         rows.append(
             element(
                 "tr",
-                element("th", path),
+                element("th", words.place(path)),
                 element("td", words(verdict.value), class_=_CLASSES.get(verdict, "")),
                 element("td", str(losses)),
-                element("td", "\n".join(filter(None, seen)), class_="comment"),
+                element("td", "\n".join(words.message(line) for line in seen if line), class_="comment"),
             )
         )
     if not rows:
@@ -77,10 +77,10 @@ def grouped(items: Iterable[Item]) -> list[list[Item]]:
     return list(groups.values())
 
 
-def without_names(item: Item) -> str:
-    """Return the reason of an item without what it names."""
+def without_names(item: Item, message: Callable[[str], str] = str) -> str:
+    """Return the reason of an item without what it names, in the words that `message` makes of it."""
     name = ObjectPath.of(item.path).last.rpartition(" ")[2]
-    text = re.sub(r"`[^`]*`", "\u2026", item.why)
+    text = re.sub(r"`[^`]*`", "\u2026", message(item.why))
     return re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", "\u2026", text) if name else text
 
 
@@ -114,14 +114,16 @@ def tasks(report: ConversionReport, words: Words, *, written: bool) -> Html:
     for item in report.losses:
         usual = "Program what is not executed" if item.outcome is Outcome.NOT_EXECUTED else "Look at what differs"
         found.setdefault(_TASKS.get(item.what, usual), []).append(item)
-    lines = [_task(words(text), _places(items)) for text, items in found.items()]
+    lines = [_task(words(text), _places(items, words)) for text, items in found.items()]
     if written:
         tool = format_named(report.target_format)[0].tool or report.target_format
         lines.append(_task(words("Import into {} and compile: not tried yet", tool)))
     unseen = [path for path in report.compared if verdict_of(report, path) is not ChartVerdict.SAME]
     unseen = [path for path in unseen if verdict_of(report, path) is not ChartVerdict.DELAYED]
     if unseen or not report.compared:
-        lines.append(_task(words("Test the charts that were not seen to be the same"), ", ".join(unseen)))
+        lines.append(
+            _task(words("Test the charts that were not seen to be the same"), ", ".join(map(words.place, unseen)))
+        )
     lines.append(_task(words("Test the machine")))
     return joined(element("h2", words("To do")), element("ul", *lines, class_="tasks"))
 
@@ -130,8 +132,8 @@ def _task(text: str, places: str = "") -> Html:
     return element("li", f"\u2610 {text}", element("div", places, class_="comment") if places else Html(""))
 
 
-def _places(items: list[Item]) -> str:
-    paths = list(dict.fromkeys(item.path for item in items))
+def _places(items: list[Item], words: Words) -> str:
+    paths = list(dict.fromkeys(words.place(item.path) for item in items))
     more = len(paths) - _MOST_PLACES
     return "; ".join(paths[:_MOST_PLACES]) + (f"; +{more}" if more > 0 else "")
 

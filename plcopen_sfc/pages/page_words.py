@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
+from plcopen_sfc.pages.report_words import GERMAN, german, german_place
 
 _GERMAN = {
     "Actions": "Aktionen",
@@ -65,16 +66,13 @@ _GERMAN = {
     "Verdict": "Urteil",
     "{} scans of {}, executed as in {}": "{} Zyklen von {}, ausgef\u00fchrt wie in {}",
     "a body in a form that is kept but not read": "ein Rumpf in einer Form, die erhalten, aber nicht gelesen wird",
-    "action": "Aktion",
     "and {} more": "und {} weitere",
     "assignment": "Zuweisung",
     "outcome of comparison": "Ergebnis eines Vergleichs",
     "outcome of condition": "Ergebnis einer Bedingung",
     "part of condition": "Teil einer Bedingung",
     "approximated": "angen\u00e4hert",
-    "chart": "Ablaufkette",
     "condition missing": "Bedingung fehlt",
-    "data block": "Datenbaustein",
     "differs": "verschieden",
     "dropped": "weggelassen",
     "error": "Fehler",
@@ -83,12 +81,8 @@ _GERMAN = {
     "function block": "Funktionsbaustein",
     "function": "Funktion",
     "info": "Hinweis",
-    "interlock": "Verriegelung",
     "kept": "erhalten",
     "line {}": "Zeile {}",
-    "maximum time": "maximale Zeit",
-    "method": "Methode",
-    "minimum time": "minimale Zeit",
     "never possible": "nie m\u00f6glich",
     "not reached": "nicht erreicht",
     "no differences": "keine Unterschiede",
@@ -103,15 +97,10 @@ _GERMAN = {
     "organization block": "Organisationsbaustein",
     "play": "abspielen",
     "priority {}": "Priorit\u00e4t {}",
-    "program": "Programm",
-    "supervision": "\u00dcberwachung",
     "the same": "gleich",
     "the same, a scan later": "gleich, einen Zyklus sp\u00e4ter",
     "the whole width": "ganze Breite",
-    "step": "Schritt",
-    "transition": "Transition",
     "translated": "\u00fcbersetzt",
-    "warning time": "Warnzeit",
     "warning": "Warnung",
 }
 
@@ -200,8 +189,16 @@ class Words:
 
     def __call__(self, english: str, *values: object) -> str:
         """Return the words, with `values` in their places."""
-        text = _GERMAN[english] if self.lang == "de" else english
+        text = _GERMAN.get(english) or GERMAN[english] if self.lang == "de" else english
         return text.format(*values) if values else text
+
+    def message(self, english: str) -> str:
+        """Return a message of a report; English where no translation of it is known."""
+        return german(english) if self.lang == "de" else english
+
+    def place(self, path: str) -> str:
+        """Return a path of a report: names as they are, the kinds of things in the language of the page."""
+        return german_place(path) if self.lang == "de" else path
 
     def rule(self, code: str) -> str:
         """Return what a rule of `check` wants, where the message of a finding is not in this language; else nothing."""

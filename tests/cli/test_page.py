@@ -54,3 +54,15 @@ def test_the_report_of_a_conversion_is_a_page(cli, fixtures, tmp_path):
     page.unlink()
     assert cli("convert", "simaticml/FB_Drill.xml", "-", "--partial", *options).code == 0
     assert page.read_text(encoding="ascii") == text.replace(f"{target}, ", "")
+
+
+def test_a_page_marks_what_a_comparison_with_another_file_did_not_reach(cli, fixtures, tmp_path):
+    source, other, target = "codesys/sorting_conveyor.xml", tmp_path / "other.xml", tmp_path / "x.html"
+    cli("convert", source, other, "--to", "plcopen-2.01", "--partial", "--quiet", "--limit", "0")
+    outcome = cli("page", source, target, "--against", other, "--pou", "FB_Pusher", "--limit", "2s")
+    assert outcome.code == 0
+    assert "FB_Pusher: equal" in outcome.out + outcome.err
+    assert 'id="coverage"' in target.read_text(encoding="ascii")
+    wrong = cli("page", source, target, "--against", other, "--pou", "FB_Pushed")
+    assert wrong.code == 2
+    assert "FB_Pusher" in wrong.err

@@ -115,6 +115,49 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     assert len(listed.findall(".//li")) == len(lost) > len(unknown) > 1  # flags with reasons of their own are alone
 
 
+@pytest.mark.parametrize(
+    ("file", "target"),
+    [
+        ("simaticml/FB_Drill.xml", "codesys"),
+        ("simaticml/FB_Drill.xml", "iec-text"),
+        ("codesys/sorting_conveyor.xml", "simaticml"),
+        ("codesys/sorting_conveyor.xml", "codesys23"),
+        ("codesys/distribution_belt.xml", "simaticml"),
+        ("iectext/mixing_plant.st", "scl"),
+        ("iectext/mixing_plant.st", "codesys"),
+        ("training-chain/codesys.xml", "plcopen-2.01"),
+        ("grafcet/two_cylinders.gct", "simaticml"),
+    ],
+)
+def test_reasons_are_german_on_a_german_page(file: str, target: str) -> None:
+    source = sfc.load(FIXTURES / file)
+    try:
+        data, report = sfc.convert(source, target, partial=True, limit=0)
+    except sfc.LossError as refused:
+        data, report = b"", refused.report
+    written = sfc.loads(data, as_tool=True) if data else None
+    english, german = (
+        words_of(parse(sfc.conversion_page(source, report, written, lang=lang))) for lang in ("en", "de")
+    )
+    reasons = {item.why for item in report.items if item.why and item.why in english}
+    assert reasons
+    assert {why for why in reasons if why in german} == set()
+
+
+def test_a_german_diff_tells_changes_in_german(conveyors: tuple[sfc.Project, sfc.Project]) -> None:
+    before, after = conveyors
+    tree = parse(sfc.diff_page(before, after, sfc.diff(before, after), lang="de"))
+    lines = [words_of(item) for item in tree.xpath("//li[contains(@class, 'change')]")]
+    assert lines == [
+        "POU FB_Push: umbenannt, hieß FB_Pusher",
+        "POU FB_Push / Schritt Blocked: umbenannt, hieß Jammed A B",
+        "POU FB_Push / Schritt Extending: Maximalzeit tMaxStroke -> T#3s A B",
+        "POU FB_Push / Transition Extending -> Blocked: Bedingung Extending.t > tMaxStroke -> FALSE A B",
+        "POU FB_Push / Schritt Extra: neu B",
+        "POU FB_Push / Transition Extra -> Blocked: neu (TRUE) B",
+    ]
+
+
 def test_nothing_of_a_project_becomes_html() -> None:
     nasty, other = nasty_project(), nasty_project()
     other.pous[0].chart.steps[0].comment = None

@@ -100,7 +100,8 @@ def test_both_languages_have_all_words() -> None:
     used: set[str] = set()
     for module in (ROOT / "plcopen_sfc" / "pages").glob("*.py"):
         used.update(re.findall(r'words\(f?"([^"]+)"', module.read_text(encoding="utf-8")))
-    listed = (ROOT / "plcopen_sfc" / "pages" / "page_words.py").read_text(encoding="utf-8")
+    tables = [ROOT / "plcopen_sfc" / "pages" / name for name in ("page_words.py", "report_words.py")]
+    listed = "".join(table.read_text(encoding="utf-8") for table in tables)
     assert [word for word in sorted(used) if f'    "{word}": ' not in listed] == []
     with pytest.raises(sfc.ModelError, match="pages have no language 'fr'"):
         sfc.page(project, lang="fr")

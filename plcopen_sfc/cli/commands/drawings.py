@@ -7,11 +7,16 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.analysis.verdict import Verdict
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.picture_files import PICTURE_FORMATS, draw, drawn_bodies
 from plcopen_sfc.files import folder_exists, refuse_empty, write_atomic
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.semantics.profile import default_profile
+from plcopen_sfc.semantics.subjects import resolve
 
 
 @dataclass(frozen=True)
@@ -59,19 +64,29 @@ def _draw(how: DrawOptions, screen: Screen, source: str, target: str | None) -> 
     return {"file": source, "pictures": [{"chart": name, "file": path} for name, path in written]}
 
 
-def pages(screen: Screen, files: ManyFiles, *, lang: str) -> int:
+@dataclass(frozen=True)
+class PageOptions:
+    """Options of `page`: its language, and the file that the chart or program `pou` is compared with."""
+
+    lang: str = "en"
+    against: str | None = None
+    pou: str | None = None
+    limit: str = "30s"
+
+
+def pages(screen: Screen, files: ManyFiles, how: PageOptions) -> int:
     """Write pages to the last file that is named (none: next to each, ``-``: standard output)."""
     sources, target = files.with_target()
     if sources.alone:
-        screen.result(_write_page(lang, screen, sources.named[0], target))
+        screen.result(_write_page(how, screen, sources.named[0], target))
         return screen.exit_code
     made = targets(
         sources, target, lambda path: str(_page_beside(path)), lambda name: f"{Path(name).with_suffix('')}.html"
     )
-    return _listed(screen, files, made, partial(_write_page, lang), "Writing")
+    return _listed(screen, files, made, partial(_write_page, how), "Writing")
 
 
-def _write_page(lang: str, screen: Screen, source: str, target: str | None) -> dict[str, Any]:
+def _write_page(how: PageOptions, screen: Screen, source: str, target: str | None) -> dict[str, Any]:
     from plcopen_sfc.pages import page  # noqa: PLC0415  # brings the checks with it
 
     project = load_input(screen, source)
@@ -80,13 +95,26 @@ def _write_page(lang: str, screen: Screen, source: str, target: str | None) -> d
     if target is None:
         target = STANDARD_STREAM if source == STANDARD_STREAM else str(_page_beside(Path(source)))
     refuse_empty(target)
-    text = page(project, lang=lang)
+    verdict = None if how.against is None else _verdict(screen, project, how.against, how)
+    text = page(project, lang=how.lang, verdict=verdict)
     with written_to_stdout(screen, target, ".html") as place:
         write_atomic(place, text.encode("ascii"))
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         screen.line("written: ", (target, "bold"))
     screen.exit_code = exit_code_for(screen, project.diagnostics)
-    return {"file": source, "page": target}
+    return {"file": source, "page": target} | ({} if verdict is None else {"verdict": verdict.as_dict()})
+
+
+def _verdict(screen: Screen, project: Project, against: str, how: PageOptions) -> Verdict:
+    """Compare a chart or program with that of the same name in another file, each as its own tool executes it."""
+    both = project, load_input(screen, against)
+    subjects = tuple(resolve(each, how.pou) for each in both)
+    profiles = default_profile(both[0]), default_profile(both[1])
+    delay = 0 if profiles[0] == profiles[1] else "auto"
+    verdict = equivalent(*subjects, profiles, delay=delay, limit=how.limit)
+    if not screen.as_json and not screen.quiet:
+        screen.note(f"{subjects[0].name}: {str(verdict).splitlines()[0]}")
+    return verdict
 
 
 def _listed(screen: Screen, files: ManyFiles, made: dict[str, str], work: Any, doing: str) -> int:

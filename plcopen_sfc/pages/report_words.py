@@ -1,0 +1,794 @@
+"""German for what reports of conversions and lines of `diff` tell, by the English message.
+
+In a message ``{}`` stands for what is shown as it is, such as a name, and ``{+}`` for something that is German too; in
+the German text ``{}`` or ``{0}`` are their places. A message that is not in the table stays English.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cache, lru_cache
+
+_KINDS = {
+    "POU action": "Aktion des Bausteins",
+    "access variables": "Zugriffsvariablen",
+    "action associations": "Aktionszuordnungen",
+    "action": "Aktion",
+    "action association": "Aktionszuordnung",
+    "action of the POU": "Aktion des Bausteins",
+    "activated steps": "aktivierte Schritte",
+    "address": "Adresse",
+    "body": "Rumpf",
+    "box": "Box",
+    "branch": "Zweig",
+    "call of a program": "Aufruf eines Programms",
+    "chart": "Ablaufkette",
+    "chart of an action": "Ablaufkette einer Aktion",
+    "code": "Code",
+    "comment": "Kommentar",
+    "condition": "Bedingung",
+    "condition of the interlock": "Bedingung der Verriegelung",
+    "condition of the transition": "Bedingung der Transition",
+    "constant": "konstant",
+    "data block": "Datenbaustein",
+    "data type": "Datentyp",
+    "drawn logic": "gezeichnete Logik",
+    "edge": "Flanke",
+    "entry action": "Eingangsaktion",
+    "event": "Ereignis",
+    "excluded": "von der Übersetzung ausgenommen",
+    "exit action": "Ausgangsaktion",
+    "extends": "Basistyp",
+    "final scan": "letzter Durchlauf",
+    "flag": "Merker",
+    "forcing": "Zwangssteuerung",
+    "global variable": "globale Variable",
+    "global variables": "globale Variablen",
+    "header": "Kopf",
+    "hierarchy": "Hierarchie",
+    "indicator": "Rückmeldevariable",
+    "initial": "Initialschritt",
+    "initial value": "Anfangswert",
+    "instance": "Instanz",
+    "interlock": "Verriegelung",
+    "interval": "Zykluszeit",
+    "kind": "Art",
+    "logic": "Logik",
+    "macro": "Makroschritt",
+    "macro-step": "Makroschritt",
+    "main action": "Hauptaktion",
+    "max time": "Maximalzeit",
+    "maximum time": "Maximalzeit",
+    "member": "Element",
+    "method": "Methode",
+    "methods": "Methoden",
+    "min time": "Minimalzeit",
+    "minimum time": "Minimalzeit",
+    "name": "Name",
+    "named transition": "benannte Transition",
+    "negation": "Negation",
+    "network": "Netzwerk",
+    "number": "Nummer",
+    "operating input": "Bedieneingang",
+    "order of transitions": "Reihenfolge der Transitionen",
+    "partial chart": "Teilplan",
+    "partial charts": "Teilpläne",
+    "permanent instruction after the sequence": "permanente Anweisung nach der Kette",
+    "permanent instruction before the sequence": "permanente Anweisung vor der Kette",
+    "persistent": "persistent",
+    "position": "Position",
+    "priority": "Priorität",
+    "program": "Programm",
+    "program instance": "Programminstanz",
+    "property": "Eigenschaft",
+    "qualifier": "Bestimmungszeichen",
+    "result": "Ergebnis",
+    "retain": "remanent",
+    "search for stability": "Suche nach Stabilität",
+    "section": "Bereich",
+    "sequence": "Kette",
+    "start of several sequences": "Anfang mehrerer Ketten",
+    "start values": "Startwerte",
+    "static": "statisch",
+    "step": "Schritt",
+    "step flag": "Schrittmerker",
+    "step name": "Schrittname",
+    "supervision": "Überwachung",
+    "tag table": "Variablentabelle",
+    "tags": "Variablen",
+    "target": "Ziel",
+    "task": "Task",
+    "text": "Text",
+    "time": "Zeit",
+    "title": "Titel",
+    "transition": "Transition",
+    "trigger": "Auslöser",
+    "type": "Typ",
+    "undeclared name": "nicht deklarierter Name",
+    "undeclared type": "nicht deklarierter Typ",
+    "variable": "Variable",
+    "variables": "Variablen",
+    "warning time": "Warnzeit",
+}
+"""Kinds of things and what is told of them; before a name they are the beginning of a place."""
+
+_PARTS = {
+    "a body in {}": "ein Rumpf in {}",
+    "an empty action": "eine leere Aktion",
+    "nothing": "nichts",
+    "tools that read the text": "Werkzeugen für Text",
+    "TC6 tools": "TC6-Werkzeugen",
+    "other tools": "anderen Werkzeugen",
+    "the source": "der Quelle",
+    "the POU": "Der Baustein",
+    "the action of the POU": "Die Aktion des Bausteins",
+    "stored value of {}": "gespeicherter Wert von {}",
+    "order of transitions to": "Reihenfolge der Transitionen zu",
+    "order of actions": "Reihenfolge der Aktionen",
+    "order of members": "Reihenfolge der Elemente",
+    "order of {} variables": "Reihenfolge der Variablen von {}",
+    "start value": "Startwert",
+    "source": "Quelle",
+    "the project": "das Projekt",
+}
+"""Parts of messages. Tools are in the dative: German puts them after `in` and `von`."""
+
+_NOT_EXECUTED = {
+    "a source declares no tags and user constants: it must be in the project already": (
+        "eine Quelle deklariert keine Variablen und Anwenderkonstanten: sie muss im Projekt vorhanden sein"
+    ),
+    "a source declares no tags and user constants: they must be in the project already": (
+        "eine Quelle deklariert keine Variablen und Anwenderkonstanten: sie müssen im Projekt vorhanden sein"
+    ),
+    "no text expresses it; the undeclared name {} is in its place, so that the text does not compile": (
+        "kein Text drückt das aus; an seiner Stelle steht der nicht deklarierte Name {}, so dass der Text sich "
+        "nicht übersetzen lässt"
+    ),
+    "variables of blocks have no address in S7: it is not connected to {}": (
+        "Variablen von Bausteinen haben in S7 keine Adresse: sie ist nicht mit {} verbunden"
+    ),
+    "variables of blocks have no address in TIA Portal: it is connected to no input or output": (
+        "Variablen von Bausteinen haben in TIA Portal keine Adresse: sie ist mit keinem Ein- oder Ausgang verbunden"
+    ),
+    "the type `{}` is not declared in {+}": "der Typ `{}` ist in {} nicht deklariert",
+    "the name `{}` is not declared in {+}": "der Name `{}` ist in {} nicht deklariert",
+    "property `{}` is not declared in {+}": "die Eigenschaft `{}` ist in {} nicht deklariert",
+    "variable `{}` is not declared in {+}": "die Variable `{}` ist in {} nicht deklariert",
+    "global variable `{}` is not declared in {+}": "die globale Variable `{}` ist in {} nicht deklariert",
+    "not declared in {+}: {}": "nicht deklariert in {}: {}",
+    "{+} `{}` is NOT executed in {+}": "{} `{}` wird in {} NICHT ausgeführt",
+    "the action in place ({}) is NOT executed in {+}": "die Aktion an Ort und Stelle ({}) wird in {} NICHT ausgeführt",
+    "the permanent instruction after the sequence is NOT executed in {+}": (
+        "die permanente Anweisung nach der Kette wird in {} NICHT ausgeführt"
+    ),
+    "the permanent instruction before the sequence is NOT executed in {+}": (
+        "die permanente Anweisung vor der Kette wird in {} NICHT ausgeführt"
+    ),
+    "the {}. body of the POU, `{+}`, is NOT executed in {+}": (
+        "der {}. Rumpf des Bausteins, `{}`, wird in {} NICHT ausgeführt"
+    ),
+    "what is drawn beside the steps is NOT executed in {+}: `{}`": (
+        "was neben den Schritten gezeichnet ist, wird in {} NICHT ausgeführt: `{}`"
+    ),
+    "what is drawn beside the steps acts, and is not written": (
+        "was neben den Schritten gezeichnet ist, wirkt, und wird nicht geschrieben"
+    ),
+    "the actions of the step do not act while it is NOT active in {+}": (
+        "die Aktionen des Schritts wirken in {} nicht, während er NICHT aktiv ist"
+    ),
+    "{} does not know what it is an instance of: {} is missing": "{} kennt den Typ dieser Instanz nicht: {} fehlt",
+    "CoDeSys 2.3 has no enumeration with a type of its values: it does not compile": (
+        "CoDeSys 2.3 hat keinen Aufzählungstyp mit einem Typ seiner Werte: es lässt sich nicht übersetzen"
+    ),
+    "CoDeSys 2.3 has no value of an enumeration by its type (`{}`): it does not compile": (
+        "CoDeSys 2.3 kennt keinen Wert einer Aufzählung mit deren Typ (`{}`): es lässt sich nicht übersetzen"
+    ),
+    "CoDeSys 2.3 has no {} with the operand of its memory at a pin: it does not compile": (
+        "CoDeSys 2.3 hat kein {} mit dem Operanden seines Speichers an einem Anschluss: es lässt sich nicht übersetzen"
+    ),
+    "CoDeSys 2.3 has no {}: it does not compile": "CoDeSys 2.3 hat kein {}: es lässt sich nicht übersetzen",
+    "{+} is `{+}` in {+} instead of `{+}`": "{0} ist in {2} `{1}` statt `{3}`",
+    "the {+} of {+} `{}` is `{+}` in {+} instead of `{+}`": "{0} von {1} `{2}` ist in {4} `{3}` statt `{5}`",
+    "the {+} does something else in {+}: `{+}`": "{} hat in {} eine andere Wirkung: `{}`",
+    "the undeclared name {} is in its place, and the block does not compile:  {+}": (
+        "an ihrer Stelle steht der nicht deklarierte Name {}, und der Baustein lässt sich nicht übersetzen: {}"
+    ),
+    "function blocks or edges are in it, which a transition of S7-GRAPH cannot have": (
+        "sie enthält Funktionsbausteine oder Flanken, die eine Transition von S7-GRAPH nicht haben kann"
+    ),
+    "TIA Portal does not have all elements of its network": "TIA Portal hat nicht alle Elemente ihres Netzwerks",
+    "no network of LAD or FBD expresses {}": "kein Netzwerk in KOP oder FUP drückt {} aus",
+    "{+}; no organization block is written that calls {}": (
+        "{}; es wird kein Organisationsbaustein geschrieben, der {} aufruft"
+    ),
+    "it starts at a rising edge of {}": "sie startet bei einer steigenden Flanke von {}",
+    "its interval is the variable {}": "ihre Zykluszeit ist die Variable {}",
+    "the project has no program that it calls": "das Projekt hat kein Programm, das sie aufruft",
+    "{} is not watched in {+}: SFCError is never set": "{} wird in {} nicht überwacht: SFCError wird nie gesetzt",
+    "exceeding the maximum time {} is not reported in {+}": (
+        "dass die Maximalzeit {} überschritten ist, wird in {} nicht gemeldet"
+    ),
+    "`{}` is not executed in {+}: {+}": "`{}` wird in {} nicht ausgeführt: {}",
+    "`{}` is not executed: {+}": "`{}` wird nicht ausgeführt: {}",
+    "it is not executed: {+}": "sie wird nicht ausgeführt: {}",
+    "S7-GRAPH has no qualifier {}": "S7-GRAPH hat kein Bestimmungszeichen {}",
+    "{} has no qualifier {}, and no standard tells what it does": (
+        "{} hat kein Bestimmungszeichen {}, und keine Norm sagt, was es bewirkt"
+    ),
+    "{} has no action that acts while its step is not active": (
+        "{} hat keine Aktion, die wirkt, während ihr Schritt nicht aktiv ist"
+    ),
+    "it acts while the step is not active, which S7-GRAPH cannot express": (
+        "sie wirkt, während der Schritt nicht aktiv ist, was S7-GRAPH nicht ausdrücken kann"
+    ),
+    "{+}, and no function holds them: {+}": "{}, und keine Funktion nimmt sie auf: {}",
+    "a row of S7-GRAPH assigns one operand; its statements are more than that": (
+        "eine Zeile von S7-GRAPH weist einem Operanden zu; ihre Anweisungen sind mehr als das"
+    ),
+    "it is a network, and S7-GRAPH has no row for that": "sie ist ein Netzwerk, und S7-GRAPH hat dafür keine Zeile",
+    "it uses {}, which is no variable of the block": "sie benutzt {}, das keine Variable des Bausteins ist",
+    "it writes what its text does not name": "sie schreibt, was ihr Text nicht nennt",
+    "it calls a method": "sie ruft eine Methode auf",
+    "its network is no list of statements": "ihr Netzwerk ist keine Folge von Anweisungen",
+    "{+} has no program in {+}": "{} hat in {} keinen Programmcode",
+    "the block is empty and does nothing: SCL has programs in structured text only": (
+        "der Baustein ist leer und tut nichts: SCL hat Programme nur in strukturiertem Text"
+    ),
+    "the block is empty and does nothing: it is in no language that is written for TIA Portal": (
+        "der Baustein ist leer und tut nichts: er ist in keiner Sprache, die für TIA Portal geschrieben wird"
+    ),
+    "blocks of S7 have no actions: what calls it does not execute it": (
+        "Bausteine von S7 haben keine Aktionen: was sie aufruft, führt sie nicht aus"
+    ),
+    "blocks of S7 have no methods: what calls it does not execute it": (
+        "Bausteine von S7 haben keine Methoden: was sie aufruft, führt sie nicht aus"
+    ),
+    "blocks of TIA Portal have no methods: what calls it does not execute it": (
+        "Bausteine von TIA Portal haben keine Methoden: was sie aufruft, führt sie nicht aus"
+    ),
+    "S7 has no actions and methods to call: {}": "S7 hat keine Aktionen und Methoden, die man aufrufen kann: {}",
+    "`{}` is of the type {}, and an action is a Boolean variable in {+}": (
+        "`{}` ist vom Typ {}, und eine Aktion ist in {} eine boolesche Variable"
+    ),
+    "S7-GRAPH has no {}: the chart neither obeys it nor sets it": (
+        "S7-GRAPH hat kein {}: die Ablaufkette gehorcht ihm nicht und setzt es nicht"
+    ),
+    "S7-GRAPH has no {}: a sequence goes on whenever its block is called": (
+        "S7-GRAPH hat kein {}: eine Kette läuft weiter, sooft ihr Baustein aufgerufen wird"
+    ),
+    "S7-GRAPH has no {}: it has INIT_SQ, which the caller of the block operates, not the block": (
+        "S7-GRAPH hat kein {}: es hat INIT_SQ, das der Aufrufer des Bausteins bedient, nicht der Baustein"
+    ),
+    "S7-GRAPH has no {}: it has S_NO, the number of the step": (
+        "S7-GRAPH hat kein {}: es hat S_NO, die Nummer des Schritts"
+    ),
+    "S7-GRAPH has no macro-steps: the chart in it is not executed": (
+        "S7-GRAPH hat keine Makroschritte: die Ablaufkette darin wird nicht ausgeführt"
+    ),
+    "S7-GRAPH has no partial charts: they are not executed": (
+        "S7-GRAPH hat keine Teilpläne: sie werden nicht ausgeführt"
+    ),
+    "the flag has no effect in {+}": "der Merker hat in {} keine Wirkung",
+    "{} has no effect in {+}": "{} hat in {} keine Wirkung",
+    "TIA Portal has no type like this one; written as {}, which does not compile": (
+        "TIA Portal hat keinen solchen Typ; geschrieben als {}, was sich nicht übersetzen lässt"
+    ),
+    "TIA Portal has no such section": "TIA Portal hat keinen solchen Bereich",
+    "TIA Portal has no such element: {}; the network is empty there": (
+        "TIA Portal hat kein solches Element: {}; das Netzwerk ist dort leer"
+    ),
+    "TIA Portal cannot write this start value: the variable starts with the usual value of its type": (
+        "TIA Portal kann diesen Startwert nicht schreiben: die Variable beginnt mit dem üblichen Wert ihres Typs"
+    ),
+    "{} is another place in {+}: one tool counts words where the other counts bytes": (
+        "{} ist in {} eine andere Stelle: ein Werkzeug zählt Worte, wo das andere Bytes zählt"
+    ),
+    "{+}; left as it stands": "{}; bleibt, wie es ist",
+    "left as it stands, because it cannot be read: {}": "bleibt, wie es ist, weil es nicht lesbar ist: {}",
+    "{} has more digits than any type": "{} hat mehr Stellen als jeder Typ",
+    "SCL has no function block {}: LAD and FBD have it as a box with an operand": (
+        "SCL hat keinen Funktionsbaustein {}: KOP und FUP haben ihn als Box mit Operand"
+    ),
+    "IEC 61131-3 has no jumps": "IEC 61131-3 hat keine Sprünge",
+    "IEC 61131-3 has no labels to jump to": "IEC 61131-3 hat keine Sprungmarken",
+    "{+} `{}` runs as {} in {+}, not as {+}": "{0} `{1}` wird in {3} als {2} ausgeführt, nicht als {4}",
+    "{+} `{}` runs WITHOUT its {+} `{}` in {+}": "{0} `{1}` wird in {4} OHNE {2} `{3}` ausgeführt",
+    "{+} `{}` is controlled otherwise in {+}: it also belongs to other steps": (
+        "{} `{}` wird in {} anders gesteuert: sie gehört auch zu anderen Schritten"
+    ),
+    "{}: {+}, and charts of {} are nested branches: restructure it": (
+        "{}: {}, und Ablaufketten von {} sind geschachtelte Verzweigungen: umstrukturieren"
+    ),
+    "waits for steps of branches that do not end together": "wartet auf Schritte von Zweigen, die nicht zusammen enden",
+    "charts of CODESYS are nested branches from one start on, and this is in none of them": (
+        "Ablaufketten von CODESYS sind geschachtelte Verzweigungen von einem Anfang aus, und dies ist in keiner"
+    ),
+    "{+}: lower the GRAFCET, which makes proven code of all of it": (
+        "{}: den GRAFCET mit `lower` in Code umsetzen, dessen Verhalten bewiesen ist"
+    ),
+    "two steps are called {}: conditions could not tell them apart": (
+        "zwei Schritte heißen {}: Bedingungen könnten sie nicht unterscheiden"
+    ),
+    "{} is ruled, and a step of it can be activated twice": (
+        "{} wird gesteuert, und ein Schritt davon kann zweimal aktiviert werden"
+    ),
+    "`{}` is a program: in {+} others can neither call it nor read its variables": (
+        "`{}` ist ein Programm: in {} können andere es weder aufrufen noch seine Variablen lesen"
+    ),
+    "a program that no task of {} calls: give it one": "ein Programm, das keine Task von {} aufruft: eine zuweisen",
+    "{} has no variables of its own in {+}: a program has one set of them for all its calls": (
+        "{} hat in {} keine eigenen Variablen: ein Programm hat sie nur einmal für alle Aufrufe"
+    ),
+    "{} does not run every {} in {+}": "{0} läuft in {2} nicht alle {1}",
+    "`{}` does not keep its value over a power failure in {+}": (
+        "`{}` behält in {} seinen Wert bei Spannungsausfall nicht"
+    ),
+    "`{}` does not start as {} in {+}": "`{0}` beginnt in {2} nicht mit {1}",
+    "{} would be retained, other variables of the block not: none is": (
+        "{} wäre remanent, andere Variablen des Bausteins nicht: keine ist es"
+    ),
+    "it is a tag: whether it is retained is set for the memory of the controller": (
+        "sie ist eine PLC-Variable: ob sie remanent ist, wird für den Speicher der Steuerung eingestellt"
+    ),
+    "it is a tag, which has no start value: it starts as FALSE or 0": (
+        "sie ist eine PLC-Variable, die keinen Startwert hat: sie beginnt mit FALSE oder 0"
+    ),
+    "S7 has no such section: its variables have no addresses and values by it": (
+        "S7 hat keinen solchen Bereich: seine Variablen bekommen daher keine Adressen und Werte"
+    ),
+    "SCL has no such declaration": "SCL hat keine solche Deklaration",
+    "a {+} is called {} too: TIA Portal does not compile it": (
+        "{} mit demselben Namen {}: TIA Portal übersetzt das nicht"
+    ),
+    "variable of the block": "eine Variable des Bausteins",
+    "a body in {} cannot be written, and is not executed: the undeclared name {} is in its place": (
+        "ein Rumpf in {} kann nicht geschrieben werden und wird nicht ausgeführt: an seiner Stelle steht der nicht "
+        "deklarierte Name {}"
+    ),
+    "it names a variable with its list, which TC6 does not know: it does not compile": (
+        "er nennt eine Variable mit ihrer Liste, die TC6 nicht kennt: er lässt sich nicht übersetzen"
+    ),
+    "TC6 {} has no place for it; other tools neither declare nor execute them": (
+        "TC6 {} hat dafür keinen Platz; andere Werkzeuge deklarieren sie nicht und führen sie nicht aus"
+    ),
+}
+"""Why something is not executed."""
+
+_OTHERWISE = {
+    "SFCError `SFCError` in {+}, none in the source": "SFCError wird in {} gesetzt, in der Quelle nicht",
+    "{+} `{+}` in {+}, none in the source": "{} `{}` in {}, in der Quelle nicht",
+    "the name `{}` is declared neither in the source nor in {+}, which does not compile it": (
+        "der Name `{}` ist weder in der Quelle noch in {} deklariert, wo er sich nicht übersetzen lässt"
+    ),
+    "the type `{}` is declared neither in the source nor in {+}, which does not compile it": (
+        "der Typ `{}` ist weder in der Quelle noch in {} deklariert, wo er sich nicht übersetzen lässt"
+    ),
+    "action `{}` runs once more in {+} after the step is left": (
+        "die Aktion `{}` wird in {}, nachdem der Schritt verlassen ist, noch einmal ausgeführt"
+    ),
+    "the action in place runs once more in {+} after the step is left": (
+        "die Aktion an Ort und Stelle wird in {}, nachdem der Schritt verlassen ist, noch einmal ausgeführt"
+    ),
+    "the action in `{}` runs once more in {+} after the step is left": (
+        "die Aktion in `{}` wird in {}, nachdem der Schritt verlassen ist, noch einmal ausgeführt"
+    ),
+    "set the cycle time of {} to {} in TIA Portal: its files have no place for it": (
+        "die Zykluszeit von {} in TIA Portal auf {} einstellen: seine Dateien haben dafür keinen Platz"
+    ),
+    "set the priority of {} in TIA Portal: in the source it is {}": (
+        "die Priorität von {} in TIA Portal einstellen: in der Quelle ist sie {}"
+    ),
+    "the target fires transitions once in a scan: flags are a scan late": (
+        "das Ziel schaltet Transitionen einmal je Zyklus: Merker kommen einen Zyklus später"
+    ),
+    "the target fires transitions once in a scan: {} may be active where a GRAFCET only passes": (
+        "das Ziel schaltet Transitionen einmal je Zyklus: {} können aktiv sein, wo ein GRAFCET nur durchläuft"
+    ),
+    "it leads to all initial steps: charts of the target have one, and the first scan passes with it": (
+        "er führt zu allen Initialschritten: Ablaufketten des Ziels haben einen, und der erste Zyklus vergeht mit ihm"
+    ),
+    "{} executes a {+} `{}` that the source does not": "{} führt {} `{}` aus, was die Quelle nicht tut",
+    "{} may execute other actions of the chart before it, which have variables in common with it": (
+        "{} kann andere Aktionen der Ablaufkette davor ausführen, die gemeinsame Variablen mit ihr haben"
+    ),
+    "a timer, which sees that a step ends one scan later": (
+        "eine Zeitfunktion, die das Ende eines Schritts einen Zyklus später sieht"
+    ),
+    "its variables are kept when the power fails, and not when the block is loaded again": (
+        "seine Variablen bleiben bei Spannungsausfall erhalten, aber nicht, wenn der Baustein neu geladen wird"
+    ),
+    "S7-GRAPH wants it and a transition between two branches: what comes next is active one cycle later": (
+        "S7-GRAPH verlangt ihn und eine Transition zwischen zwei Verzweigungen: "
+        "was folgt, wird einen Zyklus später aktiv"
+    ),
+    "{+}; TIA Portal may refuse it": "{}; TIA Portal lehnt das vielleicht ab",
+    "S7-GRAPH has no jump into or out of a simultaneous branch ({})": (
+        "S7-GRAPH hat keinen Sprung in einen Simultanzweig oder aus ihm heraus ({})"
+    ),
+    "CODESYS has no negated step outputs; its importer may not see the negation": (
+        "CODESYS hat keine negierten Schrittausgänge; sein Import sieht die Negation vielleicht nicht"
+    ),
+    "exports of CODESYS and TwinCAT have no macro-steps; their importers may not read it": (
+        "Exporte von CODESYS und TwinCAT haben keine Makroschritte; der Import liest ihn vielleicht nicht"
+    ),
+    "S7-GRAPH does not execute an action once more after it has ended, as the final scan of IEC 61131-3 does": (
+        "S7-GRAPH führt eine Aktion nicht noch einmal aus, nachdem sie beendet ist, wie es der letzte Durchlauf nach "
+        "IEC 61131-3 tut"
+    ),
+    "IEC 61131-3 does not say which actions are executed first: it may be executed before others": (
+        "IEC 61131-3 sagt nicht, welche Aktionen zuerst ausgeführt werden: sie kann vor anderen ausgeführt werden"
+    ),
+    "the chart of action `{}` begins a scan earlier or later in {+}: {+}, in the source {+}": (
+        "die Ablaufkette der Aktion `{}` beginnt in {} einen Zyklus früher oder später: {}, in der Quelle {}"
+    ),
+    "a chart, transitions first": "eine Ablaufkette, Transitionen zuerst",
+    "a chart, actions first": "eine Ablaufkette, Aktionen zuerst",
+    "exceeding the maximum time {} sets SFCError in {+}, and does nothing in the source": (
+        "dass die Maximalzeit {} überschritten ist, setzt in {} SFCError und bewirkt in der Quelle nichts"
+    ),
+    "CODESYS and TwinCAT offer {}": "CODESYS und TwinCAT bieten {}",
+    "SFC131: this transition leads nowhere": "SFC131: diese Transition führt nirgendwohin",
+    "SFC131: nothing leads on from this step": "SFC131: von diesem Schritt führt nichts weiter",
+    "SFC132: a chart has one start; this is another": "SFC132: eine Ablaufkette hat einen Anfang, dies ist noch einer",
+    "S7 calls instances, neither methods nor actions: this is right only if it is an instance": (
+        "S7 ruft Instanzen auf, weder Methoden noch Aktionen: das stimmt nur, wenn es eine Instanz ist"
+    ),
+    "{} starts as {} in S7, and as {} in CODESYS": "{} beginnt in S7 mit {} und in CODESYS mit {}",
+}
+"""Why something is executed otherwise."""
+
+_TRANSLATED = {
+    "{+} in the source, here the expression {}": "in der Quelle {}, hier der Ausdruck {}",
+    "logic drawn in the chart": "in der Ablaufkette gezeichnete Logik",
+    "a negated condition": "eine negierte Bedingung",
+    "a network": "ein Netzwerk",
+    "a network of LD": "ein Netzwerk in KOP",
+    "a network of FBD": "ein Netzwerk in FUP",
+    "a tag, {} at {}": "eine PLC-Variable, {} auf {}",
+    "its statements are the function {}, which a row calls": (
+        "ihre Anweisungen sind die Funktion {}, die eine Zeile aufruft"
+    ),
+    "a function block with the instance data block {}; no task calls it, so no organization block does": (
+        "ein Funktionsbaustein mit dem Instanz-DB {}; keine Task ruft ihn auf, also auch kein Organisationsbaustein"
+    ),
+    "a function block with the instance data block {}": "ein Funktionsbaustein mit dem Instanz-DB {}",
+    "the step {} is not active": "der Schritt {} ist nicht aktiv",
+    "`{}` is a statement while the step is active, under the condition {}": (
+        "`{}` ist eine Anweisung, während der Schritt aktiv ist, unter der Bedingung {}"
+    ),
+    "`{}` is a statement while the step is active": "`{}` ist eine Anweisung, während der Schritt aktiv ist",
+    "`{}` is a statement once when the step becomes active": (
+        "`{}` ist eine Anweisung, einmal, wenn der Schritt aktiv wird"
+    ),
+    "`{}` is a statement once when the step was left": (
+        "`{}` ist eine Anweisung, einmal, wenn der Schritt verlassen wurde"
+    ),
+    "with what holds the step: {}": "mit dem, was den Schritt hält: {}",
+    "an action of the POU, {}": "eine Aktion des Bausteins, {}",
+    "the minimum time {} of the step {} is a part of the condition": (
+        "die Minimalzeit {} des Schritts {} ist Teil der Bedingung"
+    ),
+    "the transitions that leave the step wait for {}": "die Transitionen, die den Schritt verlassen, warten auf {}",
+    "its variables are of the type {}; its values are user constants": (
+        "seine Variablen sind vom Typ {}; seine Werte sind Anwenderkonstanten"
+    ),
+    "its variables are of the type {}": "seine Variablen sind vom Typ {}",
+    "it is a variable of the type {}": "er ist eine Variable vom Typ {}",
+    "AND and OR that assign {}: flip-flops of other tools keep no state in a variable": (
+        "AND und OR, die {} zuweisen: Flipflops anderer Werkzeuge halten ihren Zustand nicht in einer Variablen"
+    ),
+    "from {} into {}": "von {} nach {}",
+    "from instruction list into structured text": "von Anweisungsliste in strukturierten Text",
+    "from instruction list into an expression": "von Anweisungsliste in einen Ausdruck",
+    "from a drawing into structured text": "von einer Zeichnung in strukturierten Text",
+    "`{}` in {+}: a name begins with no digit": "`{}` in {}: ein Name beginnt nicht mit einer Ziffer",
+    "a name begins with no digit": "ein Name beginnt nicht mit einer Ziffer",
+    "the action {} of the step {}, which is executed in every scan": (
+        "die Aktion {} des Schritts {}, die in jedem Zyklus ausgeführt wird"
+    ),
+    "the action {}, which is executed in every scan": "die Aktion {}, die in jedem Zyklus ausgeführt wird",
+    "executed in every scan": "wird in jedem Zyklus ausgeführt",
+    "{} is called {}: {} takes no such name": "{} heißt {}: {} erlaubt keinen solchen Namen",
+    "the step is called {}: the name that it has is none there": ("der Schritt heißt {}: sein Name ist dort keiner"),
+    "`Step.x` in {+} for the flag `Step`": "`Step.x` in {} für den Merker `Step`",
+    "`{}` is the entry action of the step": "`{}` ist die Eingangsaktion des Schritts",
+    "`{}` is the main action of the step": "`{}` ist die Hauptaktion des Schritts",
+    "`{}` is the exit action of the step": "`{}` ist die Ausgangsaktion des Schritts",
+    "`{}` has the qualifier {}": "`{}` hat das Bestimmungszeichen {}",
+    "an association with qualifier {}, whose statements are executed only while the step is active": (
+        "eine Zuordnung mit Bestimmungszeichen {}, deren Anweisungen nur ausgeführt werden, während der Schritt "
+        "aktiv ist"
+    ),
+    "an association with qualifier {}": "eine Zuordnung mit Bestimmungszeichen {}",
+    "an association with a pragma": "eine Zuordnung mit einem Pragma",
+    "its assignments are rows of their own, and another one for the final scan": (
+        "ihre Zuweisungen sind eigene Zeilen, und eine weitere für den letzten Durchlauf"
+    ),
+    "its assignments are rows of their own, and others for the final scan": (
+        "ihre Zuweisungen sind eigene Zeilen, und weitere für den letzten Durchlauf"
+    ),
+    "its assignments are rows of their own": "ihre Zuweisungen sind eigene Zeilen",
+    "networks behind the sequence control {}: no row says {}": (
+        "Netzwerke nach der Kette steuern {}: keine Zeile sagt {}"
+    ),
+    "networks behind the sequence control its actions": "Netzwerke nach der Kette steuern seine Aktionen",
+    "{} in the conditions that leave it": "{} in den Bedingungen, die ihn verlassen",
+    "what has an address is a variable of its own, and no parameter": (
+        "was eine Adresse hat, ist eine eigene Variable und kein Parameter"
+    ),
+    "what has an address is a tag, and no parameter": "was eine Adresse hat, ist eine PLC-Variable und kein Parameter",
+    "the organization block {} (OB{})": "der Organisationsbaustein {} (OB{})",
+    "the step {} leads to it": "der Schritt {} führt zu ihm",
+    "the action {} assigns {} in all steps that drive it": (
+        "die Aktion {} weist {} in allen Schritten zu, die es ansteuern"
+    ),
+    "a global instance of {}": "eine globale Instanz von {}",
+    "{} is expressed with the event {}": "{} ist mit dem Ereignis {} ausgedrückt",
+    "on activation is {}: it stays so till it is reset": "bei Aktivierung ist {}: so bleibt es bis zum Rücksetzen",
+    "it got a name, as S7-GRAPH requires": "sie hat einen Namen bekommen, wie S7-GRAPH ihn verlangt",
+    "in a form that no known export shows; see it after the import": (
+        "in einer Form, die kein bekannter Export zeigt; nach dem Import ansehen"
+    ),
+    "the steps that it connects are loops with its condition": (
+        "die Schritte, die sie verbindet, sind Schleifen mit ihrer Bedingung"
+    ),
+    "the transitions that lead to the step, and what activates it": (
+        "die Transitionen, die zum Schritt führen, und was ihn aktiviert"
+    ),
+    "the transitions that leave the step, and what deactivates it": (
+        "die Transitionen, die den Schritt verlassen, und was ihn deaktiviert"
+    ),
+    "the statements of the step that are executed while it is active": (
+        "die Anweisungen des Schritts, die ausgeführt werden, während er aktiv ist"
+    ),
+    "the statements of the step that are executed once when it becomes active": (
+        "die Anweisungen des Schritts, die einmal ausgeführt werden, wenn er aktiv wird"
+    ),
+    "the statements of the step that are executed once when it was left": (
+        "die Anweisungen des Schritts, die einmal ausgeführt werden, wenn er verlassen wurde"
+    ),
+    "its steps are in the one chart": "seine Schritte sind in der einen Ablaufkette",
+    "the main action: its statements run only while the step is active": (
+        "die Hauptaktion: ihre Anweisungen laufen nur, während der Schritt aktiv ist"
+    ),
+    "the {+}, an action of the POU": "{}, eine Aktion des Bausteins",
+    "the modes are variables, which the conditions read": "die Betriebsarten sind Variablen, die die Bedingungen lesen",
+    "it got the standard parameters of S7-GRAPH": "er hat die Standardparameter von S7-GRAPH bekommen",
+    "shown as text; the drawing in pragmas": "als Text gezeigt; die Zeichnung in Pragmas",
+    "an output variable: FBD of TC6 has no coils": "eine Ausgangsvariable: FUP von TC6 hat keine Spulen",
+    "transitions that are tried before all others": "Transitionen, die vor allen anderen geprüft werden",
+    "transitions that are tried before those of the charts that it rules": (
+        "Transitionen, die vor denen der gesteuerten Teilpläne geprüft werden"
+    ),
+    "a data block": "ein Datenbaustein",
+    "tags and constants": "Variablen und Konstanten",
+    "the networks that control actions": "die Netzwerke, die Aktionen steuern",
+    "there is one organization block only": "es gibt nur einen Organisationsbaustein",
+    "in the types of S7": "in den Typen von S7",
+    "conditions tell which transition fires": "Bedingungen bestimmen, welche Transition schaltet",
+    "it depends on the operating mode": "sie hängt von der Betriebsart ab",
+    "rows and outputs that depend on it are statements; it does nothing else": (
+        "Zeilen und Ausgänge, die von ihr abhängen, sind Anweisungen; sonst bewirkt sie nichts"
+    ),
+    "a network behind the sequence sets SFCError when a step is active longer than its maximum time": (
+        "ein Netzwerk nach der Kette setzt SFCError, wenn ein Schritt länger als seine Maximalzeit aktiv ist"
+    ),
+    "statements compute its rising edges where something depends on them": (
+        "Anweisungen bilden seine steigenden Flanken, wo etwas davon abhängt"
+    ),
+    "tabs are blanks": "Tabulatoren sind Leerzeichen",
+    "of the configuration": "der Konfiguration",
+    "a configuration with one resource": "eine Konfiguration mit einer Ressource",
+    "it leads to all sequences: a chart of the target begins with one step": (
+        "er führt zu allen Ketten: eine Ablaufkette des Ziels beginnt mit einem Schritt"
+    ),
+    "the sequences begin": "die Ketten beginnen",
+    "the list of global variables {}": "die Liste globaler Variablen {}",
+    "its condition is the interlock of the step": "ihre Bedingung ist die Verriegelung des Schritts",
+    "no step is active in {}": "in {} ist kein Schritt aktiv",
+    "it ends the sequence": "sie beendet die Kette",
+    "its step is excluded from the build": "ihr Schritt ist von der Übersetzung ausgenommen",
+    "a permanent instruction before the sequences": "eine permanente Anweisung vor den Ketten",
+    "in an action; the association in pragmas": "in einer Aktion; die Zuordnung in Pragmas",
+    "a program of a task without a cycle time": "ein Programm einer Task ohne Zykluszeit",
+    "its statements are in place of the calls of it": "ihre Anweisungen stehen an Stelle ihrer Aufrufe",
+    "with all inputs the target, which fires transitions once in a scan, does the same": (
+        "mit allen Eingängen tut das Ziel, das Transitionen einmal je Zyklus schaltet, dasselbe"
+    ),
+    "with all inputs the target, which calls a block for the chart of the action, does the same": (
+        "mit allen Eingängen tut das Ziel, das für die Ablaufkette der Aktion einen Baustein aufruft, dasselbe"
+    ),
+    "{} comes back as {}": "{} wird als {} wieder gelesen",
+    "the written file has {}, and the source nothing": "die geschriebene Datei hat {}, die Quelle nichts",
+    "// is no comment in {}, (* *) is": "// ist in {} kein Kommentar, (* *) ist einer",
+    "{}: statements set them as in the automatic mode": "{}: Anweisungen setzen sie wie in der Betriebsart Automatik",
+    "S7-GRAPH wants a transition behind every step: one that is never TRUE": (
+        "S7-GRAPH verlangt nach jedem Schritt eine Transition: eine, die nie TRUE ist"
+    ),
+    "`{}` is left out: the event {} never happens in this step": (
+        "`{}` entfällt: das Ereignis {} tritt in diesem Schritt nie ein"
+    ),
+    "a configuration with one resource; TC6 has no application": (
+        "eine Konfiguration mit einer Ressource; TC6 hat keine Applikation"
+    ),
+    "a program of the resource": "ein Programm der Ressource",
+    "a statement of the action that keeps the edges": "eine Anweisung der Aktion, die die Flanken bildet",
+    "a statement of the permanent instruction that keeps the edges": (
+        "eine Anweisung der permanenten Anweisung, die die Flanken bildet"
+    ),
+    "flip-flops of TIA Portal keep their state in a variable of type BOOL": (
+        "Flipflops von TIA Portal halten ihren Zustand in einer Variablen vom Typ BOOL"
+    ),
+    "it is excluded from the build: a network that is never TRUE": (
+        "sie ist von der Übersetzung ausgenommen: ein Netzwerk, das nie TRUE ist"
+    ),
+    "it is excluded from the build: it has no actions there, and is not left": (
+        "er ist von der Übersetzung ausgenommen: er hat dort keine Aktionen und wird nicht verlassen"
+    ),
+    "it leads to the step {}, which does nothing": "sie führt zum Schritt {}, der nichts tut",
+    "it stands for {}": "sie steht für {}",
+    "its chart is the block {}, which a row calls, and another one for the final scan": (
+        "ihre Ablaufkette ist der Baustein {}, den eine Zeile aufruft, und eine weitere für den letzten Durchlauf"
+    ),
+    "its value stands in the texts": "ihr Wert steht in den Texten",
+    "members of a structure": "Elemente einer Struktur",
+    "not while {} begins the sequence again": "nicht, während {} die Kette neu beginnt",
+    "numbers instead of places": "Nummern statt Positionen",
+    "onActivation is {} with an action": "bei Aktivierung ist {} mit einer Aktion",
+    "onActivation is the event {}": "bei Aktivierung ist das Ereignis {}",
+    "onDeactivation is {} with an action": "bei Deaktivierung ist {} mit einer Aktion",
+    "onDeactivation is the event {}": "bei Deaktivierung ist das Ereignis {}",
+    "steps are loops with `<Step>_rests`; where nobody operates {}, --at-rest {} keeps their sequences": (
+        "Schritte sind Schleifen mit `<Step>_rests`; wo niemand {} bedient, erhält --at-rest {} ihre Ketten"
+    ),
+    "the action {} of the step {} executes it, and the boxes drawn before conditions": (
+        "die Aktion {} des Schritts {} führt sie aus, und die Boxen, die vor Bedingungen gezeichnet sind"
+    ),
+    "the action {} of the step {} executes it, and the boxes drawn before conditions; it follows its inputs at once, "
+    "and the actions of steps a scan later than in the source": (
+        "die Aktion {} des Schritts {} führt sie aus, und die Boxen, die vor Bedingungen gezeichnet sind; sie folgt "
+        "ihren Eingängen sofort, und den Aktionen von Schritten einen Zyklus später als in der Quelle"
+    ),
+    "charts in actions show a new step one call later in CODESYS: where such an action ends just then, the step acts "
+    "before it ends in TIA Portal, and when it begins again in CODESYS": (
+        "Ablaufketten in Aktionen zeigen einen neuen Schritt in CODESYS einen Aufruf später: wo eine solche Aktion "
+        "gerade endet, wirkt der Schritt in TIA Portal, bevor sie endet, und in CODESYS, wenn sie wieder beginnt"
+    ),
+    "the condition is FALSE: CODESYS leaves the transition out": (
+        "die Bedingung ist FALSE: CODESYS lässt die Transition aus"
+    ),
+    "the global structure {}": "die globale Struktur {}",
+    "the transition of INIT_SQ to the initial step is another one": (
+        "die Transition von INIT_SQ zum Initialschritt ist eine andere"
+    ),
+    "values of enumerations without the name of their type, which CoDeSys 2.3 does not write": (
+        "Werte von Aufzählungen ohne den Namen ihres Typs, den CoDeSys 2.3 nicht schreibt"
+    ),
+    "{} cannot express it; it is in a comment": "{} kann es nicht ausdrücken; es steht in einem Kommentar",
+    "{} has no place for it": "{} hat dafür keinen Platz",
+    "IEC text knows names only": "IEC-Text kennt nur Namen",
+    "CODESYS tries transitions from left to right, and they are written in that order": (
+        "CODESYS prüft Transitionen von links nach rechts, und sie sind in dieser Reihenfolge geschrieben"
+    ),
+    "no step has it and no program calls it: nothing executes it in the source either": (
+        "kein Schritt hat sie und kein Programm ruft sie auf: auch in der Quelle führt sie nichts aus"
+    ),
+    "TIA Portal draws no texts in networks": "TIA Portal zeichnet keine Texte in Netzwerke",
+}
+"""What something has become in the target."""
+
+_COMPARED = {
+    "not compared: the report names what is not executed": (
+        "nicht verglichen: der Bericht nennt, was nicht ausgeführt wird"
+    ),
+    "not compared: the report names nothing in {} that has its name": (
+        "nicht verglichen: in {} ist nichts mit diesem Namen"
+    ),
+    "not compared: {+}": "nicht verglichen: {}",
+    "not run: the time limit was reached": "nicht ausgeführt: das Zeitlimit war erreicht",
+    "not run: {}": "nicht ausgeführt: {}",
+    "{+}; what the report names as approximated is in it": (
+        "{}; was der Bericht angenähert nennt, ist darin enthalten"
+    ),
+    "equal ({+})": "gleich ({})",
+    "equal, {+} ({+})": "gleich, {} ({})",
+    "first {} scan later": "das erste {} Zyklus später",
+    "first {} scans later": "das erste {} Zyklen später",
+    "second {} scan later": "das zweite {} Zyklus später",
+    "second {} scans later": "das zweite {} Zyklen später",
+    "proof: {} states, all inputs": "Beweis: {} Zustände, alle Eingänge",
+    "proof: {} states, all inputs, scan time {}": "Beweis: {} Zustände, alle Eingänge, Zykluszeit {}",
+    "proof: {} states, all inputs; {}": "Beweis: {} Zustände, alle Eingänge; {}",
+    "proof: {} states, all inputs, scan time {}; {}": ("Beweis: {} Zustände, alle Eingänge, Zykluszeit {}; {}"),
+    "equal in {} directed runs, {} scans (no proof: {})": (
+        "gleich in {} gerichteten Läufen, {} Zyklen (kein Beweis: {})"
+    ),
+    "not all was reached ({}), {+}": "nicht alles wurde erreicht ({}), {}",
+    "not all was reached, {+}": "nicht alles wurde erreicht, {}",
+    "different after {} scans (shortest input trace)": "verschieden nach {} Zyklen (kürzeste Eingangsfolge)",
+    "different after {} scan (shortest input trace)": "verschieden nach {} Zyklus (kürzeste Eingangsfolge)",
+    "different after {} scans (an input trace)": "verschieden nach {} Zyklen (eine Eingangsfolge)",
+    "only if something outside writes {}; while they keep their start values, both do the same": (
+        "nur wenn etwas außerhalb {} schreibt; solange sie ihre Startwerte behalten, tun beide dasselbe"
+    ),
+    "no run shows at which terminal or in which memory a variable is": (
+        "kein Lauf zeigt, an welcher Klemme oder in welchem Speicher eine Variable liegt"
+    ),
+    "no run ends and starts again": "kein Lauf endet und beginnt wieder",
+    "tasks are not run": "Tasks werden nicht ausgeführt",
+    "it is only in one of the two": "es ist nur in einem von beiden",
+    "it is run only where it is called, and nothing calls it": (
+        "es läuft nur, wo es aufgerufen wird, und nichts ruft es auf"
+    ),
+}
+"""What runs of both sides showed."""
+
+_CHANGED = {
+    "added": "neu",
+    "removed": "entfernt",
+    "{} added": "{} neu",
+    "{} removed": "{} entfernt",
+    "added ({})": "neu ({})",
+    "removed ({})": "entfernt ({})",
+    "renamed, was {}": "umbenannt, hieß {}",
+    "named {}": "benannt: {}",
+    "moved {} -> {}": "verschoben {} -> {}",
+    "no longer {+}": "nicht mehr {}",
+    "after {}": "nach {}",
+    "after ": "am Anfang",
+    "differs in what is no text": "ist anders in dem, was kein Text ist",
+    "{} means something else": "{} hat eine andere Bedeutung",
+}
+"""What `diff` tells of a change."""
+
+GERMAN = {**_KINDS, **_PARTS, **_NOT_EXECUTED, **_OTHERWISE, **_TRANSLATED, **_COMPARED, **_CHANGED}
+
+
+def german_place(path: str) -> str:
+    """Return a path of a report with the kinds of things in German: ``POU Main / Schritt Fill``."""
+    return " / ".join(map(_german_part, path.split(" / ")))
+
+
+def _german_part(part: str) -> str:
+    words = part.split(" ")
+    for end in range(len(words) - 1, 0, -1):
+        kind = " ".join(words[:end])
+        if kind in _KINDS:
+            return " ".join([_KINDS[kind], *words[end:]])
+    return part
+
+
+_LINE = re.compile(r"line (\d+): ")
+"""What begins a message about program text of several lines."""
+
+
+@lru_cache(maxsize=4096)
+def german(message: str) -> str:
+    """Return a message in German; itself where the table does not have it."""
+    if message in GERMAN:
+        return GERMAN[message]
+    if line := _LINE.match(message):
+        return f"Zeile {line[1]}: {german(message[line.end() :])}"
+    for pattern, is_german, text in _patterns():
+        if found := pattern.fullmatch(message):
+            values = zip(found.groups(), is_german, strict=True)
+            return text.format(*(german(value) if told else value for value, told in values))
+    return message
+
+
+@cache
+def _patterns() -> tuple[tuple[re.Pattern[str], tuple[bool, ...], str], ...]:
+    """Return the messages with values in them: how to recognise each, which values are German too, its German text.
+
+    Those with the most words of their own are first: ``{+}: {+}`` would take what belongs to others.
+    """
+    return tuple(sorted(_read_patterns(), key=lambda each: -len(each[0].pattern.replace("(.+?)", ""))))
+
+
+def _read_patterns() -> Iterator[tuple[re.Pattern[str], tuple[bool, ...], str]]:
+    for message, text in GERMAN.items():
+        places = re.findall(r"\{\+?\}", message)
+        if places:
+            parts = map(re.escape, re.split(r"\{\+?\}", message))
+            yield re.compile("(.+?)".join(parts), re.DOTALL), tuple(place == "{+}" for place in places), text
