@@ -143,7 +143,8 @@ Against = Annotated[
 AgainstLimit = Annotated[str, _option("--limit", "With --against, run the chart for no longer than this.", "TIME")]
 PageLanguage = Annotated[str, _option("--lang", "Write headings of the page in en or de.", "LANG")]
 Paper = Annotated[
-    str | None, _option("--paper", "Divide large pictures into sheets of A4, A3 or letter, a file for each.", "PAPER")
+    str | None,
+    _option("--paper", "Divide large pictures into sheets of A4, A3 or letter: pages of a PDF, else files.", "PAPER"),
 ]
 Theme = Annotated[str, _option("--theme", "Draw in light or dark colours, or in black on white: print.", "THEME")]
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+from io import BytesIO
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from plcopen_sfc.documents.folder_documents import FileNames
 from plcopen_sfc.drawing.pictures import Theme, body_svg, chart_svg, dot_text, mermaid_text, sheets
@@ -49,13 +50,12 @@ def draw(
     `pou` is ``Main``, or of an action ``Main.Fill``; without it bodies are drawn where the project has no charts.
     `target` is a file for one picture, or a folder, which exists or ends in a slash; there each picture has the name
     of its chart. `style` and `theme` as in `SfcNetwork.to_svg`. `format` is ``svg``, ``png`` (two pixels for one of
-    the SVG), ``pdf`` (one page of the size of the picture), or a text for a program that draws graphs, without
+    the SVG), ``pdf`` (pages of the size of the picture), or a text for a program that draws graphs, without
     style and theme: ``mermaid`` or ``dot``. The default is what the extension of a file says, else ``svg``. `paper` is
-    ``A4``, ``A3`` or ``letter``: a picture that is larger is divided into sheets, each in a file of its own
-    (``Main-1``, ``Main-2`` ..). PNG and PDF need the extra ``pictures``. All pictures are written or none. Raises
-    `ModelError` where there is no such chart, format, style, theme or paper, or several charts for one file, `SfcError`
-    where the extra is missing, and
-    `FileAccessError`.
+    ``A4``, ``A3`` or ``letter``: a picture that is larger is divided into sheets, the pages of a PDF, else
+    files of their own (``Main-1``, ``Main-2`` ..). PNG and PDF need the extra ``pictures``. All pictures are written or
+    none. Raises `ModelError` where there is no such chart, format, style, theme or paper, or several charts for one
+    file, `SfcError` where the extra is missing, and `FileAccessError`.
     """
     check_argument(project, Project, "draw needs a project", "A chart draws itself: chart.to_svg().")
     path = os.fspath(target)
@@ -100,26 +100,48 @@ def _pictures(named: NamedBody, kind: str, style: str | None, theme: str, paper:
         svg = chart_svg(body.chart, style, theme)
     elif isinstance(body, FbdBody | LdBody):
         svg = body_svg(body, theme, named.name)
-    return [_content(sheet, kind) for sheet in (sheets(svg, paper) if paper is not None else [svg])]
-
-
-def _content(svg: str, kind: str) -> bytes:
-    data = svg.encode("ascii")
+    parts = sheets(svg, paper) if paper is not None else [svg]
     if kind == "svg":
-        return data
+        return [each.encode("ascii") for each in parts]
     try:
-        import cairosvg  # noqa: PLC0415  # an extra
+        from cairosvg import surface as cairo_svg  # noqa: PLC0415  # an extra
     except (ImportError, OSError) as error:  # OSError: its library cairo is not on this machine
         missing = "CairoSVG" if isinstance(error, ImportError) else "the library cairo, which CairoSVG uses,"
         hint = "pip install plcopen-sfc[pictures]; on Windows cairo comes with GTK. SVG needs neither."
         raise SfcError(f"{missing} is missing: {kind.upper()} cannot be written", hint=hint) from None
+    if kind == "pdf":
+        return [_pdf(cairo_svg, parts)]
+    made = (
+        cairo_svg.PNGSurface.convert(each.encode("ascii"), scale=_scale(each, _PNG_SCALE, _PNG_PIXELS))
+        for each in parts
+    )
+    return list(made)
+
+
+def _scale(svg: str, usual: float, most: int) -> float:
+    """Return by how much a picture is enlarged so that it has at most so many pixels."""
     size = _SIZE.search(svg)
-    longest = max(map(int, size.groups())) if size is not None else 1
-    if kind == "png":
-        made: bytes = cairosvg.svg2png(bytestring=data, scale=min(_PNG_SCALE, _PNG_PIXELS / longest))
-    else:
-        made = cairosvg.svg2pdf(bytestring=data, scale=min(1.0, _PDF_PIXELS / longest))
-    return made
+    return min(usual, most / max(map(int, size.groups()))) if size is not None else usual
+
+
+def _pdf(cairo_svg: Any, parts: list[str]) -> bytes:
+    """Return a PDF with a page for each picture, of its size."""
+    output = BytesIO()
+    document = cairo_svg.cairo.PDFSurface(output, 1, 1)
+
+    def page(_: object, width: float, height: float) -> Any:
+        document.set_size(width, height)
+        return document
+
+    class Page(cairo_svg.PDFSurface):  # type: ignore[misc]  # the extra has no types
+        surface_class = staticmethod(page)
+
+    for part in parts:
+        tree = cairo_svg.Tree(bytestring=part.encode("ascii"))
+        Page(tree, None, 96, scale=_scale(part, 1.0, _PDF_PIXELS))
+        document.show_page()
+    document.finish()
+    return output.getvalue()
 
 
 _TEXTS = {"mermaid": mermaid_text, "dot": dot_text}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import shutil
 import struct
 import sys
@@ -72,6 +73,16 @@ def test_other_formats(cli, fixtures, tmp_path, extension, start):
     outcome = cli("draw", "codesys/sorting_conveyor.xml", f"{tmp_path}/all/", "--to", extension)
     assert outcome.code == 0
     assert {path.suffix for path in (tmp_path / "all").iterdir()} == {f".{extension}"}
+
+
+def test_a_pdf_has_a_page_for_each_sheet(cli, fixtures, tmp_path):
+    require_cairo()
+    paper = ("--pou", "PLC_PRG", "--paper", "A4")
+    assert cli("draw", "codesys/sorting_conveyor.xml", f"{tmp_path}/svg/", *paper).code == 0
+    assert cli("draw", "codesys/sorting_conveyor.xml", tmp_path / "x.pdf", *paper).code == 0
+    sheets = len(list((tmp_path / "svg").iterdir()))
+    assert re.findall(rb"/Count (\d+)", (tmp_path / "x.pdf").read_bytes()) == [str(sheets).encode()]
+    assert sheets > 3
 
 
 @pytest.mark.parametrize(("name", "extension"), [("mermaid", "mmd"), ("dot", "dot")])

@@ -107,13 +107,13 @@ def _write_page(how: PageOptions, screen: Screen, source: str, target: str | Non
 
 def _verdict(screen: Screen, project: Project, against: str, how: PageOptions) -> Verdict:
     """Compare a chart or program with that of the same name in another file, each as its own tool executes it."""
-    both = project, load_input(screen, against)
-    subjects = tuple(resolve(each, how.pou) for each in both)
-    profiles = default_profile(both[0]), default_profile(both[1])
+    other = load_input(screen, against)
+    profiles = default_profile(project), default_profile(other)
     delay = 0 if profiles[0] == profiles[1] else "auto"
-    verdict = equivalent(*subjects, profiles, delay=delay, limit=how.limit)
+    subject = resolve(project, how.pou)
+    verdict = equivalent(subject, resolve(other, how.pou), profiles, delay=delay, limit=how.limit)
     if not screen.as_json and not screen.quiet:
-        screen.note(f"{subjects[0].name}: {str(verdict).splitlines()[0]}")
+        screen.note(f"{subject.name}: {str(verdict).splitlines()[0]}")
     return verdict
 
 
