@@ -532,7 +532,7 @@ def test_every_assignment_of_code_beside_a_chart_is_reached_or_proven_dead() -> 
 
 
 def test_a_mistake_in_what_code_does_when_it_is_set_back_is_found() -> None:
-    setting_back = "IF bOverload_before THEN\n        bOverload := FALSE;"
+    setting_back = "    bOverload := FALSE;\n    RETURN;"
     assert press_and_code(setting_back, setting_back.replace("FALSE", "TRUE")).different
 
 

@@ -12,6 +12,7 @@ from plcopen_sfc.languages.st import parse_statements, print_node
 from plcopen_sfc.languages.st.nodes import Name, Statement
 from plcopen_sfc.lowering.code.boolean_logic import one_of_values, with_distinct
 
+FIXTURES = Path(__file__).parents[2] / "fixtures"
 RING = """PROGRAM Main
 VAR_INPUT a : BOOL; b : BOOL; END_VAR
 VAR_OUTPUT {outputs} END_VAR
@@ -160,3 +161,62 @@ def test_flags_of_steps_of_which_one_is_active_exclude_each_other() -> None:
         assert made.proof is not None
         assert made.proof.proven, str(made.proof)
         assert expected in made.pou.body.text  # type: ignore[union-attr]
+
+
+BESIDE_A_CALL = """FUNCTION_BLOCK Horn
+VAR_INPUT Run : BOOL; END_VAR
+VAR_OUTPUT On : BOOL; END_VAR
+On := Run;
+END_FUNCTION_BLOCK
+PROGRAM Main
+VAR_INPUT a : BOOL; b : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; p : BOOL; END_VAR
+VAR h : Horn; END_VAR
+INITIAL_STEP S1: Sound(N); END_STEP
+STEP S2: q(N); p(L, T#2s); END_STEP
+STEP S3: h.Run(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S3 := b; END_TRANSITION
+TRANSITION FROM S3 TO S1 := a AND b; END_TRANSITION
+ACTION Sound: h(); END_ACTION
+END_PROGRAM"""
+
+
+def test_outputs_are_one_line_beside_a_call_that_cannot_touch_them() -> None:
+    """The block that Sound calls sees neither q nor p, which only actions write; its own input it does see."""
+    made = sfc.lower(sfc.loads(BESIDE_A_CALL.encode(), format="iec-text"), "case", profile="iec")
+    assert made.proof is not None
+    assert made.proof.proven, str(made.proof)
+    assert isinstance(made.pou.body, m.StBody)
+    text = made.pou.body.text
+    assert "q := step_number = 2;" in text
+    assert "p := step_number = 2 AND NOT p_L.Q;" in text
+    assert "// Actions that have ended\nIF step_number <> 3 THEN\n    h.Run := FALSE;" in text
+
+
+def test_a_method_may_write_all_of_its_instance() -> None:
+    """Motor.ACT_TurnRight may write Motor.bRight, so both are decided on before one is executed."""
+    project = sfc.load(FIXTURES / "twincat/press_station.xml")
+    made = sfc.lower(project, "bits", pou="MAIN", verify=False)
+    assert isinstance(made.pou.body, m.StBody)
+    ended = made.pou.body.text.partition("// Actions that have ended")[2].partition("\n\n")[0]
+    assert "Motor.ACT_TurnRight();" in ended
+    assert "Motor.bRight := FALSE;" in ended
+
+
+def test_what_is_short_and_stays_the_same_has_no_helper() -> None:
+    project = sfc.load(FIXTURES / "codesys-export/mixer.export")
+    made = sfc.lower(project, "case", pou="Mischer", verify=False)
+    assert isinstance(made.pou.body, m.StBody)
+    text = made.pou.body.text
+    assert "IF Pumpe_before AND (step_number <> STEP_Pumpen OR Pumpe_L.Q) THEN" in text
+    assert "Pumpe_Q" not in {variable.name for variable in made.pou.variables()}
+    # the end of the scan of SFCInit is in the IF that ends all else
+    assert "    last_step_number := 0;\n    RETURN;\nEND_IF;" in text
+
+
+def test_a_time_is_restarted_only_where_the_step_may_have_changed() -> None:
+    text = lowered(second="q(D, T#2s);", third="p(L, T#3s);")
+    assert text.startswith("// Step times\nstep_time(IN := TRUE, PT := T#24d);\n\n// Step sequence")
+    assert text.count("step_time(IN := FALSE, PT := T#24d);") == 1
+    assert "p := step_number = 3 AND step_time.ET < T#3s;" in text

@@ -5,17 +5,17 @@ All actions are decided on first, then executed, those first that have ended.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from textwrap import dedent
 from typing import NamedTuple, Protocol
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.languages.st.effects import ANYTHING, Path, path_of, reads, writes
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.effects import path_of, reads
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.lowering.actions.action_control import ActionControlCode, SequentialControlCode
+from plcopen_sfc.lowering.actions.variable_access import Effect, OwnVariables, UntouchedVariables, WrittenPaths
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -24,6 +24,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     disjunction,
     is_constant,
     negation,
+    not_all,
     when,
 )
 from plcopen_sfc.lowering.code.code_bodies import comment_lines
@@ -32,92 +33,8 @@ from plcopen_sfc.lowering.code.lowered_code import BOOL, GuardedText, LoweredCod
 from plcopen_sfc.lowering.code_texts import Suffix, Texts
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
-from plcopen_sfc.model.types import DerivedType, SimpleValue, Variable
-from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.profile import ActionControl as ActionControlKind
 from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets
-
-
-class OwnVariables:
-    """Variables that only the actions of a chart write. `beside`: other code that is executed in the POU."""
-
-    def __init__(self, source: ChartSource, beside: Iterable[Statement] = ()) -> None:
-        blocks = standard_instances(source)
-        self._others = WrittenPaths()
-        steps = (each for step in source.step_code for each in (*step.entry, *step.main, *step.exit))
-        before = (each for statements in source.preparations for each in statements)
-        asked = (each for action in source.actions for use in action.uses for each in use.preparation)
-        for statement in (*steps, *source.logic, *before, *asked, *beside):
-            self._others.add(0, writes(statement, blocks))
-        self._variables: dict[Path, Variable] = {}
-        for section in source.pou.interface.sections if source.pou.interface is not None else ():
-            if (
-                section.kind in (SectionKind.LOCAL, SectionKind.OUTPUT)
-                and not section.retain
-                and not section.persistent
-            ):
-                self._variables |= {(variable.name.casefold(),): variable for variable in section.variables}
-
-    def has(self, target: Expression) -> bool:
-        """Return True if it is such a variable, one that does not outlive a restart."""
-        path = path_of(target)
-        return path in self._variables and not self._others.touching([path])
-
-    def is_false_at_rest(self, target: Expression) -> bool:
-        """Return True if it is one that is FALSE anyway while its action is not executed."""
-        if not self.has(target):
-            return False
-        initial = self._variables[path_of(target)].initial
-        value = initial.text if isinstance(initial, SimpleValue) else None
-        return (value or "FALSE").upper() in ("FALSE", "BOOL#FALSE", "0")
-
-
-class WrittenPaths:
-    """Paths that actions write: finds the actions that write a path, a part of it, or what it is part of."""
-
-    def __init__(self) -> None:
-        self._whole: dict[tuple[bool, Path], set[int]] = {}
-        self._starts: dict[tuple[bool, Path], set[int]] = {}
-        self._anything: set[int] = set()
-        self._all: set[int] = set()
-
-    def add(self, index: int, written: Iterable[Path]) -> None:
-        """Note that an action writes these paths."""
-        for path in written:
-            self._all.add(index)
-            # an address or a pointer may be any variable
-            if path == ANYTHING:
-                self._anything.add(index)
-            for is_part, form in _forms(path):
-                self._whole.setdefault((is_part, form), set()).add(index)
-                for length in range(1, len(form) + 1):
-                    self._starts.setdefault((is_part, form[:length]), set()).add(index)
-
-    def touching(self, paths: Iterable[Path]) -> set[int]:
-        """Return the actions that write something of these paths."""
-        found: set[int] = set()
-        for path in paths:
-            found |= self._all if path == ANYTHING else self._anything
-            for is_part, form in _forms(path):
-                # two shortened paths would match by their last names alone, such as A.x and B.x
-                for kind in (False,) if is_part else (False, True):
-                    found |= self._starts.get((kind, form), set())
-                    for length in range(1, len(form)):
-                        found |= self._whole.get((kind, form[:length]), set())
-        return found
-
-
-def _forms(path: Path) -> list[tuple[bool, Path]]:
-    """Return a path as it is, and without its first name: a global variable may be named with or without its list."""
-    return [(False, path)] + ([(True, path[1:])] if len(path) > 1 else []) if path else []
-
-
-def standard_instances(source: ChartSource) -> set[Path]:
-    """Return the instances of standard function blocks of a POU: calling them writes nothing else."""
-    kinds = {v.name: v.type.name for v in source.pou.variables() if isinstance(v.type, DerivedType)}
-    kinds |= {helper.name: helper.type_name for helper in source.helpers if helper.type_name}
-    blocks = {name: standard_block(kind) for name, kind in kinds.items()}
-    return {(name.casefold(),) for name, block in blocks.items() if block is not None and block.stateful}
 
 
 def add_actions(
@@ -189,7 +106,6 @@ class _Execution:
         self._is_block = rules.actions is ActionPlace.BLOCK
         self._final_scan = rules.profile.final_scan
         self._always = rules.profile.boolean_targets is BooleanTargets.ALWAYS
-        self._blocks = standard_instances(source)
         self._owned = OwnVariables(source)
 
     # -- one after the other
@@ -278,8 +194,7 @@ class _Execution:
 
     def _is_of_steps(self, expression: Expression) -> bool:
         """Return True if only the lowered code itself changes the value of an expression."""
-        names = (node.identifier.casefold() for node in walk(expression) if isinstance(node, n.Name))
-        return set(names) <= self._code.own_names
+        return all(path[:1] and path[0] in self._code.own_names for path in reads(expression))
 
     def _is_brief(self, expression: Expression) -> bool:
         """Return True if an expression has no more than two operands, whose values stay the same in the action."""
@@ -336,7 +251,7 @@ class _Execution:
                     continue
                 rest, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
                 if self._always:
-                    idle += self._memory.conditional("", negation(driven), rest)
+                    idle += self._memory.conditional("", not_all(driven), rest)
                 else:
                     ending += self._memory.conditional("", ended, rest)
                     self._memory.ends.append(when(before, *rest))
@@ -344,10 +259,10 @@ class _Execution:
                 continue
             lasting, single = self._control.outputs(action, deciding)
             if action.target is not None:
-                driven = self._memory.named(f"{name}_Q", disjunction([lasting, single]), deciding)
+                driven = self._decided(f"{name}_Q", disjunction([lasting, single]), deciding)
                 rest, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
                 if self._always:
-                    idle += self._memory.conditional("", negation(driven), rest)
+                    idle += self._memory.conditional("", not_all(driven), rest)
                 elif self._control.never_ends(action):
                     self._end_when_set_back(self._memory.remembered(name, driven, behind), action.target)
                 else:
@@ -357,9 +272,9 @@ class _Execution:
                 acting.append((replace(action, statements=(on,)), driven))
                 continue
             if not is_constant(single, FALSE):
-                single = self._memory.named(self._texts.with_suffix(name, "pulse"), single, deciding)
+                single = self._decided(self._texts.with_suffix(name, "pulse"), single, deciding)
             if not is_constant(lasting, FALSE):
-                lasting = self._memory.named(f"{name}_Q", lasting, deciding)
+                lasting = self._decided(f"{name}_Q", lasting, deciding)
                 if self._final_scan and not self._control.never_ends(action):
                     ended, was = self._memory.ended(name, lasting, deciding, behind)
                     if was is not lasting:
@@ -372,6 +287,10 @@ class _Execution:
         self._code.add(self._texts.ended, [*idle, *ending, *behind])
         for action, executed in acting:
             self._add(action, executed)
+
+    def _decided(self, wanted: str, value: Expression, deciding: list[Statement]) -> Expression:
+        """Return what was decided as a variable, unless it is short and stays the same while actions are executed."""
+        return value if self._verbatim and self._is_brief(value) else self._memory.named(wanted, value, deciding)
 
     def _add(
         self,
@@ -410,26 +329,28 @@ class _Execution:
 
     def interfering(self, actions: Sequence[ActionSource]) -> set[int]:
         """Return the actions that may see what others do: those cannot be lowered one after the other."""
-        written, asked, used = WrittenPaths(), [], []
+        scope = UntouchedVariables(self._source, self._code.own_names)
+        written = WrittenPaths(scope)
+        asked: list[Effect] = []
+        used: list[Effect] = []
         for index, action in enumerate(actions):
+            effect = Effect(scope, action.statements)
             if action.target is not None:
-                writing = frozenset({path_of(action.target)})
-                reading = frozenset(reads(action.target) - writing)
-            else:
-                writing = _union(writes(each, self._blocks) for each in action.statements)
-                reading = _union(reads(each) for each in action.statements)
+                effect.writing.add(path_of(action.target))
+                effect.reading |= reads(action.target) - effect.writing
             conditions = [use.condition for use in action.uses]
             times = [use.duration for use in action.uses if use.duration is not None]
-            asked.append(_union(reads(each) for each in (*conditions, *times)))
-            used.append(reading | writing)
-            written.add(index, writing)
+            asked.append(Effect(scope, [*conditions, *times]))
+            used.append(effect)
+            written.add(index, effect)
         plain = {index for index, action in enumerate(actions) if action.target is not None}
         found: set[int] = set()
         any_sees = False
         for index in range(len(actions)):
-            asking = written.touching(asked[index]) - {index}
+            asking = written.touching(asked[index].reading, is_open=asked[index].is_open) - {index}
             # two variables do not disturb each other
-            using = {each for each in written.touching(used[index]) - {index} if not plain >= {index, each}}
+            touched = written.touching(used[index].reading | used[index].writing, is_open=used[index].is_open)
+            using = {each for each in touched - {index} if not plain >= {index, each}}
             if asking or using:
                 found |= {index, *asking, *using}
             # a condition or time would see what an action before it has written in this scan; two bodies stay in order
@@ -447,10 +368,6 @@ def _operands_of(expression: Expression) -> tuple[Expression, ...]:
 def has_comments(text: str) -> bool:
     """Return True if there may be comments in structured text."""
     return any(start in text for start in ("//", "(*", "/*"))
-
-
-def _union(sets: Iterable[frozenset[Path]]) -> frozenset[Path]:
-    return frozenset().union(*sets)
 
 
 class StepCode(NamedTuple):

@@ -12,7 +12,7 @@ from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.effects import targets
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, standard_block
-from plcopen_sfc.lowering.actions.action_execution import OwnVariables
+from plcopen_sfc.lowering.actions.variable_access import OwnVariables
 from plcopen_sfc.lowering.code.boolean_logic import negation
 from plcopen_sfc.lowering.code.code_bodies import body_of
 from plcopen_sfc.lowering.code.code_memory import Memory

@@ -14,6 +14,12 @@ FALSE = n.Literal("FALSE")
 
 
 _OPPOSITES = {Operator.EQUAL: Operator.UNEQUAL, Operator.UNEQUAL: Operator.EQUAL}
+_OPPOSITES_OF_TIMES = {
+    Operator.GREATER_OR_EQUAL: Operator.LESS,
+    Operator.LESS: Operator.GREATER_OR_EQUAL,
+    Operator.GREATER: Operator.LESS_OR_EQUAL,
+    Operator.LESS_OR_EQUAL: Operator.GREATER,
+}
 
 
 def conjunction(operands: Iterable[Expression]) -> Expression:
@@ -31,13 +37,25 @@ def negation(operand: Expression) -> Expression:
     inner = n.bare(operand)
     if isinstance(inner, n.Unary) and inner.operator is Operator.NOT:
         return inner.operand
-    if isinstance(inner, n.Operation) and inner.operator in _OPPOSITES:
-        return n.Operation(_OPPOSITES[inner.operator], inner.operands)
+    if isinstance(inner, n.Operation):
+        # of other numbers that is not so: a REAL that is no number is neither less nor greater
+        is_time = any(isinstance(each, n.Member) and each.name.identifier == "ET" for each in inner.operands)
+        opposite = _OPPOSITES.get(inner.operator) or (_OPPOSITES_OF_TIMES.get(inner.operator) if is_time else None)
+        if opposite is not None:
+            return n.Operation(opposite, inner.operands)
     if is_constant(inner, TRUE):
         return FALSE
     if is_constant(inner, FALSE):
         return TRUE
     return n.Unary(Operator.NOT, inner)
+
+
+def not_all(value: Expression) -> Expression:
+    """Return NOT of an expression; of a conjunction the disjunction of its inverted operands."""
+    inner = n.bare(value)
+    if isinstance(inner, n.Operation) and inner.operator is Operator.AND:
+        return disjunction(map(negation, inner.operands))
+    return negation(inner)
 
 
 def equal(left: Expression, right: Expression) -> Expression:

@@ -18,6 +18,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     disjunction,
     is_constant,
     negation,
+    not_all,
     when,
 )
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
@@ -192,9 +193,9 @@ class BitMemory(Memory):
         into: list[Statement],  # noqa: ARG002
         behind: list[Statement],
     ) -> tuple[Expression, Expression]:
-        """Return ``before AND NOT value``, and ``before``."""
+        """Return ``before AND NOT value``, and ``before``; of ``a AND b`` that is ``before AND (NOT a OR NOT b)``."""
         before = self.remembered(wanted, value, behind)
-        return conjunction([before, negation(value)]), before
+        return conjunction([before, not_all(value)]), before
 
     def remembered(self, wanted: str, value: Expression, behind: list[Statement]) -> Expression:
         """Return a variable with the value of the last scan: the value itself may be reset first."""

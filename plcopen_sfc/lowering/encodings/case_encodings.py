@@ -13,6 +13,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_execution import StepCode
+from plcopen_sfc.lowering.actions.variable_access import UntouchedVariables
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -38,7 +39,7 @@ from plcopen_sfc.lowering.encodings.case_states import (
     one_region,
     regions_of,
 )
-from plcopen_sfc.lowering.encodings.step_branches import BranchCode, StepBranches, UntouchedVariables, branch_lines
+from plcopen_sfc.lowering.encodings.step_branches import BranchCode, StepBranches, branch_lines
 from plcopen_sfc.lowering.lowering_options import ActionPlace, OperatingMode, States
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
 from plcopen_sfc.lowering.reading.step_variables import TimedPart
@@ -362,8 +363,10 @@ class RegionEncoding(ScanSchedule):
         found = self.states.competing_joins()
         for block in self._regions.blocks:
             # where all branches are one state with the wait there is no CASE in between that could end one of them
-            alone = all(self.states.is_merged(i) for join in block.joins for i in self.net.transitions[join].sources)
-            if self._in_sequence and not alone:
+            branches = [i for join in block.joins for i in self.net.transitions[join].sources]
+            alone = all(map(self.states.is_merged, branches))
+            waiting = all(self.states.has_following(self.states.machine_of(i)) for i in branches)
+            if self._in_sequence and not (alone or waiting):
                 found.update(block.joins)
             found.update(join for join in block.joins if source.preparations[join])
         return sorted(found)

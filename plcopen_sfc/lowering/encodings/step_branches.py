@@ -6,89 +6,16 @@ statement moves where it may be executed later: nothing that stays between reads
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import walk
-from plcopen_sfc.languages.st.effects import ANYTHING, Path, calls, may_change, path_of, reads, writes
+from plcopen_sfc.languages.st.effects import ANYTHING, path_of
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.actions.action_execution import standard_instances
+from plcopen_sfc.lowering.actions.variable_access import Effect, UntouchedVariables
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, assignment, conjunction, is_constant, negation, when
 from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
-from plcopen_sfc.lowering.reading.chart_source import ChartSource
-from plcopen_sfc.model.variables import SectionKind
-
-
-class UntouchedVariables:
-    """Variables of a POU that code outside of it cannot touch, and what a call of its own actions touches.
-
-    `own`: names that only the lowered code knows, in lower case.
-    """
-
-    def __init__(self, source: ChartSource, own: Collection[str]) -> None:
-        sections = source.pou.interface.sections if source.pou.interface is not None else ()
-        local = (v.name.casefold() for each in sections if each.kind in _LOCAL for v in each.variables if not v.address)
-        self.private = {*own, *local}
-        self.blocks = standard_instances(source)
-        self._bodies = {
-            name.rpartition(".")[2].casefold(): set(_WORD.findall(body.model_dump_json().casefold()))
-            for name, _, body in source.pou.named_bodies()
-            if "." in name
-        }
-
-    def called(self, name: str) -> set[str]:
-        """Return the words in all that a call of this name executes in the POU."""
-        found: set[str] = set()
-        waiting = [name]
-        while waiting:
-            words = self._bodies.get(waiting.pop(), set()) - found
-            found |= words
-            waiting += words & self._bodies.keys()
-        return found
-
-
-_LOCAL = (SectionKind.LOCAL, SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.TEMP)
-_WORD = re.compile(r"\w+")
-
-
-class Effect:
-    """Variables that code reads and writes. What it calls may touch all that is not private."""
-
-    def __init__(self, scope: UntouchedVariables) -> None:
-        self._scope = scope
-        self.reading: set[Path] = set()
-        self.writing: set[Path] = set()
-        self.is_open = False
-
-    def add(self, trees: Iterable[Expression | Statement]) -> None:
-        """Add the effects of expressions and statements."""
-        for tree in trees:
-            self.reading |= reads(tree)
-            written = writes(tree, self._scope.blocks)
-            self.writing |= written - {ANYTHING}
-            if ANYTHING not in written:
-                continue
-            self.is_open = True
-            # a pointer may lead to any variable, a name that is read at a call may be passed by reference
-            if any(isinstance(node, n.Dereference | n.Unreadable) for node in walk(tree)):
-                self.writing.add(ANYTHING)
-            self.writing |= reads(tree)
-            self.writing |= {(word,) for path in calls(tree) if len(path) == 1 for word in self._scope.called(path[0])}
-
-    def conflicts(self, other: Effect) -> bool:
-        """Return True if one of them touches what the other one writes."""
-        return self._disturbs(other) or other._disturbs(self)
-
-    def _disturbs(self, other: Effect) -> bool:
-        if may_change(frozenset(other.reading | other.writing), frozenset(self.writing), frozenset()):
-            return True
-        touched = self.reading | self.writing
-        return other.is_open and (
-            self.is_open or any(path[:1] == () or path[0] not in self._scope.private for path in touched)
-        )
 
 
 @dataclass(frozen=True)
@@ -125,6 +52,7 @@ class StepBranches:
     ) -> None:
         self._state, self._last, self._steps = state, last, steps
         self._scope, self._passed = scope, Effect(scope)
+        self._memories = {(name,) for name in scope.own}
         if last is not None:
             self._passed.writing.add(path_of(last))  # it is brought up to date before the CASE
         self.code: dict[int, list[BranchCode]] = {}
@@ -209,7 +137,8 @@ class StepBranches:
                 if stored is not None:
                     return stored
                 step, rest = self._asked(value)
-                if step is not None:
+                # a memory of the code is no output of the step: one line tells all about it
+                if step is not None and path_of(target)[:1] not in self._memories:
                     on = BranchCode((assignment(target, rest),))
                     return _Parts((assignment(target, FALSE),), ((step, on),))
         return None

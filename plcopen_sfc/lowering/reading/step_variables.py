@@ -114,12 +114,13 @@ class StepTimers:
             timers[limit] = self._code.declare(self._name(step), DerivedType(name="TON"))
         return timers[limit]
 
-    def calls(self) -> list[Statement]:
-        """Return the calls of all timers, for places where steps have just changed, and where times are read."""
+    def calls(self, *, changed: bool = True) -> list[Statement]:
+        """Return the calls of all timers, for places where times are read. `changed`: steps may just have changed."""
         calls: list[Statement] = []
         for timer, part in self._shared.items():
             # a TON measures from the scan in which its input rises, which is that of the change
-            calls += [when(part.changed(), call(timer, IN=FALSE, PT=FOREVER)), call(timer, IN=TRUE, PT=FOREVER)]
+            restart = [when(part.changed(), call(timer, IN=FALSE, PT=FOREVER))] if changed else []
+            calls += [*restart, call(timer, IN=TRUE, PT=FOREVER)]
         for step, timers in self._timers.items():
             active = self._active(step)
             own = [(limit, timer) for limit, timer in timers.items() if timer not in self._shared]

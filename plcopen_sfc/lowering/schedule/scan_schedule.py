@@ -229,7 +229,6 @@ class ScanSchedule(ABC):
         """Append one scan, as the chart has it."""
         self.code.add(self.texts.logic, self.source.logic)
         self.select()
-        times = self.times.calls()
         # CODESYS executes the actions of the old situation before it evaluates transitions: the situation chosen in one
         # scan becomes valid at the beginning of the next one
         if self.profile.order is ScanOrder.ACTIONS_FIRST:
@@ -238,7 +237,7 @@ class ScanSchedule(ABC):
             self.change_situation()  # what was chosen in the last scan
             # what ends actions and times is known only when all of them are lowered
             place = len(self.code.networks)
-            self.code.add(self.texts.times, times)
+            self.code.add(self.texts.times, self.times.calls())
             begin = len(self.code.networks)
             self.add_actions()
             self.sfc_flags.before_transitions()
@@ -248,13 +247,14 @@ class ScanSchedule(ABC):
             self.choose_transitions()
             self.sfc_flags.report_transition(self.any_fires)
         else:
-            self.code.add(self.texts.times, times)
+            # since the last scan only a selection has changed the situation
+            self.code.add(self.texts.times, self.times.calls(changed=self.modes.selecting is not None))
             self.choose_transitions()
             self.change_situation()
             # a timer of a step that was left and entered in one scan has seen no FALSE: it is called twice to start
             # again
             restarts = [s for step, when in self.reentered().items() for s in self.times.restarts(step, when)]
-            self.code.add(self.texts.times, [*restarts, *times])
+            self.code.add(self.texts.times, [*restarts, *self.times.calls()])
             self.add_actions()
             self.remember()
         self.memory.finish(self.texts.first_scan)

@@ -11,7 +11,8 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import string_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.actions.action_execution import OwnVariables, StepCode, StepSelection
+from plcopen_sfc.lowering.actions.action_execution import StepCode, StepSelection
+from plcopen_sfc.lowering.actions.variable_access import OwnVariables
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -209,12 +210,9 @@ class SfcFlagCode:
         if init is not None:  # else the initial step is executed now, and does all this
             done += [] if calls else self._ended_targets()
             done += self._assigned(SfcFlag.TRANS, FALSE) + self._assigned(SfcFlag.CURRENT_STEP, _EMPTY)
-        statements = self._memory.conditional("", self._back, list(dict.fromkeys(done)))
+        statements = self._left(self._memory, list(dict.fromkeys(done)), calls)
         if self._late_edges and done:
             statements[:0] = self._edges
-        # while SFCInit is TRUE nothing is executed; SFCReset executes the initial step
-        if init is not None:
-            statements += self._memory.conditional("", init, [*calls, n.ReturnStatement()])
         self._code.add(self._texts.actions_end, statements, place=place)
 
     def end_in_block(self, code: LoweredCode, memory: Memory) -> None:
@@ -223,10 +221,20 @@ class SfcFlagCode:
             return
         init = self._flags.get(SfcFlag.INIT)
         done = [*memory.ends, *(self._ended_targets() if init is not None else [])]
-        statements = memory.conditional("", self._back, done)
-        if init is not None:
-            statements += memory.conditional("", init, [n.ReturnStatement()])
-        code.add(self._texts.actions_end, statements, place=0)
+        code.add(self._texts.actions_end, self._left(memory, done), place=0)
+
+    def _left(self, memory: Memory, done: Sequence[Statement], calls: Sequence[Statement] = ()) -> list[Statement]:
+        """Return what is done when the chart goes back, and the end of the scan while SFCInit is TRUE.
+
+        While it is TRUE nothing else is executed; SFCReset executes the initial step.
+        """
+        init = self._flags.get(SfcFlag.INIT)
+        if init is None:
+            return memory.conditional("", self._back, done)
+        leaving = [*calls, n.ReturnStatement()]
+        if self._back == init:
+            return memory.conditional("", init, [*done, *leaving])
+        return [*memory.conditional("", self._back, done), *memory.conditional("", init, leaving)]
 
     def _ended_targets(self) -> list[Statement]:
         """Return the end of the variables that are written in every scan; those of the others is in `Memory.ends`."""
