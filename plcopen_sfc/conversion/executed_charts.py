@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Protocol
 
@@ -24,6 +24,7 @@ from plcopen_sfc.conversion.meaning import (
     program_form,
 )
 from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader
+from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS, WATCHING_FLAGS
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
@@ -60,8 +61,11 @@ class Around(Protocol):
     def target(self, name: str) -> str:
         """Target of an association, as all tools could name it."""
 
-    def operation(self, pou: Pou, name: str) -> str:
-        """The kind of an input that operates the chart of a block: whether anything operates it."""
+    def operation(self, pou: Pou, name: str, *, is_used: bool | None = None) -> str:
+        """The kind of an input that operates the chart of a block: whether anything operates it, if not known."""
+
+    def flags_at_rest(self, pou: Pou, flags: Iterable[SfcFlag]) -> set[SfcFlag]:
+        """Those flags of the charts of a POU that nothing uses."""
 
     def tell_comment(self, part: Part, thing: Element) -> None:
         """Note the comment and the title of something, where they are wanted."""
@@ -386,8 +390,14 @@ class ExecutedChartReader:
     # -- around the steps
 
     def _settings(self, chart: Part) -> None:
+        resting = self.owner.flags_at_rest(self.pou, self.flags) if not self.owner.detail else set()
         for flag in sorted(self.flags):
-            chart.tell(flag.variable, Meaning.of(True, flag.variable))
+            name = flag.variable
+            if flag in OPERATING_FLAGS and not self.owner.detail:
+                kind = self.owner.operation(self.pou, name, is_used=flag not in resting)
+                chart.add(kind, name, f"{self.path} / {name}")
+            elif flag in WATCHING_FLAGS or flag not in resting:  # what only people read is no part of the machine
+                chart.tell(name, Meaning.of(True, name))
         inputs = [variable.name for variable in self.pou.variables(SectionKind.INPUT)]
         flags = {flag.variable.casefold() for flag in self.flags}
         operating = system_inputs(self.pou, self.owner.profile, inputs)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
+from functools import cached_property
 from typing import cast
 
 from plcopen_sfc.conversion.declared_values import StartValues, add_kept, tell_inheritance, tell_type
@@ -41,6 +42,7 @@ from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags
 from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs, unused_inputs
 from plcopen_sfc.languages.s7_types import is_system_data
+from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import standard_block
@@ -52,7 +54,7 @@ from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.network import Block, Node
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task, TaskWatchdog
-from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.sfc import SfcFlag, Step
 from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.types import (
@@ -296,11 +298,21 @@ class _Reader:
                 words = " ".join(words_of(text, language).split())
                 part.tell(f"{aspect} in {language}", Meaning.of(words) if words else None)
 
-    def operation(self, pou: Pou, name: str) -> str:
-        """The kind of an input that operates the chart of a block: whether anything operates it."""
+    def operation(self, pou: Pou, name: str, *, is_used: bool | None = None) -> str:
+        """The kind of an input that operates the chart of a block: whether anything operates it, if not known."""
         if name.upper() in self.at_rest:
             return RESTING_INPUT
-        return UNUSED_INPUT if unused_inputs(self.names, pou, [name]) else OPERATING_INPUT
+        if is_used is None:
+            is_used = not unused_inputs(self.names, pou, [name])
+        return OPERATING_INPUT if is_used else UNUSED_INPUT
+
+    def flags_at_rest(self, pou: Pou, flags: Iterable[SfcFlag]) -> set[SfcFlag]:
+        """Those flags of the charts of a POU that nothing uses."""
+        return flags_at_rest(self.names, pou, flags, self._named_flags)
+
+    @cached_property
+    def _named_flags(self) -> frozenset[str]:
+        return named_flags(self.names)
 
     def _type(self, kind: DataType) -> Meaning | None:
         return type_meaning(kind if self.detail is Detail.WRITTEN else self._plain_type(kind), self.dialect)

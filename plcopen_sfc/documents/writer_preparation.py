@@ -125,6 +125,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     replaced = bool(options.flavour) or (not kind.ids and other)
     prepare(copy, style, positions=kind.positions, replace=replaced, foreign=True)
     kind.codec().adapt(copy, options, report)
+    if kind.charts is None and meant is not copy:  # the source of a chart has the numbers and names of the others
+        kind.codec().adapt(meant, options, ConversionReport())
     return Prepared(copy, meant, options, behaviour)
 
 

@@ -65,6 +65,9 @@ def head_of(data: bytes) -> FileHead:
     return FileHead(text, root, namespace, data, "http://www.w3.org/1999/xhtml" in attributes)
 
 
+SOURCE_CHART_FIELD = "source_chart"
+"""In the mark of a chart: the chart of the source, in whose place another one is written."""
+
 Marks: TypeAlias = Mapping[int, Mapping[str, Any]]
 """Fields to keep beside objects that were rewritten, by their `id()`."""
 

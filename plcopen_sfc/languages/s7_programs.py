@@ -208,15 +208,19 @@ def s7_programs(project: Project) -> S7Programs:
 
 def unused_inputs(names: Names, block: Pou, inputs: Iterable[str]) -> set[str]:
     """Return those `inputs` of a block that nothing in a project reads or writes, although it has an instance."""
-    project = names.project
-    types = [data_block.type_name or "" for data_block in project.data_blocks]
-    declared = (variable.type for pou in project.pous for variable in pou.variables())
-    types += [kind.name for kind in declared if isinstance(kind, DerivedType)]
-    if block.name.casefold() not in {name.strip('"').casefold() for name in types}:
+    if not has_instance(names.project, block):
         return set()
     found = list(inputs)
     used = {occurrence.reference.name.casefold() for occurrence in names.occurrences(*found)}
     return {name for name in found if name.casefold() not in used}
+
+
+def has_instance(project: Project, block: Pou) -> bool:
+    """True if a project has an instance of a block, as a variable or a data block."""
+    types = [data_block.type_name or "" for data_block in project.data_blocks]
+    declared = (variable.type for pou in project.pous for variable in pou.variables())
+    types += [kind.name for kind in declared if isinstance(kind, DerivedType)]
+    return block.name.casefold() in {name.strip('"').casefold() for name in types}
 
 
 def names_of_programs(project: Project) -> dict[str, str]:

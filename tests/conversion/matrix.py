@@ -54,8 +54,6 @@ REASONS = {
         "negated action|macro-step|drawn logic": "textual SFC has no such element",
     },
     "simaticml": {
-        "SFCInit|SFCReset": "S7-GRAPH has INIT_SQ, which the caller of the block operates, not the block",
-        "SFCPause": "a sequence of S7-GRAPH goes on whenever its block is called",
         "priority of a convergence": "a branch of S7-GRAPH cannot begin where a simultaneous one ends",
         "macro-step|drawn logic": "S7-GRAPH has no such element",
     },

@@ -12,7 +12,7 @@ from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
 from plcopen_sfc.model.types import DataType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -29,6 +29,8 @@ class ChartRewriting:
     report: ConversionReport
     marks: SourceMarks
     taken: set[str]
+    flags: frozenset[SfcFlag] = frozenset()
+    """The SFC flags of a chart of CODESYS that something uses."""
     _interlocks: dict[int, str | None] = field(default_factory=dict)
     _added: VariableSection | None = None
 

@@ -28,12 +28,14 @@ from plcopen_sfc.conversion.adaptation.step_rewriting import (
     StepRewriter,
     has_special_rows,
 )
+from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import (
     REWRITTEN_FIELD,
     SourceMarks,
     rewritten_transition,
 )
+from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.networks import (
     NetworkText,
     chart_statements,
@@ -41,6 +43,7 @@ from plcopen_sfc.languages.networks import (
     is_empty_network,
     kept_conditions,
 )
+from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS, flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.model.actions import Qualifier
@@ -109,10 +112,15 @@ def rewrite_charts(
     marks: SourceMarks,
 ) -> None:
     """Change the charts of `copy` into what `host` executes, and add to `marks` what to keep of `project` where."""
+    names = Names(project)
+    named = named_flags(names) if options.of_codesys and not host.is_codesys else frozenset[str]()
     for chart, source in zip(list(copy.charts()), list(project.charts()), strict=True):
         if needs_rewriting(chart, host, options) or chart.chart != source.chart:
-            taken = taken_names(copy, chart)
-            _ChartRewriter(ChartRewriting(chart, source.chart, host, options, report, marks, taken)).rewrite()
+            rewriting = ChartRewriting(chart, source.chart, host, options, report, marks, taken_names(copy, chart))
+            if options.of_codesys and not host.is_codesys:
+                used = _flags_in_use(source)
+                rewriting.flags = used - flags_at_rest(names, source.pou, used, named)
+            _ChartRewriter(rewriting).rewrite()
 
 
 class _ChartRewriter:
@@ -251,9 +259,10 @@ class _ChartRewriter:
     def _report_codesys(self) -> None:
         """Report what controls and watches a chart of CODESYS and has no counterpart in TC6."""
         chart = self._chart
-        used = _flags_in_use(self._rewriting.chart)
-        for flag in sorted(used):
-            self._note(Outcome.NOT_EXECUTED, flag.variable, "", f"the flag has no effect in {self._host.title}")
+        used = self._rewriting.flags
+        for flag in sorted(each for each in used if each.variable.upper() not in self._rewriting.options.at_rest):
+            what, place = (OPERATING_INPUT, flag.variable) if flag in OPERATING_FLAGS else (flag.variable, "")
+            self._note(Outcome.NOT_EXECUTED, what, place, f"the flag has no effect in {self._host.title}")
         if SfcFlag.ERROR in used:
             for step in (step for step in chart.steps if step.max_time):
                 why = f"{step.max_time} is not watched in {self._host.title}: SFCError is never set"

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from plcopen_sfc.conversion.adaptation.chart_rules import CHART_RULES, needs_rewriting, rewrite_charts
+from plcopen_sfc.conversion.adaptation.flag_transitions import execute_flags, has_flags
 from plcopen_sfc.conversion.adaptation.global_variables import (
     add_globals,
     declare_lists,
@@ -27,6 +28,7 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     SourceMarks,
 )
 from plcopen_sfc.formats.provenance import is_untouched
+from plcopen_sfc.formats.registry import TIA_FORMAT
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
 from plcopen_sfc.languages.s7_globals import by_retention
 from plcopen_sfc.languages.s7_programs import is_void
@@ -53,7 +55,7 @@ def rewrite_project(
     """
     host = kind.charts
     if host is None:
-        return project, {}
+        return _with_flags(project, options, report) if kind.name == TIA_FORMAT else (project, {})
     adaptation = ProjectAdaptation(project, project, host, options, report)
     for rule in RULES:
         if not rule.keeps_source and rule.applies(adaptation):
@@ -64,6 +66,15 @@ def rewrite_project(
     for rule in needed:
         rule.apply(adaptation)
     return adaptation.project, adaptation.marks
+
+
+def _with_flags(project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
+    """Return a copy in which conditions obey SFC flags; `project` itself where it has none."""
+    if not has_flags(project, options):
+        return project, {}
+    copy, marks = project.model_copy(deep=True), SourceMarks()
+    execute_flags(copy, project, options, report, marks)
+    return copy, marks
 
 
 @dataclass(slots=True)

@@ -71,12 +71,14 @@ def action_controls(
     functions: ActionFunctions,
     *,
     alone: Callable[[str], bool] = lambda _: False,
+    more: Iterable[str] = (),
 ) -> ActionControls:
     """Return the action controls that the chart of a block needs.
 
-    `alone`: whether each association of an action acts for its step alone already, as rows do.
+    `alone`: whether each association of an action acts for its step alone already, as rows do. `more`:
+    statements for SFC flags.
     """
-    return _Planner(project, pou, chart, functions, alone).plan()
+    return _Planner(project, pou, chart, functions, alone).plan(more)
 
 
 def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
@@ -105,6 +107,8 @@ def watching_flags(pou: Pou, chart: SfcNetwork) -> frozenset[SfcFlag]:
     return used & {SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT}
 
 
+FLAG_LABEL = "SFC flags"
+"""The label of the networks that serve SFC flags."""
 _CONTROLS = re.compile(rf'{{"{CONTROLLED}": ("(?:[^"\\]|\\.)*")}}')
 
 
@@ -138,9 +142,11 @@ class _Planner:
         self._taken |= {step.name.casefold() for step in chart.steps}
         self._taken |= {transition.name.casefold() for transition in chart.transitions}
 
-    def plan(self) -> ActionControls:
-        """Plan the controls of all actions that need one."""
+    def plan(self, more: Iterable[str]) -> ActionControls:
+        """Plan the controls of all actions that need one, and networks with the statements `more`."""
         found = ActionControls()
+        for line in more:
+            found.networks += self._drawn(_Draft(FLAG_LABEL, lines=[line]))
         for rows in self._actions():
             taken = set(self._taken)
             try:

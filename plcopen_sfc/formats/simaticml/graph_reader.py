@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import copy
+import json
 
 from lxml import etree
 
+from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD
 from plcopen_sfc.formats.simaticml.added_elements import AddedMark, is_added, mark_of
 from plcopen_sfc.formats.simaticml.element_reader import (
     ASSOCIATION,
@@ -27,15 +29,18 @@ from plcopen_sfc.formats.simaticml.element_reader import (
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_flgnet_body
 from plcopen_sfc.formats.simaticml.replaced_elements import (
     WRITTEN,
+    chart_digest,
     condition_digest,
     edited_fields,
     forget_edited_exclusions,
     forget_edited_times,
+    is_calling,
     warn_of_edit,
 )
 from plcopen_sfc.formats.simaticml.row_tokens import read_action
 from plcopen_sfc.formats.simaticml.sequence_rules import ElementRef
 from plcopen_sfc.formats.simaticml.sequence_topology import TopologyReader, added_in, usual_order
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.model.drawing import SymbolKind
 
 _SUPERVISIONS = [("AlarmSupervisionCategory", number, 0, None) for number in range(1, 9)]
@@ -125,6 +130,11 @@ class _ChartReader:
         settings = dict(late.get("graph_settings", {}))
         if [tuple(category.values()) for category in categories] not in USUAL_CATEGORIES:
             settings["alarm_categories"] = categories
+        source, written = chart.pop(SOURCE_CHART_FIELD, None), chart.pop(WRITTEN, None)
+        if isinstance(source, dict):
+            if written == chart_digest(element) and not is_calling(element, self.ctx.edited_copies):
+                return {**source, "graph_settings": settings or None}
+            warn_of_edit(self.ctx, "the chart", element)
         return {**chart, **late, "graph_settings": settings or None}
 
     def _forget_edited(self) -> None:
@@ -510,12 +520,28 @@ def control_label(step: str, target: str | None) -> str:
 
 
 def are_controls_edited(block: etree._Element) -> bool:
-    """True if a network that controls an action was edited since it was added."""
-    return any(
-        mark_of(each) is AddedMark.EDITED
-        and f'"{CONTROLLED}"' in "".join(c.text or "" for c in each.iterchildren(etree.Comment))
-        for each in block.iter("{*}PermanentOperation")
-    )
+    """True if a network that controls an action was edited since it was added, or a chart with SFC flags."""
+    for each in block.iter("{*}PermanentOperation"):
+        if mark_of(each) is AddedMark.EDITED and _kept(each).get(CONTROLLED) is not None:
+            return True
+    for graph in block.iter("{*}Graph"):
+        kept = _kept(graph)
+        if SOURCE_CHART_FIELD in kept and kept.get(WRITTEN) != chart_digest(graph):
+            return True
+    return False
+
+
+def _kept(element: etree._Element) -> Fields:
+    """Return the fields in the comments of this package at an element, as far as they can be read."""
+    found: Fields = {}
+    for comment in element.iterchildren(etree.Comment):
+        text = comment.text or ""
+        try:
+            fields = json.loads(text.removeprefix(COMMENT_MARK)) if text.startswith(COMMENT_MARK) else {}
+        except (ValueError, RecursionError):
+            continue  # the reader of the element reports that it is damaged
+        found |= fields if isinstance(fields, dict) else {}
+    return found
 
 
 def kept_order(links: str) -> dict[str, int]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
+from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD
 from plcopen_sfc.formats.simaticml.action_controls import watching_flags
 from plcopen_sfc.formats.simaticml.action_rows import RowPlanner, RowsWriter, functions_of
 from plcopen_sfc.formats.simaticml.added_elements import mark_added
@@ -34,7 +35,7 @@ from plcopen_sfc.formats.simaticml.graph_reader import (
     kept_order,
 )
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import write_flgnet_body
-from plcopen_sfc.formats.simaticml.replaced_elements import INSTEAD, WRITTEN, rows_digest
+from plcopen_sfc.formats.simaticml.replaced_elements import INSTEAD, WRITTEN, chart_digest, rows_digest
 from plcopen_sfc.formats.simaticml.sequence_rules import (
     ElementRef,
     InsertedElements,
@@ -48,6 +49,7 @@ from plcopen_sfc.formats.simaticml.sequence_rules import (
 from plcopen_sfc.formats.simaticml.sequence_topology import TopologyWriter, usual_order
 from plcopen_sfc.formats.xml.extension_data import Markup, markup_of
 from plcopen_sfc.languages.networks import chart_statements, condition_reader
+from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import LdBody
 from plcopen_sfc.model.conditions import Expression
@@ -66,17 +68,6 @@ from plcopen_sfc.model.sfc import (
 from plcopen_sfc.report import Outcome
 
 _WATCHED = "a network behind the sequence sets SFCError when a step is active longer than its maximum time"
-_WITHOUT_FLAG = {
-    **dict.fromkeys(
-        (SfcFlag.INIT, SfcFlag.RESET), "it has INIT_SQ, which the caller of the block operates, not the block"
-    ),
-    **dict.fromkeys((SfcFlag.PAUSE, SfcFlag.QUIT_ERROR), "a sequence goes on whenever its block is called"),
-    **dict.fromkeys(
-        (SfcFlag.TIP, SfcFlag.TIP_MODE), "it has SW_TAP and T_PUSH, which the caller of the block operates"
-    ),
-    SfcFlag.CURRENT_STEP: "it has S_NO, the number of the step",
-}
-"""Why flags of CODESYS that control a chart are not executed."""
 _ALL_CATEGORIES = 4
 """Schema version from which on all categories are written."""
 
@@ -149,6 +140,11 @@ class _ChartWriter:
             _set_attributes(root, name, chart.extension_data)
         native = {"steps", "transitions", "sequences", "permanent_pre", "permanent_post", "drawing", "graph_settings"}
         self._note_surroundings()
+        source = self.ctx.options.marks.get(id(chart), {}).get(SOURCE_CHART_FIELD)
+        if isinstance(source, SfcNetwork):
+            fields = source.model_dump(mode="json", exclude_none=True, exclude={"drawing"})
+            keep_fields(root, {SOURCE_CHART_FIELD: fields, WRITTEN: chart_digest(root)})
+            native |= {"settings"}
         finish(self.ctx, root, chart, frozenset(native))
 
     def _note_surroundings(self) -> None:
@@ -161,9 +157,8 @@ class _ChartWriter:
         for flag_ in sorted(self._watching):
             self.ctx.note(Outcome.TRANSLATED, flag_.variable, why=_WATCHED)
         for flag_, use in (chart.settings.flags if chart.settings is not None else {}).items():
-            if use.use and flag_ not in self._watching:
-                why = _WITHOUT_FLAG.get(flag_, "the chart neither obeys it nor sets it")
-                why = f"S7-GRAPH has no {flag_.variable}: {why}"
+            if use.use and flag_ in WATCHING_FLAGS - self._watching:
+                why = f"S7-GRAPH has no {flag_.variable}: the chart neither obeys it nor sets it"
                 self.ctx.note(Outcome.NOT_EXECUTED, "flag", flag_.variable, why)
 
     def _operations(self, parent: etree._Element, name: str, operations: list[PermanentOperation]) -> None:

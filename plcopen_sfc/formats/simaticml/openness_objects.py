@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 from lxml import etree
@@ -158,11 +159,15 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     ctx.action_controls = None
     if chart is not None and _may_have_controls(ctx):
         alone = are_rows_alone(ctx.options)
-        controls = action_controls(ctx.project, pou, chart.chart, functions, alone=alone)
+        lines = ctx.options.marks.get(id(chart.chart), {}).get("lines", ())
+        controls = action_controls(ctx.project, pou, chart.chart, functions, alone=alone, more=lines)
         ctx.action_controls = controls
         added += controls.variables
         ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
+    mark = ctx.options.marks.get(id(pou), {})
+    added += mark.get("variables", [])
     if pou.interface is not None:
+        own = _without(pou.interface, mark.get("variables", ()))
         static = pou.kind is not PouKind.FUNCTION or ctx.keeps_sections
         renamed = _renamed(ctx, pou)
         is_chart = chart is not None
@@ -172,7 +177,7 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
                 Outcome.TRANSLATED, "section", name, "a static variable, as no input is an instance and none passes it"
             )
         write_interface(
-            ctx, writer.values, pou.interface, renamed, graph=is_chart, static=static, added=added, kept_inside=inside
+            ctx, writer.values, own, renamed, graph=is_chart, static=static, added=added, kept_inside=inside
         )
     elif chart is not None:
         mark_added(write_interface(ctx, writer.values, Interface(), graph=True, added=added))
@@ -194,10 +199,19 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     for method in pou.methods:
         why = "blocks of TIA Portal have no methods: what calls it does not execute it"
         ctx.note(Outcome.NOT_EXECUTED, "method", f"method {method.name}", why)
+    if "actions" in mark:  # the charts of some are others than in the source
+        writer.thing = pou.model_copy(update={"actions": mark["actions"]})
     writer.finish(frozenset(native), reported=frozenset({"kind", "actions", "methods"}))
     if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
         _without_graph(writer.values)
     ctx.place.pop()
+
+
+def _without(interface: Interface, added: Collection[Variable]) -> Interface:
+    """Return an interface without sections of these variables, which are written for themselves."""
+    ids = set(map(id, added))
+    sections = [each for each in interface.sections if not each.variables or id(each.variables[0]) not in ids]
+    return interface.model_copy(update={"sections": sections}) if ids else interface
 
 
 def _note_action(ctx: DocumentWriting, functions: ActionFunctions, action: Action) -> None:

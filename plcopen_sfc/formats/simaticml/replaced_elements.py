@@ -56,6 +56,11 @@ def rows_digest(actions: etree._Element) -> str:
     return _digest([row_fields(row) for row in rows])
 
 
+def chart_digest(graph: etree._Element) -> str:
+    """Return the digest of a whole ``Graph``."""
+    return _digest(_structure(graph))
+
+
 def code_digest(source: etree._Element) -> str:
     """Return the digest of a text in SCL in a ``NetworkSource``; blanks between its tokens do not count."""
     code = [each for each in _structure(source) if each[0] not in ("Blank", "NewLine")]
@@ -121,9 +126,14 @@ def edited_fields(kept: Fields, actions: etree._Element, copies: Set[str]) -> li
     `kept`: the fields in the comment at the rows. `copies`: added objects that were edited; a row may call one.
     """
     fields = kept.get(INSTEAD)
-    words = {token.get("Text", "").strip('"').casefold() for token in actions.iter("{*}Token")}
-    is_edited = kept.get(WRITTEN) != rows_digest(actions) or not words.isdisjoint(copies)
+    is_edited = kept.get(WRITTEN) != rows_digest(actions) or is_calling(actions, copies)
     return fields if isinstance(fields, list) and is_edited else []
+
+
+def is_calling(element: etree._Element, names: Set[str]) -> bool:
+    """True if rows in an element name one of these objects."""
+    words = {token.get("Text", "").strip('"').casefold() for token in element.iter("{*}Token")}
+    return not words.isdisjoint(names)
 
 
 def forget_edited_exclusions(

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
+from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, ReadResult, WriteOptions
 from plcopen_sfc.formats.simaticml.action_rows import action_functions
 from plcopen_sfc.formats.simaticml.added_elements import mark_added, seal_marks
 from plcopen_sfc.formats.simaticml.document_reader import IDS, PRODUCT, SCHEMA, find_version, read_project
@@ -354,8 +354,12 @@ class SimaticmlCodec(FolderCodec):
         return ReadResult(project, diagnostics, version.name)
 
     def is_rewritten(self, project: Project, content: bytes) -> bool:
-        """True if POUs have actions, which blocks of TIA Portal lack: an edit of one may change rows of a chart."""
-        return b'"actions"' in content and any(pou.actions for pou in project.pous)
+        """True if POUs have actions, which blocks of TIA Portal lack: an edit of one may change rows of a chart.
+
+        Charts with SFC flags are written otherwise as well.
+        """
+        has_flags = f'"{SOURCE_CHART_FIELD}"'.encode() in content
+        return has_flags or (b'"actions"' in content and any(pou.actions for pou in project.pous))
 
     def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Adapt `project`, a copy, to this format."""

@@ -7,6 +7,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.errors import ModelError, listed_names
+from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, Frame
@@ -57,16 +58,17 @@ PARAMETERS = (*_COMMANDS, *MODES, "S_SEL", *_OUTPUTS, *(lamp for _, lamp in MODE
 
 
 def operating_inputs(wanted: Iterable[str]) -> frozenset[str]:
-    """Return the inputs that `wanted` names, in upper case; ``all`` are all of `ALL_INPUTS`.
+    """Return the inputs that `wanted` names, in upper case; ``all`` are all of `ALL_INPUTS` and the SFC flags.
 
     Raises `ModelError` for a name that no such input has.
     """
     names = {name.upper() for name in listed_names(wanted, "inputs at rest are named by texts")}
-    unknown = sorted(names - {*ALL_INPUTS, "ALL"})
+    flags = [flag.variable.upper() for flag in sorted(OPERATING_FLAGS)]
+    unknown = sorted(names - {*ALL_INPUTS, *flags, "ALL"})
     if unknown:
-        hint = f"These do: {', '.join(ALL_INPUTS)}."
+        hint = f"These do: {', '.join(ALL_INPUTS)}, and the SFC flags of CODESYS."
         raise ModelError(f"{unknown[0]} does not operate sequencers, so it cannot be an inactive input", hint=hint)
-    return frozenset(ALL_INPUTS if "ALL" in names else names)
+    return frozenset((*ALL_INPUTS, *flags) if "ALL" in names else names)
 
 
 class Commands(NamedTuple):

@@ -1,0 +1,356 @@
+"""SFC flags of CODESYS as transitions of blocks of S7-GRAPH, which has no such variables.
+
+SFCInit holds a chart in its initial step, of which nothing is executed; SFCReset begins it again there, and keeps its
+transitions from firing; SFCPause stops it. A block of S7-GRAPH has INIT_SQ, but for its caller only. So the flags are
+conditions: of transitions that are tried before all others, to the initial step and to one that does nothing, and of
+those that the chart has (`plcopen_sfc.semantics.charts.sfc_flags`, and the tests compare both). No transition leaves
+one branch of a simultaneous sequence, so that flags of a chart with such branches have no effect.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable
+from functools import cached_property
+from itertools import chain
+
+from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
+from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
+from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions
+from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
+from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.networks import condition_reader
+from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS, WATCHING_FLAGS, flags_at_rest, named_flags
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.translation.renames import identifier
+from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.sfc import SfcFlag, Step
+from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_FIRST = 0
+"""The priority of what is tried before all other transitions."""
+_STORING = frozenset({Qualifier.SD, Qualifier.DS, Qualifier.SL})
+_STORED = frozenset({Qualifier.S, Qualifier.R, Qualifier.R0})
+_LASTING = _STORED | {Qualifier.N, Qualifier.NONE}
+_WITH_FINAL_SCAN = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P})
+_WITHOUT = {
+    SfcFlag.QUIT_ERROR: "nothing forgets an error there and lets the times of steps begin again",
+    SfcFlag.TIP: "it has T_PUSH, which the caller of the block operates",
+    SfcFlag.TIP_MODE: "it has SW_TAP, which the caller of the block operates",
+    SfcFlag.CURRENT_STEP: "it has S_NO, the number of the step",
+}
+"""Why flags have no effect in a block of S7-GRAPH."""
+_BRANCHES = "several of its steps may be active at a time, which no transition leaves together"
+_ENDED = "actions that it ends, stored or delayed ones, go on there"
+
+
+def has_flags(project: Project, options: WriteOptions) -> bool:
+    """True if `execute_flags` changes or reports something of a project."""
+    is_known = f'"{SOURCE_CHART_FIELD}"'.encode() in options.source if options.same else options.of_codesys
+    return is_known and any(_flags_of(chart) for chart in project.charts())
+
+
+def execute_flags(
+    project: Project, source: Project, options: WriteOptions, report: ConversionReport, marks: SourceMarks
+) -> None:
+    """Change the charts of `project`, a copy of `source` in SCL, so that conditions obey their flags."""
+    names = Names(source)
+    named = named_flags(names)
+    for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
+        flags = frozenset(flag for flag in _flags_of(chart) if flag.variable.upper() not in options.at_rest)
+        resting = flags_at_rest(names, before.pou, flags, named)
+        rewriter = _FlagRewriter(chart, report, taken_names(project, chart), resting)
+        if not rewriter.rewrite(flags - WATCHING_FLAGS):
+            continue
+        if chart.chart is chart.pou.chart:
+            marks[id(chart.chart)] = {SOURCE_CHART_FIELD: before.chart, "lines": rewriter.lines}
+        else:
+            marks[id(chart.chart)] = {"lines": rewriter.lines}
+            marks.setdefault(id(chart.pou), {})["actions"] = before.pou.actions
+        if rewriter.declared:
+            marks.setdefault(id(chart.pou), {}).setdefault("variables", []).extend(rewriter.declared)
+
+
+def _flags_of(chart: Chart) -> frozenset[SfcFlag]:
+    project = chart.pou.project
+    declared = {variable.name.casefold() for variable in chart.pou.variables()}
+    for section in project.global_sections() if project is not None else ():
+        declared |= {variable.name.casefold() for variable in section.variables}
+    return chart.chart.flags_in_use(lambda name: name.casefold() in declared)
+
+
+class _FlagRewriter:
+    """Rewrites one chart for its flags. Of those `resting`, it tells nothing that has no effect."""
+
+    def __init__(self, chart: Chart, report: ConversionReport, taken: set[str], resting: Collection[SfcFlag]) -> None:
+        self._place, self._chart, self._report, self._taken = chart, chart.chart, report, taken
+        self._resting = resting
+        self.declared: list[Variable] = []
+        """The variables added to the block: flags that only the source tool declares, and memories."""
+        self.lines: list[str] = []
+        """The statements for behind the sequence, which set the memories."""
+        read = condition_reader(chart.chart, Dialect.SCL, transitions=chart.pou.transitions)
+        self._texts: dict[int, str | None] = {}
+        for transition in chart.chart.transitions:
+            found = read(transition.condition) if transition.condition is not None else None
+            is_whole = found is not None and not found.before and not found.helpers and found.complete
+            tree = found.tree if found is not None and is_whole else None
+            self._texts[transition.id] = print_node(tree, Dialect.SCL) if tree is not None else None
+
+    def rewrite(self, flags: Collection[SfcFlag]) -> bool:
+        """Change the chart, and report what became of these flags. Returns True if it is another one now."""
+        refused = {flag: self._refusal(flag) for flag in sorted(flags)}
+        executed = [flag for flag, why in refused.items() if why is None]
+        for flag, why in refused.items():
+            what, place = (OPERATING_INPUT, flag.variable) if flag in OPERATING_FLAGS else (flag.variable, "")
+            if why is None:
+                self._note(Outcome.TRANSLATED, what, place, "the conditions of transitions obey it")
+            elif flag not in self._resting:
+                self._note(Outcome.NOT_EXECUTED, what, place, f"S7-GRAPH has no {flag.variable}: {why}")
+        if executed:
+            self._execute(executed)
+        return bool(executed)
+
+    # -- what cannot be done
+
+    def _refusal(self, flag: SfcFlag) -> str | None:
+        """Return why no condition does what a flag does; None where conditions do."""
+        if flag not in (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE):
+            return _WITHOUT.get(flag, "the chart neither obeys it nor sets it")
+        chart = self._chart
+        if not self._is_declared(flag) and (chart is not self._place.pou.chart or self._is_global(flag)):
+            return "it is no variable of the block"
+        if sum(step.initial for step in chart.steps) != 1 or any(step.macro is not None for step in chart.steps):
+            return _BRANCHES
+        if any(len(each.sources) != 1 or len(each.targets) != 1 for each in chart.transitions):
+            return _BRANCHES
+        held = self._held_by(flag)
+        if any(self._texts[number] is None for number in held):
+            return "a condition that would obey it is no expression"
+        return self._refused_pause() if flag is SfcFlag.PAUSE else self._refused_end()
+
+    def _is_declared(self, flag: SfcFlag) -> bool:
+        return any(each.name.casefold() == flag.variable.casefold() for each in self._place.pou.variables())
+
+    def _is_global(self, flag: SfcFlag) -> bool:
+        project = self._place.pou.project
+        shared = [section.variables for section in project.global_sections()] if project is not None else []
+        return any(each.name.casefold() == flag.variable.casefold() for each in chain(*shared))
+
+    def _held_by(self, flag: SfcFlag) -> list[int]:
+        """Return the ids of the transitions that do not fire while a flag is TRUE, and that others do not precede."""
+        is_pause = flag is SfcFlag.PAUSE
+        return [each.id for each in self._chart.transitions if is_pause or self._initial.id in each.sources]
+
+    @property
+    def _initial(self) -> Step:
+        return next(step for step in self._chart.steps if step.initial)
+
+    def _refused_end(self) -> str | None:
+        rows = [row for _, row in self._chart.associations()]
+        stored = self._stored()
+        others = [row for row in rows if (row.target or "").casefold() in stored and row.qualifier not in _STORED]
+        is_code = any(self._place.pou.find_action(_bare(name)) for name in stored)
+        if any(row.qualifier in _STORING for row in rows) or others or is_code:
+            return _ENDED
+        return _ENDED if stored and (self._has_rest or self._is_written(stored)) else None
+
+    def _stored(self) -> dict[str, str]:
+        """Return the operands that actions store, by their names in lower case."""
+        rows = [row for _, row in self._chart.associations() if row.qualifier is Qualifier.S and row.target]
+        return {row.target.casefold(): row.target for row in rows if row.target is not None}
+
+    def _is_written(self, names: Iterable[str]) -> bool:
+        """True if a text of the POU may write one of these operands."""
+        return any(re.search(rf"{re.escape(_bare(name))}\"?\s*:=", self._all_texts, re.IGNORECASE) for name in names)
+
+    @cached_property
+    def _all_texts(self) -> str:
+        return str(self._place.pou.model_dump(include={"bodies", "actions", "transitions", "methods"}))
+
+    def _refused_pause(self) -> str | None:
+        for step, row in self._chart.associations():
+            if row.qualifier not in _LASTING or _is_code(self._place, row) or row.condition is not None:
+                return f"the actions of the step {step.name} go on there"
+        for step in self._chart.steps:
+            if step.entry_action or step.main_action or step.exit_action:
+                return f"the actions of the step {step.name} go on there"
+        return None
+
+    # -- the chart
+
+    def _execute(self, flags: Collection[SfcFlag]) -> None:
+        for flag in (flag for flag in flags if not self._is_declared(flag)):
+            self._declare(flag.variable)
+        initial, steps = self._initial, list(self._chart.steps)
+        self._hold(flags)
+        wanted = {SfcFlag.INIT: _INIT, SfcFlag.RESET: _RESET}
+        begins = [text for flag, text in wanted.items() if flag in flags]
+        if SfcFlag.INIT in flags and self._has_rest:
+            begins.remove(_INIT)
+            rest = self._rest(flags)
+            for step in steps:
+                self._lead(step, rest, _INIT)
+        for step in (step for step in steps if step is not initial and begins):
+            if any(step.id in each.sources and each.targets == [initial.id] for each in self._chart.transitions):
+                why = "the transition of the flags to the initial step is another one"
+                self._note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", why)
+            self._lead(step, initial, " OR ".join(begins))
+        self._report_ends([flag for flag in flags if flag is not SfcFlag.PAUSE], steps)
+
+    @property
+    def _has_rest(self) -> bool:
+        """True if the initial step executes something, so that SFCInit activates another one that does nothing."""
+        initial = self._initial
+        return any((initial.actions, initial.entry_action, initial.main_action, initial.exit_action))
+
+    def _rest(self, flags: Collection[SfcFlag]) -> Step:
+        rest = self._added_step(f"{SfcFlag.INIT.variable}_holds")
+        self._lead(rest, self._initial, _all([f"NOT {_INIT}", f"NOT {_PAUSE}" if SfcFlag.PAUSE in flags else ""]))
+        return rest
+
+    def _hold(self, flags: Collection[SfcFlag]) -> None:
+        """Let transitions not fire while a flag is TRUE, and as CODESYS tests them afterwards.
+
+        CODESYS executes actions before it tests transitions: after a scan without either it tests none before it has
+        executed actions again, and the transition that it found before a pause fires behind that.
+        """
+        stops, waits = "", ""
+        if SfcFlag.PAUSE in flags:
+            others = [f"NOT {text}" for flag, text in ((SfcFlag.INIT, _INIT), (SfcFlag.RESET, _RESET)) if flag in flags]
+            stops = self._memory("SFC_stops")
+            waits = self._memory(f"{SfcFlag.PAUSE.variable}_before")
+            self.lines.append(f"{stops} := {_all([_PAUSE, *others])};")
+        rises = SfcFlag.INIT in flags and not self._has_rest
+        init = self._memory(f"{SfcFlag.INIT.variable}_before") if rises else ""
+        for transition in list(self._chart.transitions):
+            is_first = self._initial.id in transition.sources
+            if not (stops or is_first):
+                continue
+            text = self._texts[transition.id] or "TRUE"
+            fires = [text, *(f"NOT {each}" for each in (waits, init if is_first or stops else "") if each)]
+            condition = _all(fires)
+            if stops:
+                found = self._memory(f"{self._chart.label(transition).replace(' -> ', '_to_')}_waits")
+                step = next(step for step in self._chart.steps if step.id in transition.sources)
+                flag = f'#"{step.name}".X' if needs_quotes(step.name) else f"#{step.name}.X"
+                now = _all([flag, *fires])
+                self.lines.append(f"{found} := {stops} AND (({waits} AND {found}) OR ({now}));")
+                condition = _all([f"({condition}) OR ({waits} AND {found})", f"NOT {_PAUSE}"])
+            if is_first:
+                held = [_INIT] * rises + [_RESET] * (SfcFlag.RESET in flags)
+                condition = _all([condition, *(f"NOT {text}" for text in held)])
+            transition.condition = Expression(text=condition)
+            place = f"transition {self._chart.label(transition)}"
+            self._note(Outcome.TRANSLATED, "condition", place, "it is not TRUE while an SFC flag holds the chart")
+        if waits:
+            self.lines.append(f"{waits} := {stops};")
+        if init:
+            self.lines.append(f"{init} := {_INIT};")
+        if self._stored() and set(flags) != {SfcFlag.PAUSE}:
+            self._end_stored(flags)
+
+    def _end_stored(self, flags: Collection[SfcFlag]) -> None:
+        """Let what actions store end where a flag ends it."""
+        ends = [_INIT] * (SfcFlag.INIT in flags)
+        if SfcFlag.RESET in flags:
+            before = self._memory(f"{SfcFlag.RESET.variable}_before")
+            ends.append(f"({_RESET} AND NOT {before})")
+        for name in self._stored().values():
+            self.lines.append(f"IF {' OR '.join(ends)} THEN {name} := FALSE; END_IF;")
+        if SfcFlag.RESET in flags:
+            self.lines.append(f"{before} := {_RESET};")
+
+    def _memory(self, wish: str) -> str:
+        """Declare a Boolean variable that the source does not have; its name in texts."""
+        return self._declare(self._new_name(identifier(wish)))
+
+    def _declare(self, name: str) -> str:
+        pou = self._place.pou
+        if pou.interface is None:
+            pou.interface = Interface()
+        if not self.declared:
+            pou.interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
+        variable = Variable(name=name, type=ElementaryType(name=Elementary.BOOL))
+        pou.interface.sections[-1].variables.append(variable)
+        self.declared.append(variable)
+        return f"#{name}"
+
+    def _added_step(self, wish: str) -> Step:
+        name = self._new_name(wish)
+        step = self._chart.add_step(name)
+        self._note(
+            Outcome.TRANSLATED, "step", f"step {name}", "it is active instead of the initial step, and does nothing"
+        )
+        return step
+
+    def _new_name(self, wish: str) -> str:
+        name = wish
+        while name.casefold() in self._taken:
+            name += "_"
+        self._taken.add(name.casefold())
+        return name
+
+    def _lead(self, source: Step, target: Step, condition: str) -> None:
+        added = self._chart.add_transition(source, target, Expression(text=condition), priority=_FIRST)
+        added.name = self._new_name(f"{source.name}_to_{target.name}")
+        why = "it stands for an SFC flag, and is tried before the others"
+        self._note(Outcome.TRANSLATED, "transition", f"transition {added.name}", why)
+
+    # -- what differs
+
+    def _report_ends(self, flags: Collection[SfcFlag], steps: list[Step]) -> None:
+        """Report what is executed as a flag ends a step, and what of the initial step does not begin again."""
+        words = " and ".join(flag.variable for flag in flags)
+        for step in steps if flags else ():
+            last = [row for row in step.actions if row.qualifier in _WITH_FINAL_SCAN and _is_code(self._place, row)]
+            if step.exit_action or last or any(row.qualifier is Qualifier.P0 for row in step.actions):
+                why = f"what it executes when it is left is executed when {words} ends it too, in CODESYS it is not"
+                self._note(Outcome.APPROXIMATED, "end of the step", f"step {step.name}", why)
+        initial = self._initial
+        is_plain = all(row.qualifier in _LASTING for row in initial.actions)
+        if SfcFlag.RESET in flags and not (is_plain and not initial.entry_action and not self._is_read(initial, "t")):
+            why = f"{SfcFlag.RESET.variable} does not begin it again where it is active already"
+            self._note(Outcome.APPROXIMATED, "initial step", f"step {initial.name}", why)
+        if SfcFlag.INIT in flags and self._is_read(initial, "t"):
+            why = f"its time does not begin again while {SfcFlag.INIT.variable} is TRUE"
+            self._note(Outcome.APPROXIMATED, "step time", f"step {initial.name}", why)
+        if SfcFlag.INIT in flags and self._has_rest and self._is_read(initial, "x"):
+            why = f"its flag is FALSE while {SfcFlag.INIT.variable} is TRUE, in CODESYS it is TRUE"
+            self._note(Outcome.APPROXIMATED, "step flag", f"step {initial.name}", why)
+
+    def _is_read(self, step: Step, member: str) -> bool:
+        """True if a text of the POU may read data of a step."""
+        if member == "t" and step.min_time:
+            return True
+        return re.search(rf"\b{re.escape(step.name)}\"?\.{member}\b", self._all_texts, re.IGNORECASE) is not None
+
+    def _note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
+        path = self._place.report_path
+        self._report.add(outcome, what, f"{path} / {place}" if place else path, why)
+
+
+_INIT, _RESET, _PAUSE = (f"#{flag.variable}" for flag in (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE))
+
+
+def _all(terms: Iterable[str]) -> str:
+    """Return the conjunction of expressions; empty ones do not count."""
+    found = [term for term in terms if term not in ("", "TRUE")]
+    simple = [term if re.fullmatch(r'(NOT )?#[\w."]+', term) else f"({term})" for term in found]
+    return " AND ".join(simple) if len(found) > 1 else (found or ["TRUE"])[0]
+
+
+def _is_code(chart: Chart, row: ActionAssociation) -> bool:
+    """True if an association executes statements, and does not drive an operand."""
+    is_named = row.target is not None and (chart.pou.find_action(_bare(row.target)) is not None or "." in row.target)
+    return row.body is not None or row.value is not None or is_named
+
+
+def _bare(name: str) -> str:
+    return name.removeprefix("#").strip('"')

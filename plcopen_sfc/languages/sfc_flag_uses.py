@@ -1,0 +1,45 @@
+"""SFC flags of CODESYS that nothing in a project uses: the chart runs as if it had none."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+
+from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.s7_programs import has_instance
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.types import SimpleValue
+
+OPERATING_FLAGS = frozenset(
+    {SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.QUIT_ERROR, SfcFlag.TIP, SfcFlag.TIP_MODE}
+)
+"""The flags with which people and programs operate a chart."""
+WATCHING_FLAGS = frozenset({SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT})
+"""The flags by which a chart watches the maximum times of its steps."""
+
+
+def named_flags(names: Names) -> frozenset[str]:
+    """Return the flags that something in a project reads or writes, in lower case."""
+    words = [flag.variable for flag in SfcFlag]
+    return frozenset(each.reference.name.casefold() for each in names.occurrences(*words))
+
+
+def flags_at_rest(names: Names, pou: Pou, flags: Iterable[SfcFlag], named: Collection[str]) -> set[SfcFlag]:
+    """Return those `flags` of the charts of `pou` that nothing in the project uses.
+
+    `named` are the `named_flags` of the project. What operates a chart is at rest only where the project has an
+    instance of the block, and where it does not start with TRUE: people may operate a program, as may other projects.
+    """
+    declared = {variable.name.casefold(): variable for variable in pou.variables()}
+    is_closed = has_instance(names.project, pou)
+    found: set[SfcFlag] = set()
+    for flag in (flag for flag in flags if flag.variable.casefold() not in named):
+        variable = declared.get(flag.variable.casefold())
+        start = variable.initial if variable is not None else None
+        starts_on = isinstance(start, SimpleValue) and (start.text or "").strip().upper() in _TRUE
+        if flag not in OPERATING_FLAGS or (is_closed and not starts_on):
+            found.add(flag)
+    return found
+
+
+_TRUE = ("TRUE", "1", "BOOL#TRUE", "BOOL#1")

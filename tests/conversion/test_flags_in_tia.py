@@ -1,0 +1,166 @@
+"""SFC flags of CODESYS in blocks of S7-GRAPH: conditions of transitions that obey them, proven by running both."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.analysis.pairing import Delay
+from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.semantics.profile import default_profile
+from tests.conversion.matrix import same_behaviour
+
+RETIMED = Delay(-1, retimed=True)
+FLAGS = ("SFCInit", "SFCReset", "SFCPause")
+CHART = """
+PROGRAM Main
+VAR_INPUT {flags} a, b, g : BOOL; END_VAR
+VAR_OUTPUT q, r : BOOL; n : INT; END_VAR
+{chart}
+END_PROGRAM
+"""
+PLAIN = """
+INITIAL_STEP Idle: {idle} END_STEP
+STEP Work: {work} END_STEP
+STEP Done: r(N); END_STEP
+TRANSITION FROM Idle TO Work := a; END_TRANSITION
+TRANSITION FROM Idle TO Done := b; END_TRANSITION
+TRANSITION FROM Work TO Done := b OR g; END_TRANSITION
+TRANSITION FROM Done TO Idle := g; END_TRANSITION
+{actions}
+"""
+BRANCHES = """
+INITIAL_STEP Idle: END_STEP
+STEP Left: q(N); END_STEP
+STEP Right: r(N); END_STEP
+TRANSITION FROM Idle TO (Left, Right) := a; END_TRANSITION
+TRANSITION FROM (Left, Right) TO Idle := b; END_TRANSITION
+"""
+
+
+def chart_with(*flags: str, chart: str = PLAIN, idle: str = "", work: str = "q(N);", actions: str = "") -> m.Project:
+    """A program of CODESYS with these flags as inputs."""
+    declared = "".join(f"{flag} : BOOL; " for flag in flags)
+    text = CHART.format(flags=declared, chart=chart.format(idle=idle, work=work, actions=actions))
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    return sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys")
+
+
+def converted(source: m.Project) -> tuple[bytes, ConversionReport]:
+    data, report = sfc.convert(source, "simaticml", partial=True)
+    return data, report
+
+
+def losses(report: ConversionReport) -> list[tuple[str, str, str]]:
+    return [(item.outcome.value, item.what, item.path) for item in report.losses]
+
+
+@pytest.mark.parametrize("flags", [FLAGS, FLAGS[:2]], ids=" ".join)
+def test_flags_are_obeyed(flags: tuple[str, ...]) -> None:
+    source = chart_with(*flags)
+    data, report = converted(source)
+    assert losses(report) == []
+    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.proven, verdict
+
+
+@pytest.mark.parametrize("flags", [("SFCInit",), ("SFCInit", "SFCPause")], ids=" ".join)
+def test_nothing_of_the_initial_step_is_executed_during_sfcinit(flags: tuple[str, ...]) -> None:
+    source = chart_with(*flags, idle="q(N);", work="")
+    data, report = converted(source)
+    assert losses(report) == []
+    seen = sfc.loads(data, format="simaticml", as_tool=True)
+    assert [step.name for step in seen.pou("Main").chart.steps][-1] == "SFCInit_holds"
+    profiles = (default_profile(source), default_profile(seen))
+    subjects = (source.pou("Main"), seen.pou("Main"))
+    inputs = {flag: flag for flag in flags}
+    # its step flag is FALSE then: of nothing else is there a difference
+    assert equivalent(*subjects, profiles, delay=RETIMED, inputs=inputs, step_flags={}).proven
+    example = equivalent(*subjects, profiles, delay=RETIMED, inputs=inputs).counterexample
+    assert example is not None
+    assert {difference.name for difference in example.differences} == {"Idle.X"}
+
+
+@pytest.mark.parametrize("flags", [("SFCInit",), ("SFCReset",)], ids=" ".join)
+def test_what_is_stored_ends(flags: tuple[str, ...]) -> None:
+    source = chart_with(*flags, work="q(S);")
+    data, report = converted(source)
+    assert losses(report) == []
+    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.proven, verdict
+
+
+def test_what_a_step_executes_at_its_end_is_told() -> None:
+    source = chart_with("SFCReset", work="Count(N);", actions="ACTION Count: n := n + 1; END_ACTION")
+    report = converted(source)[1]
+    assert losses(report) == [("approximated", "end of the step", "POU Main / step Work")]
+
+
+@pytest.mark.parametrize(
+    ("flag", "fields", "why"),
+    [
+        ("SFCReset", {"chart": BRANCHES}, "several of its steps may be active at a time"),
+        ("SFCReset", {"work": "q(S);", "idle": "q(R);"}, "stored or delayed"),
+        ("SFCInit", {"work": "q(SD, T#1s);"}, "stored or delayed"),
+        ("SFCPause", {"work": "q(D, T#1s);"}, "the actions of the step Work go on"),
+        ("SFCTip", {}, "T_PUSH"),
+    ],
+)
+def test_flags_without_a_counterpart_are_refused(flag: str, fields: dict[str, str], why: str) -> None:
+    report = converted(chart_with(flag, **fields))[1]
+    (item,) = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.path.endswith(flag)]
+    assert why in item.why
+    assert item.what == "operating input"
+    rested = sfc.convert(chart_with(flag, **fields), "simaticml", partial=True, at_rest=[flag])[1]
+    assert not [item for item in rested.losses if item.path.endswith(flag)]
+
+
+def test_the_source_comes_back_and_an_edit_is_written_in_its_terms() -> None:
+    source = chart_with(*FLAGS)
+    data, _ = converted(source)
+    back = sfc.loads(data, format="simaticml")
+    chart = back.pou("Main").chart
+    assert [step.name for step in chart.steps] == ["Idle", "Work", "Done"]
+    assert len(chart.transitions) == 4
+    assert [variable.name for variable in back.pou("Main").variables()] == [
+        variable.name for variable in source.pou("Main").variables()
+    ]
+    chart.rename_step("Work", "Fill")
+    edited = io.BytesIO()
+    sfc.save(back, edited, format="simaticml")
+    seen = sfc.loads(edited.getvalue(), format="simaticml", as_tool=True)
+    assert "Fill_to_Idle" in {transition.name for transition in seen.pou("Main").chart.transitions}
+    again = sfc.loads(edited.getvalue(), format="simaticml").pou("Main").chart
+    assert [step.name for step in again.steps] == ["Idle", "Fill", "Done"]
+
+
+def test_an_edit_of_the_written_chart_counts() -> None:
+    data, _ = converted(chart_with(*FLAGS))
+    edited = data.replace(b'Name="Work"', b'Name="Fill"')
+    back = sfc.loads(edited, format="simaticml")
+    chart = back.pou("Main").chart
+    assert "Fill" in {step.name for step in chart.steps}
+    assert len(chart.transitions) == 6  # two of them for the flags
+    assert chart.permanent_post
+    assert {"SFC_stops", "SFCInit_before"} <= {variable.name for variable in back.pou("Main").variables()}
+    assert "XML214" in {found.code for found in back.diagnostics}
+
+
+def test_flags_that_only_the_source_tool_declares_are_variables() -> None:
+    source = chart_with()
+    flag = m.SfcFlag.RESET
+    source.pou("Main").chart.settings = m.SfcSettings(flags={flag: m.FlagUse(use=True, declare=True)})
+    data, report = converted(source)
+    assert losses(report) == []
+    seen = sfc.loads(data, format="simaticml", as_tool=True)
+    assert "SFCReset" in {variable.name for variable in seen.pou("Main").variables()}
+    back = sfc.loads(data, format="simaticml").pou("Main")
+    assert "SFCReset" not in {variable.name for variable in back.variables()}
+    assert back.chart.settings == source.pou("Main").chart.settings
