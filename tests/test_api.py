@@ -161,9 +161,9 @@ def test_what_a_tool_would_not_do_of_a_file_is_told_before_the_import():
     assert imported(drill, "tia") == imported(drill, "tia-V16") == []
     assert imported(sfc.load(CONVEYOR), "codesys") == imported(sfc.load(CONVEYOR), "twincat") == []
     belt = sfc.load(ROOT / "fixtures" / "codesys" / "distribution_belt.xml")
-    found = {each.message.partition(": it has ")[0]: each for each in sfc.check_import(belt, "tia")}
-    assert found["flag: S7-GRAPH has no SFCInit"].code == "IMP001"
-    assert found["flag: S7-GRAPH has no SFCInit"].location.line == 195
+    found = {each.message.partition(": actions that ")[0]: each for each in sfc.check_import(belt, "tia")}
+    assert found["operating input: S7-GRAPH has no SFCInit"].code == "IMP001"
+    assert found["operating input: S7-GRAPH has no SFCInit"].location.line == 195
     assert ("IMP002", "warning") in imported(drill, "codesys")  # a tag that is in no file
     assert ("IMP004", "error") in imported(drill, "codesys")
     assert ("IMP003", "info") in imported(sfc.load(FILLING), "beremiz")

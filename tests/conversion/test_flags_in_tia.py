@@ -87,9 +87,19 @@ def test_nothing_of_the_initial_step_is_executed_during_sfcinit(flags: tuple[str
     assert {difference.name for difference in example.differences} == {"Idle.X"}
 
 
+def test_a_pause_holds_simultaneous_branches() -> None:
+    source = chart_with("SFCPause", chart=BRANCHES)
+    data, report = converted(source)
+    assert losses(report) == []
+    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.proven, verdict
+
+
+@pytest.mark.parametrize("work", ["q(S);", "q(SD, T#20ms);"])
 @pytest.mark.parametrize("flags", [("SFCInit",), ("SFCReset",)], ids=" ".join)
-def test_what_is_stored_ends(flags: tuple[str, ...]) -> None:
-    source = chart_with(*flags, work="q(S);")
+def test_what_is_stored_ends(flags: tuple[str, ...], work: str) -> None:
+    source = chart_with(*flags, work=work)
     data, report = converted(source)
     assert losses(report) == []
     verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
@@ -108,7 +118,7 @@ def test_what_a_step_executes_at_its_end_is_told() -> None:
     [
         ("SFCReset", {"chart": BRANCHES}, "several of its steps may be active at a time"),
         ("SFCReset", {"work": "q(S);", "idle": "q(R);"}, "stored or delayed"),
-        ("SFCInit", {"work": "q(SD, T#1s);"}, "stored or delayed"),
+        ("SFCInit", {"work": "q(SD, T#1s);", "idle": "q(SD, T#1s);"}, "stored or delayed"),
         ("SFCPause", {"work": "q(D, T#1s);"}, "the actions of the step Work go on"),
         ("SFCTip", {}, "T_PUSH"),
     ],

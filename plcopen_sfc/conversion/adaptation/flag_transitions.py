@@ -68,10 +68,10 @@ def execute_flags(
         rewriter = _FlagRewriter(chart, report, taken_names(project, chart), resting)
         if not rewriter.rewrite(flags - WATCHING_FLAGS):
             continue
+        marks[id(chart.chart)] = {"lines": rewriter.lines, "ends": rewriter.ends}
         if chart.chart is chart.pou.chart:
-            marks[id(chart.chart)] = {SOURCE_CHART_FIELD: before.chart, "lines": rewriter.lines}
+            marks[id(chart.chart)][SOURCE_CHART_FIELD] = before.chart
         else:
-            marks[id(chart.chart)] = {"lines": rewriter.lines}
             marks.setdefault(id(chart.pou), {})["actions"] = before.pou.actions
         if rewriter.declared:
             marks.setdefault(id(chart.pou), {}).setdefault("variables", []).extend(rewriter.declared)
@@ -93,6 +93,8 @@ class _FlagRewriter:
         self._resting = resting
         self.declared: list[Variable] = []
         """The variables added to the block: flags that only the source tool declares, and memories."""
+        self.ends: list[str] = []
+        """The flags that end actions which networks behind the sequence control."""
         self.lines: list[str] = []
         """The statements for behind the sequence, which set the memories."""
         read = condition_reader(chart.chart, Dialect.SCL, transitions=chart.pou.transitions)
@@ -128,7 +130,8 @@ class _FlagRewriter:
             return "it is no variable of the block"
         if sum(step.initial for step in chart.steps) != 1 or any(step.macro is not None for step in chart.steps):
             return _BRANCHES
-        if any(len(each.sources) != 1 or len(each.targets) != 1 for each in chart.transitions):
+        is_one = all(len(each.sources) == 1 and len(each.targets) == 1 for each in chart.transitions)
+        if flag is not SfcFlag.PAUSE and not is_one:
             return _BRANCHES
         held = self._held_by(flag)
         if any(self._texts[number] is None for number in held):
@@ -154,17 +157,25 @@ class _FlagRewriter:
 
     def _refused_end(self) -> str | None:
         rows = [row for _, row in self._chart.associations()]
-        stored = self._stored()
+        controlled, stored = self._controlled(), self._stored()
         others = [row for row in rows if (row.target or "").casefold() in stored and row.qualifier not in _STORED]
-        is_code = any(self._place.pou.find_action(_bare(name)) for name in stored)
-        if any(row.qualifier in _STORING for row in rows) or others or is_code:
+        names = {*controlled, *stored}
+        is_code = any(self._place.pou.find_action(_bare(name)) for name in names)
+        if others or is_code or any(row.target is None and row.qualifier in _STORING for row in rows):
             return _ENDED
-        return _ENDED if stored and (self._has_rest or self._is_written(stored)) else None
+        is_begun = any((row.target or "").casefold() in controlled for row in self._initial.actions)
+        return _ENDED if is_begun or (stored and self._has_rest) or self._is_written(names) else None
+
+    def _controlled(self) -> set[str]:
+        """Return the operands, in lower case, of which networks behind the sequence control the storing and delays."""
+        rows = [row for _, row in self._chart.associations() if row.qualifier in _STORING and row.target]
+        return {row.target.casefold() for row in rows if row.target is not None}
 
     def _stored(self) -> dict[str, str]:
-        """Return the operands that actions store, by their names in lower case."""
+        """Return the operands that rows store, by their names in lower case."""
         rows = [row for _, row in self._chart.associations() if row.qualifier is Qualifier.S and row.target]
-        return {row.target.casefold(): row.target for row in rows if row.target is not None}
+        found = {row.target.casefold(): row.target for row in rows if row.target is not None}
+        return {key: name for key, name in found.items() if key not in self._controlled()}
 
     def _is_written(self, names: Iterable[str]) -> bool:
         """True if a text of the POU may write one of these operands."""
@@ -192,6 +203,7 @@ class _FlagRewriter:
         self._hold(flags)
         wanted = {SfcFlag.INIT: _INIT, SfcFlag.RESET: _RESET}
         begins = [text for flag, text in wanted.items() if flag in flags]
+        self.ends = [*begins]
         if SfcFlag.INIT in flags and self._has_rest:
             begins.remove(_INIT)
             rest = self._rest(flags)
@@ -238,9 +250,8 @@ class _FlagRewriter:
             condition = _all(fires)
             if stops:
                 found = self._memory(f"{self._chart.label(transition).replace(' -> ', '_to_')}_waits")
-                step = next(step for step in self._chart.steps if step.id in transition.sources)
-                flag = f'#"{step.name}".X' if needs_quotes(step.name) else f"#{step.name}.X"
-                now = _all([flag, *fires])
+                names = [step.name for step in self._chart.steps if step.id in transition.sources]
+                now = _all([*(f'#"{name}".X' if needs_quotes(name) else f"#{name}.X" for name in names), *fires])
                 self.lines.append(f"{found} := {stops} AND (({waits} AND {found}) OR ({now}));")
                 condition = _all([f"({condition}) OR ({waits} AND {found})", f"NOT {_PAUSE}"])
             if is_first:

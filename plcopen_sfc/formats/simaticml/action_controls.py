@@ -72,13 +72,14 @@ def action_controls(
     *,
     alone: Callable[[str], bool] = lambda _: False,
     more: Iterable[str] = (),
+    ends: Iterable[str] = (),
 ) -> ActionControls:
     """Return the action controls that the chart of a block needs.
 
     `alone`: whether each association of an action acts for its step alone already, as rows do. `more`:
-    statements for SFC flags.
+    statements for SFC flags. `ends`: the flags that end what is stored or delayed.
     """
-    return _Planner(project, pou, chart, functions, alone).plan(more)
+    return _Planner(project, pou, chart, functions, alone).plan(more, ends)
 
 
 def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
@@ -134,6 +135,7 @@ class _Planner:
         functions: ActionFunctions,
         alone: Callable[[str], bool],
     ) -> None:
+        self._ends: list[str] = []
         self._pou, self._chart, self._functions, self._alone = pou, chart, functions, alone
         self._read = condition_reader(chart, Dialect.SCL, transitions=pou.transitions)
         variables = {variable.name.casefold() for variable in pou.variables()}
@@ -142,9 +144,10 @@ class _Planner:
         self._taken |= {step.name.casefold() for step in chart.steps}
         self._taken |= {transition.name.casefold() for transition in chart.transitions}
 
-    def plan(self, more: Iterable[str]) -> ActionControls:
-        """Plan the controls of all actions that need one, and networks with the statements `more`."""
+    def plan(self, more: Iterable[str], ends: Iterable[str]) -> ActionControls:
+        """Plan the controls of all actions that need one; `more` and `ends` as in `action_controls`."""
         found = ActionControls()
+        self._ends = list(ends)
         for line in more:
             found.networks += self._drawn(_Draft(FLAG_LABEL, lines=[line]))
         for rows in self._actions():
@@ -216,7 +219,7 @@ class _Planner:
         draft, code = _Draft(label), self._code(row)
         if code is None and (row.target is None or parse_operand(row.target) is None):
             raise _ImpossibleError
-        reset = self._plain(draft, "reset", self._on(rows, *_RESETS))
+        reset = self._plain(draft, "reset", _or([self._on(rows, *_RESETS), *self._ends]))
         lasting = self._masked(list(self._parts(draft, rows, reset)), reset)
         pulses = self._masked(list(self._pulses(draft, rows)), reset)
         wanted = _or(filter(None, (lasting, pulses)))

@@ -159,8 +159,9 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     ctx.action_controls = None
     if chart is not None and _may_have_controls(ctx):
         alone = are_rows_alone(ctx.options)
-        lines = ctx.options.marks.get(id(chart.chart), {}).get("lines", ())
-        controls = action_controls(ctx.project, pou, chart.chart, functions, alone=alone, more=lines)
+        flags = ctx.options.marks.get(id(chart.chart), {})
+        more, ends = flags.get("lines", ()), flags.get("ends", ())
+        controls = action_controls(ctx.project, pou, chart.chart, functions, alone=alone, more=more, ends=ends)
         ctx.action_controls = controls
         added += controls.variables
         ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
