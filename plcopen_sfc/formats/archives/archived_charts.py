@@ -32,6 +32,7 @@ from plcopen_sfc.formats.archives.chart_elements import (
     Fields,
     add_descriptions,
     attribute_numbers,
+    objection,
     read_attributes,
     written_attribute,
 )
@@ -129,9 +130,7 @@ class ChartReader:
     def _refuse(self, element: etree._Element, kind: str, unknown: list[etree._Element]) -> None:
         """Report what an element has that is not understood, and that the tool may execute."""
         for attribute in unknown:
-            guid = text_of(member(attribute, "AttributeId"))
-            what = "" if type_of(attribute) else ": its list does not tell the type of its items"
-            self._ctx.error("TWC102", f"the attribute {guid} of an element is not understood{what}", attribute)
+            self._ctx.error("TWC102", objection(attribute, kind), attribute)
         for name in _EMBEDDED.get(kind, ()):
             found = member(element, name)
             if found is not None and found.tag != "n":

@@ -87,6 +87,11 @@ class Attribute:
     lines: bool = False
 
     @property
+    def kind(self) -> str:
+        """The type of its value in archives."""
+        return "BoolValue" if self.is_truth else "EnumValue" if self.choices is not None else "StringValue"
+
+    @property
     def default(self) -> str:
         """Its value where nothing was entered."""
         return "FALSE" if self.is_truth else "0" if self.choices is not None else ""
@@ -183,9 +188,9 @@ def read_attributes(element: etree._Element, kind: str) -> tuple[Fields, list[et
     unknown: list[etree._Element] = []
     table = _BY_GUID[kind]
     for attribute in items(element, "Attributes"):
-        guid, text = _stated(attribute)
+        guid, kind_of_value, text = _stated(attribute)
         field, known = table.get(guid.strip("{}").casefold(), ("", None))
-        if known is None or text is None or type_of(attribute) != "SFCAttribute":
+        if known is None or kind_of_value != known.kind or text is None or type_of(attribute) != "SFCAttribute":
             unknown.append(attribute)
             continue
         found = known.value(text)
@@ -196,16 +201,29 @@ def read_attributes(element: etree._Element, kind: str) -> tuple[Fields, list[et
     return fields, unknown
 
 
-def _stated(attribute: etree._Element) -> tuple[str, str | None]:
-    """Return the identity and the value of an attribute, which are most of an archive: in one walk."""
-    guid, text = "", None
+def _stated(attribute: etree._Element) -> tuple[str, str, str | None]:
+    """Return identity, type and text of the value of an attribute, which are most of an archive: in one walk."""
+    guid, kind, text = "", "", None
     for child in attribute:
         name = child.get("n")
         if name == "AttributeId":
             guid = text_of(child) or ""
         elif name == "Value":
-            text = text_of(member(child, "Value"))
-    return guid, text
+            kind, text = child.get("t", ""), text_of(member(child, "Value"))
+    return guid, kind, text
+
+
+def objection(attribute: etree._Element, kind: str) -> str:
+    """Return why an attribute of an element is not understood."""
+    guid, kind_of_value, text = _stated(attribute)
+    _, known = _BY_GUID[kind].get(guid.strip("{}").casefold(), ("", None))
+    if not type_of(attribute):
+        return f"the attribute {guid}: its list does not tell the type of its items"
+    if known is None:
+        return f"the attribute {guid} of an element is not understood: no file has shown it"
+    if kind_of_value != known.kind:
+        return f"the attribute {known.name} is a {kind_of_value or 'value without a type'}, and not a {known.kind}"
+    return f"the attribute {known.name} cannot be {text or 'without a value'}"
 
 
 def attribute_numbers(element: etree._Element) -> Iterator[tuple[str, int]]:
@@ -223,8 +241,7 @@ def written_attribute(attribute: Attribute, value: object, *, number: int, paren
     """Return an attribute of an element."""
     written = new_object("SFCAttribute")
     add_value(written, "AttributeId", identity(attribute.guid))
-    kind = "BoolValue" if attribute.is_truth else "EnumValue" if attribute.choices is not None else "StringValue"
-    holder = new_object(kind, "Value")
+    holder = new_object(attribute.kind, "Value")
     if attribute.choices is not None:
         add_value(holder, "TemplateGuid", identity(attribute.choices.guid))
         add_none(holder, "BaseType")

@@ -116,6 +116,7 @@ class _Reader:
         if self.source.guessed:
             message = f"the file names no code page; taken as {self.source.encoding}, which is a guess{self._share()}"
             self._note("EXP200", Severity.WARNING, message, 0)
+            self._tell_mixture()
         outline = outline_of(self.source.text)
         self.text = outline.text
         for problem in outline.problems:
@@ -134,6 +135,20 @@ class _Reader:
         project = self._with_remainder()
         spans = block_span(("file", ""), (0, len(self.text)), self.places)
         return ExpFile(project, spans, self.diagnostics)
+
+    def _tell_mixture(self) -> None:
+        """Report a word in another code page than the one that was guessed, such as one that was pasted."""
+        guess = self.source.encoding
+        for found in _WORD.finditer(self.text) if guess in _RUNS else ():
+            word = found.group()
+            page = _page_of(word.encode(guess))
+            if page not in ("", guess):
+                shown = word.encode(guess).decode(page, "replace")
+                message = (
+                    f"{word[:30]!r} is {shown[:30]!r} in {page}: the file mixes code pages, and was read in {guess}"
+                )
+                self._note("EXP204", Severity.WARNING, message, found.start())
+                return
 
     def _share(self) -> str:
         """Return how many of the letters beyond ASCII speak for the code page that was guessed."""
@@ -346,6 +361,8 @@ class _Reader:
 
 _RUNS = {"cp1251": re.compile("[\u0400-\u04ff]{3,}"), "cp1252": re.compile("[\xa8\xb8\xc0-\xff]{3,}")}
 """Letters beside each other, in each of the code pages that are guessed."""
+_WORD = re.compile(r"(?<![A-Za-z])[A-Za-z]*[^\x00-\x7f][A-Za-z\x80-\uffff]*")
+_THREE_LETTERS, _ASCII_LETTERS = re.compile(rb"[\xa8\xb8\xc0-\xff]{3}"), re.compile(rb"(?:[A-Za-z].*){3}")
 _BEYOND_ASCII = re.compile(r"[^\x00-\x7f]+")
 _PAIR = re.compile(r"\$u(D[89AB][0-9A-F]{2})\$u(D[C-F][0-9A-F]{2})")
 """A character beyond the first 65536 in a comment of this package."""
@@ -353,6 +370,18 @@ _PAIR = re.compile(r"\$u(D[89AB][0-9A-F]{2})\$u(D[C-F][0-9A-F]{2})")
 
 def _character(pair: re.Match[str]) -> str:
     return bytes.fromhex(pair[1] + pair[2]).decode("utf-16-be")
+
+
+def _page_of(word: bytes) -> str:
+    """Return the code page that a word speaks for: letters beside each other are Cyrillic, among ASCII Western.
+
+    Russian texts have words with one Latin letter that looks like theirs.
+    """
+    try:
+        word.decode()
+    except UnicodeDecodeError:
+        return "cp1251" if _THREE_LETTERS.search(word) else "cp1252" if _ASCII_LETTERS.search(word) else ""
+    return "utf-8"
 
 
 def _offset(text: str, position: int) -> int:

@@ -201,9 +201,15 @@ def test_a_guessed_code_page_says_how_sure_it_is() -> None:
     mixed = start.encode() + "счётчик".encode("cp1251") + " Zähler, Größe, Stück".encode("cp1252") + end.encode()
     project = sfc.loads(mixed)
     assert "64% of its letters beyond ASCII are in runs" in project.diagnostics[0].message
+    (found,) = [each for each in project.diagnostics if each.code == "EXP204"]
+    assert (found.location.line, found.location.column) == (5, 20)
+    assert "'Zдhler' is 'Zähler' in cp1252: the file mixes code pages" in found.message
     assert sfc.dumps(project) == mixed
     western = sfc.loads(f"{start}Zähler, Größe{end}".encode("cp1252"))
     assert "100% of its letters beyond ASCII are alone or in pairs" in western.diagnostics[0].message
+    assert [each.code for each in western.diagnostics] == ["EXP200"]
+    pasted = sfc.loads(start.encode() + "Größe".encode("cp1252") + " Zähler".encode() + end.encode())
+    assert "in utf-8" in next(each.message for each in pasted.diagnostics if each.code == "EXP204")
 
 
 @pytest.mark.parametrize("number", range(6))

@@ -295,7 +295,13 @@ DAMAGED = {
     ),
     "a list without the type of its attributes": (b' cet="SFCAttribute"', b"", "TWC102", "type of its items"),
     "a list without the type of its elements": (b' cet="SFCSegment"', b"", "TWC102", "type nothing"),
-    "a truth that is none": (b'<v n="Value">"TRUE"</v>', b'<v n="Value">"JA"</v>', "TWC102", "not understood"),
+    "a truth that is none": (b'<v n="Value">"TRUE"</v>', b'<v n="Value">"JA"</v>', "TWC102", "cannot be JA"),
+    "a truth of another type": (
+        b't="BoolValue"',
+        b't="StringValue"',
+        "TWC102",
+        "Exclude is a StringValue, and not a BoolValue",
+    ),
     "no qualifier": (b'"D T#3s"', b'"Q T#3s"', "TWC102", "Q is no qualifier"),
     "a jump to nowhere": (b'"Grundstellung"</v>', b'"Nirgends"</v>', "SFC103", "Grundstellung"),
 }
