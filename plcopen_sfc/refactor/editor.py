@@ -18,7 +18,7 @@ from plcopen_sfc.model.pou import Action, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.operations import provided
-from plcopen_sfc.refactor import chart_edits, macro_edits, name_edits
+from plcopen_sfc.refactor import chart_edits, macro_edits, name_edits, step_kinds
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import charts_of
@@ -290,6 +290,20 @@ class Editor:
     def inline_action(self, action: Action) -> None:
         """Put the code of an action into the one step that executes it, and remove the action."""
         name_edits.inline_action(self._journal, self.project, action)
+
+    @_edit
+    def use_iec_steps(self, chart: SfcNetwork, *, guarded: bool = False) -> list[str]:
+        """Make IEC steps of the simple steps of CoDeSys 2.3: the action of each becomes an association with N.
+
+        Code in place becomes actions of the POU, ``Fill`` is ``Fill.x``. Returns the paths of the texts that say so. An
+        action is executed once more when its step was left: `guarded` code asks for the step, and does nothing then.
+        """
+        return step_kinds.use_iec_steps(self._journal, chart, guarded=guarded)
+
+    @_edit
+    def use_simple_steps(self, chart: SfcNetwork) -> list[str]:
+        """Make simple steps of the IEC steps of CoDeSys 2.3, whose associations have N, or S and R with variables."""
+        return step_kinds.use_simple_steps(self._journal, chart)
 
     # -- larger parts
 

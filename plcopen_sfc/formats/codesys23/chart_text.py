@@ -57,6 +57,7 @@ _TRANSITION = re.compile(
 )
 _QUALIFIERS = {word: Qualifier(word) for word in ("N", "R", "S", "L", "D", "P", "SD", "DS", "SL")}
 """Qualifiers of the library Iecsfc.lib."""
+_MOST_ASSOCIATIONS = 9
 _ASSOCIATION = re.compile(
     rf"\s*([\w.]+)\s*\(\s*({'|'.join(_QUALIFIERS)})\s*(?:,\s*([^,();]+?)\s*)?\)\s*;", re.IGNORECASE
 )
@@ -343,11 +344,19 @@ class ChartNames:
         why = f"CoDeSys 2.3 has no qualifier {association.qualifier}: it is not executed"
         self._report.add(Outcome.NOT_EXECUTED, "action", f"{path} / action {association.target or 'in place'}", why)
 
-    def note(self, what: str, path: str) -> None:
+    def note(self, what: str, path: str, also: str = "") -> None:
         """Report something in a form that no export was seen to have."""
-        self._report.add(
-            Outcome.TRANSLATED, what, path, "in a form that no known export shows; see it after the import"
+        why = f"{also}in a form that no known export shows; see it after the import"
+        self._report.add(Outcome.TRANSLATED, what, path, why)
+
+    def note_associations(self, count: int, path: str) -> None:
+        """Report an IEC step, with so many associations."""
+        self.note(
+            "action associations", path, "an IEC step, for which the library Iecsfc.lib has to be in the project: "
         )
+        if count > _MOST_ASSOCIATIONS:
+            why = f"CoDeSys 2.3 takes {_MOST_ASSOCIATIONS} associations at a step, and this one has {count}"
+            self._report.add(Outcome.NOT_EXECUTED, "action associations", path, why)
 
     def missing(self, what: str, path: str) -> str:
         """Return a condition that does not compile: an empty one might be always true."""
@@ -394,7 +403,7 @@ def _step_block(step: Step, names: ChartNames, path: str) -> WrittenBlock:
     word = "INITIAL_STEP" if step.initial else "STEP"
     blocks = [WrittenBlock(("head", ""), f"{word} {step.name}:")]
     if associations := [*_associations(step, names, path)]:
-        names.note("action associations", path)
+        names.note_associations(len(associations), path)
         blocks.append(WrittenBlock(("associations", ""), "\n".join(associations)))
     elif text := f"{step.main_action}();" if isinstance(step.main_action, str) else body_text(step.main_action):
         blocks.append(WrittenBlock(("body", ""), text, verbatim=True))

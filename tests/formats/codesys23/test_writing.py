@@ -175,3 +175,16 @@ def test_values_of_enumerations_have_no_type_before_them() -> None:
     project.pou("Main").chart.step("Work").name = "Red"
     with pytest.raises(sfc.LossError, match=r"Color\.Red"):
         sfc.dumps(project, format="codesys23")
+
+
+def test_iec_steps_need_a_library_and_take_nine_associations() -> None:
+    names = [f"v{number}" for number in range(10)]
+    declared = "".join(f"{name}, " for name in names[:-1]) + names[-1]
+    lines = "\n".join(f"{name}(N);" for name in names)
+    text = f"PROGRAM Main\nVAR {declared} : BOOL; END_VAR\nINITIAL_STEP A:\n{lines}\nEND_STEP\nEND_PROGRAM\n"
+    nine = text.replace("v9(N);\n", "")
+    for source, lost in ((text, ["CoDeSys 2.3 takes 9 associations at a step, and this one has 10"]), (nine, [])):
+        _, report = sfc.convert(sfc.loads(source.encode(), format="iec-text"), "codesys23", partial=True)
+        why = [item.why for item in report.items if item.what == "action associations"]
+        assert "Iecsfc.lib" in why[0]
+        assert why[1:] == lost

@@ -1,0 +1,185 @@
+"""Charts of CoDeSys 2.3 in simple steps and in IEC steps (manual of CoDeSys V2.3, "Simplified steps", "IEC steps").
+
+A simple step has one action, which may be code in place, an entry and an exit action, and a flag called like the step.
+An IEC step has associations, which execute an action once more when their step was left, and members (``Wait.x``).
+Which kind a chart has decides the notation, so charts are switched as a whole. The last execution matters where an
+action counts or adds, say: code that asks for the step first does nothing then.
+"""
+
+from __future__ import annotations
+
+import re
+from itertools import chain, count
+from textwrap import dedent, indent
+
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.languages.binding import Kind, Names
+from plcopen_sfc.languages.binding.name_uses import dialect_of
+from plcopen_sfc.languages.il import statements
+from plcopen_sfc.languages.networks import shown_body
+from plcopen_sfc.languages.st import parse_statements, print_node
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.refactor.chart_edits import refused
+from plcopen_sfc.refactor.journal import Journal
+from plcopen_sfc.refactor.name_edits import extract_action
+from plcopen_sfc.refactor.queries import pou_of
+from plcopen_sfc.refactor.step_flags import step_occurrences, write_notation
+
+_TIME = re.compile(r"\s*\.\s*(?!x\b)\w+", re.IGNORECASE)
+_MOST_ASSOCIATIONS = 9
+"""So many CoDeSys 2.3 takes at a step."""
+
+
+def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False) -> list[str]:
+    """Make the action of each step an association with N; returns the paths of texts with another notation now.
+
+    `guarded`: the code asks whether the step is active, so that it is not executed once more.
+    """
+    what = "the steps cannot become IEC steps"
+    project, pou = _owners(chart)
+    reasons = [
+        f"the {field.replace('_', ' ')} of {step.name}: an IEC step has none"
+        for step in chart.steps
+        for field in ("entry_action", "exit_action")
+        if getattr(step, field) is not None
+    ]
+    reasons += [
+        f"{step.name} has {_MOST_ASSOCIATIONS} associations: CoDeSys 2.3 takes no more"
+        for step in chart.steps
+        if step.main_action is not None and len(step.actions) >= _MOST_ASSOCIATIONS
+    ]
+    if not any(step.main_action is not None for step in chart.steps):
+        reasons.append("no step has an action")
+    if reasons:
+        raise refused(what, reasons)
+    changed = [] if any(chart.associations()) else write_notation(project, [chart], journal, members=True)
+    for step in chart.steps:
+        if step.main_action is None:
+            continue
+        action = step.main_action
+        if guarded:
+            journal.put(step, "main_action", StBody(text=_guarded(step, dialect_of(project))))
+        if guarded or not isinstance(action, str):
+            action = extract_action(journal, step, _free_name(pou, f"{step.name}_active"), "main_action").name
+        journal.put(step, "main_action", None)
+        association = ActionAssociation(id=chart.new_id(), qualifier=Qualifier.N, target=action)
+        journal.put(step, "actions", [association, *step.actions])
+    return changed
+
+
+def _guarded(step: Step, dialect: Dialect) -> str:
+    """Return the action of a step as statements that do nothing while the step is not active."""
+    match step.main_action:
+        case str() as called:
+            text: str | None = f"{called}();"
+        case StBody(text=text):
+            pass
+        case IlBody(text=listed):
+            tree = statements(listed, dialect, among_others=True)
+            text = print_node(tree, dialect) if tree is not None else None
+        case FbdBody() | LdBody() as drawn:
+            text = shown_body(drawn, dialect)
+        case _:
+            text = None
+    if text is None:
+        raise refused("the steps cannot become IEC steps", [f"no statements do what the action of {step.name} does"])
+    return f"IF {step.name}.x THEN\n{indent(text.rstrip(), '    ')}\nEND_IF;"
+
+
+def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
+    """Make the associations of each step its main action; returns the paths of texts with another notation now.
+
+    A variable with N is set in the main action, and reset in the exit action. Refused where an association stores,
+    delays or pulses, and where a text asks for the time of a step, which simple steps have not.
+    """
+    what = "the steps cannot become simple steps"
+    project, pou = _owners(chart)
+    executing = _executing(project, chart)
+    done: list[tuple[Step, list[str], list[str], str]] = []
+    reasons = [
+        f"{each.use} asks for more than its flag"
+        for each in step_occurrences(project, [chart])
+        if _TIME.match(each.text_site.text, each.reference.span[1])
+    ]
+    for step in chart.steps:
+        lines: list[str] = []
+        ends: list[str] = []
+        called = ""
+        for each in sorted(step.actions, key=lambda each: (each.target or "").casefold()):
+            is_action = id(each) in executing
+            if not each.target or each.qualifier not in _SIMPLE or (is_action and each.qualifier is not Qualifier.N):
+                reasons.append(f"{step.name} has {each.qualifier.value} {each.target or 'code in place'}")
+            elif is_action:
+                lines.append(f"{each.target}();")
+                called = each.target
+            else:
+                lines.append(f"{each.target} := {_SIMPLE[each.qualifier]};")
+                ends += [f"{each.target} := FALSE;"] if each.qualifier is Qualifier.N else []
+        taken = [
+            name for name in ("main_action", *(["exit_action"] if ends else [])) if getattr(step, name) is not None
+        ]
+        reasons += [f"{step.name} has its {name.replace('_', ' ')} already" for name in taken if lines]
+        if lines:
+            done.append((step, lines, ends, called if len(lines) == 1 else ""))
+    if reasons:
+        raise refused(what, reasons)
+    if not done:
+        raise refused(what, "no step has an association")
+    changed = write_notation(project, [chart], journal, members=False)
+    for step, lines, ends, called in done:
+        journal.put(step, "actions", [])
+        inside = _inside_guard(pou, step, called)
+        plain = called if called and not inside else StBody(text=inside or "\n".join(lines))
+        journal.put(step, "main_action", plain)
+        if ends:
+            name = _free_name(pou, f"{step.name}_exit")
+            journal.put(pou, "actions", [*pou.actions, Action(name=name, body=StBody(text="\n".join(ends)))])
+            journal.put(step, "exit_action", name)
+    return changed
+
+
+_SIMPLE = {Qualifier.N: "TRUE", Qualifier.S: "TRUE", Qualifier.R: "FALSE"}
+"""What a variable gets in the main action for these qualifiers."""
+
+
+def _inside_guard(pou: Pou, step: Step, called: str) -> str:
+    """Return the statements of an action that asks for the step and does nothing else; empty where it is none."""
+    action = next((each for each in pou.actions if each.name.casefold() == called.casefold()), None)
+    text = action.body.text if action is not None and isinstance(action.body, StBody) else ""
+    found = re.fullmatch(rf"\s*IF\s+{re.escape(step.name)}(?:\s*\.\s*x)?\s+THEN\b(.*)\bEND_IF\s*;?\s*", text, _LOOSE)
+    if found is None or parse_statements(found[1], Dialect.CODESYS).problems:  # such as ELSE, or the IF of another
+        return ""
+    return dedent(found[1].strip("\r\n")).rstrip()
+
+
+_LOOSE = re.IGNORECASE | re.DOTALL
+
+
+def _executing(project: Project, chart: SfcNetwork) -> set[int]:
+    """Return the associations, by their identities, that execute an action and drive no variable."""
+    targets = {(each.target or "").rpartition(".")[2] for _, each in chart.associations()} - {""}
+    found = Names(project).occurrences(*targets) if targets else ()
+    return {
+        id(each.text_site.holder)
+        for each in found
+        if each.meaning.declaration is not None and each.meaning.declaration.kind is Kind.ACTION
+    }
+
+
+def _free_name(pou: Pou, wish: str) -> str:
+    taken = {each.name.casefold() for part in (pou.actions, pou.transitions, pou.methods) for each in part}
+    taken |= {variable.name.casefold() for variable in pou.variables()}
+    numbers = (f"{wish}_{number}" for number in count(2))
+    return next(name for name in chain([wish], numbers) if name.casefold() not in taken)
+
+
+def _owners(chart: SfcNetwork) -> tuple[Project, Pou]:
+    pou = pou_of(chart)
+    if pou is None:
+        raise ModelError("the chart is in no POU", hint="Put it into a POU of a project first.")
+    return chart.project or Project(pous=[pou]), pou

@@ -1,0 +1,139 @@
+"""Charts of CoDeSys 2.3 are switched between simple steps and IEC steps."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.model.body import StBody
+
+SIMPLE = """(* @NESTEDCOMMENTS := 'Yes' *)
+(* @PATH := '' *)
+PROGRAM Main
+VAR
+	go, done: BOOL;
+	lamp: BOOL;
+	odd: BOOL;
+END_VAR
+(* @END_DECLARATION := '0' *)
+INITIAL_STEP Wait:
+lamp := FALSE;
+END_STEP
+TRANSITION FROM Wait TO Fill:=
+go
+END_TRANSITION
+STEP Fill:
+odd := NOT odd;
+lamp := TRUE;
+END_STEP
+TRANSITION FROM Fill TO Wait:=
+done AND Fill
+END_TRANSITION
+END_PROGRAM
+"""
+
+
+def project_of(text: str) -> sfc.Project:
+    return sfc.loads(text.replace("\n", "\r\n").encode())
+
+
+def chart_of(project: sfc.Project) -> sfc.SfcNetwork:
+    chart = project.pous[0].chart
+    assert chart is not None
+    return chart
+
+
+def test_an_action_that_counts_is_executed_once_more_which_the_proof_tells() -> None:
+    project = project_of(SIMPLE)
+    with pytest.raises(sfc.SfcError, match="would change what the charts do"):
+        project.edit(prove=True).use_iec_steps(chart_of(project))
+    assert sfc.dumps(project) == SIMPLE.replace("\n", "\r\n").encode()
+
+
+def test_code_that_asks_for_its_step_does_the_same() -> None:
+    project = project_of(SIMPLE)
+    editor = project.edit(prove=True)
+    assert editor.use_iec_steps(chart_of(project), guarded=True) == ["POU Main / transition Fill -> Wait"]
+    assert all(proof.equal for proof in editor.proofs)
+    text = sfc.dumps(project).decode()
+    assert "STEP Fill:\r\nFill_active(N);\r\nEND_STEP" in text
+    assert "done AND Fill.x" in text
+    assert "ACTION Fill_active:\r\nIF Fill.x THEN\r\n    odd := NOT odd;" in text
+    assert "Iecsfc.lib" in " ".join(item.why for item in sfc.convert(project, "codesys23")[1].items)
+
+
+def test_it_comes_back_as_it_was() -> None:
+    project = project_of(SIMPLE)
+    project.edit().use_iec_steps(chart_of(project), guarded=True)
+    back = sfc.loads(sfc.dumps(project))
+    editor = back.edit(clean=True, prove=True)
+    editor.use_simple_steps(chart_of(back))
+    assert [str(proof) for proof in editor.proofs if not proof.equal] == []
+    assert sfc.dumps(back).decode().replace("\r\n", "\n").rstrip() == SIMPLE.rstrip()
+    editor.undo()
+    assert sfc.dumps(back) == sfc.dumps(project)
+
+
+IEC = """(* @NESTEDCOMMENTS := 'Yes' *)
+(* @PATH := '' *)
+PROGRAM Main
+VAR
+	go, done: BOOL;
+	lamp, pump, alarm: BOOL;
+END_VAR
+(* @END_DECLARATION := '0' *)
+INITIAL_STEP Wait:
+alarm(R);
+END_STEP
+TRANSITION FROM Wait TO Fill:=
+go
+END_TRANSITION
+STEP Fill:
+pump(N);
+Blink(N);
+alarm(S);
+END_STEP
+TRANSITION FROM Fill TO Wait:=
+done AND Fill.x
+END_TRANSITION
+END_PROGRAM
+ACTION Blink:
+lamp := TRUE;
+END_ACTION
+"""
+
+
+def test_variables_with_n_are_reset_at_the_exit() -> None:
+    project = project_of(IEC)
+    editor = project.edit(prove=True)
+    editor.use_simple_steps(chart_of(project))
+    assert all(proof.equal for proof in editor.proofs)
+    step = chart_of(project).step("Fill")
+    assert isinstance(step.main_action, StBody)
+    assert step.main_action.text == "alarm := TRUE;\nBlink();\npump := TRUE;"
+    assert step.exit_action == "Fill_exit"
+    back = sfc.loads(sfc.dumps(project))
+    assert chart_of(back).step("Fill").exit_action == "Fill_exit"
+    assert "done AND Fill\r\n" in sfc.dumps(project).decode()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("Blink(N)", "Blink(D,t#2s)", "Fill has D Blink"),
+        ("Blink(N)", "Blink(S)", "Fill has S Blink"),
+        ("Fill.x", "(Fill.t > t#2s)", "asks for more than its flag"),
+    ],
+)
+def test_what_simple_steps_have_not_is_refused(old: str, new: str, words: str) -> None:
+    project = project_of(IEC.replace(old, new))
+    before = sfc.dumps(project)
+    with pytest.raises(sfc.SfcError, match=words):
+        project.edit().use_simple_steps(chart_of(project))
+    assert sfc.dumps(project) == before
+
+
+def test_entry_and_exit_actions_keep_steps_simple() -> None:
+    project = project_of(SIMPLE + "ACTION Fill_exit:\nlamp := FALSE;\nEND_ACTION\n")
+    with pytest.raises(sfc.SfcError, match="the exit action of Fill: an IEC step has none"):
+        project.edit().use_iec_steps(chart_of(project))
