@@ -33,10 +33,11 @@ def __getattr__(name: str) -> Any:
     """Import what is asked for when it is asked for: the version and the errors cost no model."""
     if name == "__all__":
         return __dir__()
-    if name.startswith("__") or name not in _exports():
+    if name.startswith("_") or name not in _exports():
         from plcopen_sfc.errors import nearest  # noqa: PLC0415
 
-        raise AttributeError(f"module 'plcopen_sfc' has no attribute {name!r}{nearest(name, _exports())}")
+        near = "" if name.startswith("_") else nearest(name, _exports())  # introspection asks for such names, often
+        raise AttributeError(f"module 'plcopen_sfc' has no attribute {name!r}{near}")
     return getattr(import_module(_exports()[name]), name)
 
 
