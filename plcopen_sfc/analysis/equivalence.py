@@ -492,7 +492,7 @@ class _Attempt:
         covered = found.complete and not frozen and not failed
         coverage = coverage_of(self._tallies, comparison.pairs, complete=covered)
         equal = VerdictKind.PROVEN if found.complete else VerdictKind.TESTED
-        reason = "; ".join(filter(None, (found.reason, ran.stopped)))
+        reason = "; ".join(dict.fromkeys(filter(None, (found.reason, ran.stopped))))
         interrupted = reason.endswith(INTERRUPTED)
         if any_untested(coverage) or (found.complete and found.dead) or interrupted:
             equal = VerdictKind.UNTESTED

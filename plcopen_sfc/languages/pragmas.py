@@ -20,6 +20,7 @@ from typing import Any, Final, Literal, TypeAlias, get_origin
 
 from pydantic import BaseModel
 
+from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.whole_numbers import whole_number
 
 
@@ -358,7 +359,12 @@ def _is_list_of_fields(value: Any) -> bool:
 
 
 def _same_kind(said: Fields, meant: Fields) -> bool:
-    return said.get("kind") == meant.get("kind")
+    """True if both have the same fields: the kind of a POU is one of them, other kinds tell which fields there are."""
+    kinds = {said.get("kind"), meant.get("kind")}
+    return len(kinds) == 1 or kinds <= _POU_KINDS
+
+
+_POU_KINDS = frozenset(kind.value for kind in PouKind)
 
 
 def _is_map(fields: Fields) -> bool:
@@ -375,11 +381,8 @@ def _starts_alike(said: list[Any], meant: list[Any]) -> bool:
         return False
     if not all(isinstance(item, dict) for item in said):
         return len(said) == len(meant)
-    alike = sum(all(o.get(key) == t.get(key) for key in _KEYS) for o, t in zip(said, meant, strict=False))
+    alike = sum(o.get("name") == t.get("name") and _same_kind(o, t) for o, t in zip(said, meant, strict=False))
     return alike == len(said) or (len(said) == len(meant) and 2 * alike >= len(said))
-
-
-_KEYS = ("name", "kind")
 
 
 def _segments(said: list[Any], meant: list[Any]) -> list[Segment]:

@@ -170,3 +170,12 @@ def test_sections_without_variables_and_results_are_no_loss() -> None:
     assert not report.losses
     assert b'FUNCTION "F" : Void' in data
     assert b"Ret_Val : " not in data
+
+
+def test_a_program_is_a_block_whose_comment_tells_nothing_but_that() -> None:
+    project = sfc.loads(b"PROGRAM Main VAR n : INT; END_VAR n := n + 1; END_PROGRAM", format="iec-text")
+    data, _ = sfc.convert(project, "scl")
+    remarks = [line for line in data.decode("utf-8-sig").splitlines() if "{plcopen_sfc" in line]
+    assert remarks[0] == "// {plcopen_sfc pous[Main].kind := 'program' FOR 'functionBlock'}"
+    assert not any("n := n + 1" in line for line in remarks), "the text of the block once more"
+    assert sfc.loads(data).pou("Main").kind is m.PouKind.PROGRAM
