@@ -39,7 +39,7 @@ from plcopen_sfc.languages.declarations.declaration_writing import indent_of, se
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.declarations.type_names import SECTION_KEYWORDS, is_unit_quoted_in_scl
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
-from plcopen_sfc.languages.pragmas import Named, RemainderEntry, changes, plain_fields
+from plcopen_sfc.languages.pragmas import DEFAULT, Named, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.s7_globals import (
     UNCALLED,
     by_retention,
@@ -130,7 +130,9 @@ def _report(project: Project, change: RemainderEntry, report: ConversionReport, 
 
 
 def _is_empty(change: RemainderEntry) -> bool:
-    """True for a section without variables."""
+    """True for a section without variables, and for the interface of a POU that has none."""
+    if change.path[-1] == "interface":
+        return change.value is DEFAULT and not change.instead
     is_section = len(change.path) > 1 and change.path[-2] == "sections"
     return is_section and isinstance(change.value, dict) and not change.value.get("variables")
 

@@ -179,3 +179,10 @@ def test_a_program_is_a_block_whose_comment_tells_nothing_but_that() -> None:
     assert remarks[0] == "// {plcopen_sfc pous[Main].kind := 'program' FOR 'functionBlock'}"
     assert not any("n := n + 1" in line for line in remarks), "the text of the block once more"
     assert sfc.loads(data).pou("Main").kind is m.PouKind.PROGRAM
+
+
+@pytest.mark.parametrize("kind", [m.PouKind.PROGRAM, m.PouKind.FUNCTION_BLOCK])
+def test_a_block_without_variables_lacks_none(kind: m.PouKind) -> None:
+    project = m.Project(pous=[m.Pou(name="Main", kind=kind, bodies=[m.StBody(text=";")])])
+    _, report = sfc.convert(project, "scl")
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
