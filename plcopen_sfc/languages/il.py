@@ -501,7 +501,9 @@ class _Following:
         return stored and self._outlives(_names(target))
 
     def _call(self, word: str, call: n.Expression) -> bool:
-        done = self._when(word.removeprefix("CAL"), n.CallStatement(call))
+        # ``CAL t``: structured text needs the parentheses, ``t();``, of an instance as of an action
+        called = call if isinstance(call, n.Call) else n.Call(call, ())
+        done = self._when(word.removeprefix("CAL"), n.CallStatement(called))
         if self.result.current is not None and _names(call) & _names(self.result.current):
             self.result.current = None
         return done and self._outlives(_names(call))

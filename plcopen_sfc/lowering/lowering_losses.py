@@ -57,14 +57,16 @@ def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption
         path = f"{path} / step {thing.name}"
     elif isinstance(thing, ActionAssociation) and thing.target is not None:
         path = f"{path} / action {thing.target}"
-    for name, value in thing:
-        if name in _TEXTS and isinstance(value, str | MarkupText | MultilingualText):
+    for name, value in vars(thing).items():
+        if value is None:
+            continue
+        if name in _TEXTS and isinstance(value, (str, MarkupText, MultilingualText)):
             yield Caption(path, value)
         elif isinstance(thing, SfcNetwork) and name == "transitions":
             labels = thing.labels()
             for transition in thing.transitions:
                 yield from captions(transition, f"{path} / transition {labels[transition.id]}", dialect)
-        elif isinstance(value, Model | list):
+        elif isinstance(value, (Model, list)):
             yield from captions(value, path, dialect)
     if isinstance(thing, StBody | Expression):
         yield from _inside(thing.text, path, dialect)

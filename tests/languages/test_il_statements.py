@@ -24,6 +24,7 @@ def shown(text: str) -> str | None:
         ("LD n\nADD 1\nST n\nGT 5\nS q", "n := n + 1;\nIF n > 5 THEN\n    q := TRUE;\nEND_IF;"),
         ("LD a\nR q\nCALCN t(IN := b)", "IF a THEN\n    q := FALSE;\nEND_IF;\nIF NOT a THEN\n    t(IN := b);\nEND_IF;"),
         ("CAL t(IN := a)\nLD t.Q\nRETC\nLD b\nST q", "t(IN := a);\nIF t.Q THEN\n    RETURN;\nEND_IF;\nq := b;"),
+        ("LD a\nCAL t\nCALC Fill", "t();\nIF a THEN\n    Fill();\nEND_IF;"),
         ("LD a\nAND( b\nOR c\n)\nST q", "q := a AND (b OR c);"),
         ("LD a\nAND b\nST a\nSTN b\nST c", "a := a AND b;\nb := NOT a;\nc := a;"),
     ],

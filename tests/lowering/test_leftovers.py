@@ -189,3 +189,35 @@ def test_text_needs_no_pragma_for_its_end() -> None:
     lowered = sfc.lower(sfc.loads(PRESS, format="iec-text"), "case", verify=False)
     fresh = m.Project(pous=[lowered.pou.model_copy(update={"actions": []})])
     assert "layout" not in sfc.dumps(fresh, format="iec-text").decode()
+
+
+PUMP = """FUNCTION_BLOCK Pump
+VAR_INPUT Run : BOOL; END_VAR
+VAR_OUTPUT Busy : BOOL; END_VAR
+Busy := Run;
+END_FUNCTION_BLOCK
+PROGRAM Main
+VAR_INPUT a : BOOL; b : BOOL; END_VAR
+VAR p : Pump; END_VAR
+INITIAL_STEP S1: Work(N); END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := a AND p.Busy; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+ACTION Work:
+ LD b
+ ST p.Run
+ CAL p
+END_ACTION
+END_PROGRAM"""
+
+
+@pytest.mark.parametrize("format", ["simaticml", "plcopen-2.01", "codesys"])
+def test_a_call_without_inputs_in_instruction_list_is_a_box_with_en(format: str) -> None:
+    made = sfc.lower(sfc.loads(PUMP.encode(), format="iec-text"), "flipflop", target=format, language="FBD")
+    assert made.proof is not None
+    assert made.proof.proven, str(made.proof)
+    assert isinstance(made.pou.body, m.FbdBody)
+    boxes = [node for network in made.pou.body.networks for node in network.nodes if isinstance(node, m.Block)]
+    calls = [box for box in boxes if box.type_name == "Pump"]
+    assert calls
+    assert all("EN" in [pin.name for pin in box.parameters.inputs] for box in calls)
