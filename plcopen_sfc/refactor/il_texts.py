@@ -1,14 +1,15 @@
-"""Conditions and bodies in instruction list, and drawn bodies, as structured text, for tools that have no others."""
+"""Bodies in instruction list, drawn ones, and networks of exports as structured text, for tools that have no others."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.il import result_expression, statements
 from plcopen_sfc.languages.networks import shown_body
+from plcopen_sfc.languages.networks.exported_networks import EXPORTS, network_statements
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method
@@ -31,25 +32,35 @@ def write_conditions_as_expressions(project: Project) -> Iterator[str]:
 
 def write_bodies_as_statements(project: Project) -> Iterator[str]:
     """Write the bodies in IL without jumps as structured text, and yield the paths of what they are the bodies of."""
+    return _written(project, _of_instructions)
+
+
+def write_exported_networks_as_statements(project: Project) -> Iterator[str]:
+    """Write the networks of exports of CoDeSys 2.3 as structured text, and yield the paths of their owners."""
+    return _written(project, _of_exported_networks)
+
+
+def _written(project: Project, as_statements: Callable[[Body | str | None, Dialect], StBody | None]) -> Iterator[str]:
+    """Replace the bodies for which there are statements, and yield the paths of what they are the bodies of."""
     dialect = dialect_of(project)
     for pou in project.pous:
         for place, body in enumerate(pou.bodies):
-            if (found := _as_statements(body, dialect)) is not None:
+            if (found := as_statements(body, dialect)) is not None:
                 pou.bodies[place] = found
                 yield pou.report_path
         parts: list[Action | Method] = [*pou.actions, *pou.methods]
         for part in parts:
-            if (found := _as_statements(part.body, dialect)) is not None:
+            if (found := as_statements(part.body, dialect)) is not None:
                 part.body = found
                 yield pou.report_path_of(f"{pou.name}.{part.name}")
     for chart in project.charts():
         for step, association in chart.chart.associations():
-            if (found := _as_statements(association.body, dialect)) is not None:
+            if (found := as_statements(association.body, dialect)) is not None:
                 association.body = found
                 yield f"{chart.report_path} / step {step.name}"
         for step in chart.chart.steps:
             for name in ("entry_action", "main_action", "exit_action"):
-                if (found := _as_statements(getattr(step, name), dialect)) is not None:
+                if (found := as_statements(getattr(step, name), dialect)) is not None:
                     setattr(step, name, found)
                     yield f"{chart.report_path} / step {step.name}"
 
@@ -65,7 +76,12 @@ def write_drawn_pous_as_statements(project: Project) -> Iterator[str]:
                 yield pou.report_path
 
 
-def _as_statements(body: Body | str | None, dialect: Dialect) -> StBody | None:
+def _of_exported_networks(body: Body | str | None, _: Dialect) -> StBody | None:
+    text = network_statements(body.content) if isinstance(body, OpaqueBody) and body.source == EXPORTS else None
+    return StBody(text=text) if text is not None else None
+
+
+def _of_instructions(body: Body | str | None, dialect: Dialect) -> StBody | None:
     if not isinstance(body, IlBody) or (tree := statements(body.text, dialect)) is None:
         return None
     return StBody(text=print_node(tree, dialect), worksheet=body.worksheet)

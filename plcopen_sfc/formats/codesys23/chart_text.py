@@ -29,6 +29,7 @@ from plcopen_sfc.formats.text_patch import Key, Place, WrittenBlock, block_span,
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.il import OPERATORS, is_il
 from plcopen_sfc.languages.networks import shown_body, shown_condition
+from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
@@ -41,7 +42,7 @@ from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import whole_number
 
-SOURCE = "codesys23"
+SOURCE = EXPORTS
 """Source of the bodies that are kept as they are."""
 ENTRY, EXIT = "_entry", "_exit"
 """Endings of the names of actions that a step executes when it is entered and left."""

@@ -1,0 +1,212 @@
+"""Networks in exports of CoDeSys 2.3 (``_LD_BODY``, ``_FBD_BODY``) as structured text.
+
+A network is a list of words, one in a line, in prefix notation: each expression is followed by ``_EXPRESSION`` and by
+its polarity. No export at hand has one. What is read here is what three programs by others write, two for LD and one
+for FBD: contacts in series and in parallel, coils that assign, set and reset, function blocks with operands. A body
+with anything else, such as a jump, is not understood, and kept as it is.
+
+::
+
+    _LD_ASSIGN
+    _LD_AND
+    _LD_OPERATOR : 2
+    _LD_CONTACT
+    Start
+    _EXPRESSION
+    _POSITIV
+    ..
+    ENABLELIST : 0
+    ENABLELIST_END
+    _OUTPUTS : 1
+    _OUTPUT
+    _POSITIV
+    _NO_SET
+    Motor
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, print_node, walk
+from plcopen_sfc.languages.st.nodes import Operator
+from plcopen_sfc.languages.standard_blocks import BlockKind, Tool, standard_block
+from plcopen_sfc.model.dialect import Dialect
+
+EXPORTS = "codesys23"
+"""Source of the bodies that exports of CoDeSys 2.3 have."""
+_Thing = TypeVar("_Thing")
+_COUNT = re.compile(r"(\w+)\s*:\s*(\d+)\s*;?")
+_POLARITY = {"_POSITIV": False, "_NEGATIV": True}
+_SERIES = {"_LD_AND": Operator.AND, "_LD_OR": Operator.OR}
+_OPEN = "???"
+"""Operand of a pin that nothing is connected to."""
+
+
+class _UnknownWordError(Exception):
+    """A word that no known program writes there."""
+
+
+def network_statements(content: str) -> str | None:
+    """Return the statements that do what the networks of a body do; None where they are not understood."""
+    try:
+        return _Networks(content).statements()
+    except _UnknownWordError:
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class _Output:
+    target: n.Expression
+    negated: bool
+    is_set: bool
+
+
+class _Networks:
+    def __init__(self, content: str) -> None:
+        self._words = [line.strip() for line in content.splitlines() if line.strip()]
+        self._place = 0
+        self._done: list[n.Statement] = []
+
+    def statements(self) -> str:
+        """Return the statements of all networks."""
+        body = self._word()
+        if body not in ("_LD_BODY", "_FBD_BODY"):
+            raise _UnknownWordError
+        for _ in range(self._count("_NETWORKS")):
+            self._network(ladder=body == "_LD_BODY")
+        if self._place != len(self._words):
+            raise _UnknownWordError
+        return print_node(n.Statements(tuple(self._done)), Dialect.CODESYS)
+
+    # -- words
+
+    def _word(self) -> str:
+        if self._place >= len(self._words):
+            raise _UnknownWordError
+        self._place += 1
+        return self._words[self._place - 1]
+
+    def _expect(self, *words: str) -> None:
+        for word in words:
+            if self._word() != word:
+                raise _UnknownWordError
+
+    def _count(self, word: str) -> int:
+        found = _COUNT.fullmatch(self._word())
+        if found is None or found[1] != word:
+            raise _UnknownWordError
+        return int(found[2][:4])
+
+    def _several(self, word: str, read: Callable[[], _Thing]) -> list[_Thing]:
+        return [read() for _ in range(self._count(word))]
+
+    def _operand(self) -> n.Expression:
+        parsed = parse_expression(self._word(), Dialect.CODESYS)
+        if parsed.problems:
+            raise _UnknownWordError
+        return parsed.tree
+
+    def _is_negated(self) -> bool:
+        self._expect("_EXPRESSION")
+        return self._polarity()
+
+    def _polarity(self) -> bool:
+        word = self._word()
+        if word not in _POLARITY:
+            raise _UnknownWordError
+        return _POLARITY[word]
+
+    # -- networks
+
+    def _network(self, *, ladder: bool) -> None:
+        self._expect("_NETWORK", "_COMMENT")
+        while self._word() != "_END_COMMENT":
+            pass
+        self._expect("_LD_ASSIGN" if ladder else "_ASSIGN")
+        value = self._rung() if ladder else self._box()
+        value = _negated_if(value, self._is_negated())
+        if ladder:
+            if self._count("ENABLELIST"):
+                raise _UnknownWordError
+            self._expect("ENABLELIST_END")
+        self._assign(value, self._several("_OUTPUTS", self._output))
+
+    def _output(self) -> _Output:
+        self._expect("_OUTPUT")
+        negated, word = self._polarity(), self._word()
+        if word not in ("_SET", "_NO_SET"):
+            raise _UnknownWordError
+        return _Output(self._operand(), negated, word == "_SET")
+
+    def _assign(self, value: n.Expression, outputs: list[_Output]) -> None:
+        read = _names(value)
+        for output in outputs:
+            if output is not outputs[-1] and _names(output.target) & read:
+                raise _UnknownWordError  # all outputs get the same value, and the next would be computed anew
+            if output.is_set:
+                stored = n.Assignment(output.target, n.Literal("FALSE" if output.negated else "TRUE"))
+                self._done.append(n.If((n.Branch(value, (stored,)),)))
+            else:
+                self._done.append(n.Assignment(output.target, _negated_if(value, output.negated)))
+
+    def _rung(self) -> n.Expression:
+        word = self._word()
+        if word == "_EMPTY":  # the rail alone
+            return n.Literal("TRUE")
+        if word == "_LD_CONTACT":
+            operand = self._operand()
+            return _negated_if(operand, self._is_negated())
+        if word not in _SERIES:
+            raise _UnknownWordError
+        parts = self._several("_LD_OPERATOR", self._rung)
+        if not parts:
+            raise _UnknownWordError
+        joined = parts[0]
+        for part in parts[1:]:
+            joined = n.Operation(_SERIES[word], (joined, part))
+        return _negated_if(joined, self._is_negated())
+
+    def _box(self) -> n.Expression:
+        word = self._word()
+        if word == "_OPERAND":
+            negated = self._is_negated()
+            return _negated_if(self._operand(), negated)
+        if word != "_FUNCTIONBLOCK":
+            raise _UnknownWordError
+        instance = self._operand()
+        given = self._several("_BOX_EXPR", self._pin)
+        negated = self._is_negated()
+        block = standard_block(self._word(), Tool.CODESYS)
+        others = self._several("_OUTPUTS", self._output)
+        if block is None or block.kind is not BlockKind.FUNCTION_BLOCK:
+            raise _UnknownWordError
+        inputs, outputs = (
+            [n.Name(block.tool_pin(pin.name, Tool.CODESYS)) for pin in pins] for pins in (block.inputs, block.outputs)
+        )
+        if len(given) > len(inputs) or len(others) >= len(outputs):
+            raise _UnknownWordError
+        pairs = zip(inputs, given, strict=False)
+        arguments = tuple(n.Argument(value, name) for name, value in pairs if value is not None)
+        self._done.append(n.CallStatement(n.Call(instance, arguments)))
+        for name, output in zip(outputs[1:], others, strict=False):
+            self._assign(n.Member(instance, name), [output])
+        return _negated_if(n.Member(instance, outputs[0]), negated)
+
+    def _pin(self) -> n.Expression | None:
+        if self._words[self._place : self._place + 1] == ["_OPERAND"] and self._words[self._place + 3 :][:1] == [_OPEN]:
+            self._place += 4
+            return None
+        return self._box()
+
+
+def _negated_if(value: n.Expression, negated: bool) -> n.Expression:
+    return n.Unary(Operator.NOT, value) if negated else value
+
+
+def _names(tree: n.Node) -> frozenset[str]:
+    return frozenset(node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name))
