@@ -22,12 +22,9 @@ from functools import partial
 from hashlib import blake2b
 from pathlib import Path
 from types import ModuleType
-from typing import Any, get_type_hints
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 from plcopen_sfc import plugins
-from plcopen_sfc.analysis.processes import results
-from plcopen_sfc.comparison.changes import Proof
-from plcopen_sfc.comparison.project_comparison import diff
 from plcopen_sfc.documents.folder_projects import edited_files, files_below
 from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.documents.storage import load_project, refuse_mistakes, save_project
@@ -45,7 +42,11 @@ from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.processes import results
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
+
+if TYPE_CHECKING:
+    from plcopen_sfc.comparison.changes import Proof
 
 _START = 100_000
 """Bytes by which a file is recognised."""
@@ -297,6 +298,8 @@ def known_format(path: Path) -> Format | None:
 
 
 def _applied(script: Script | Edit, settings: Mapping[str, str], prove: bool, path: str) -> AppliedFile:
+    from plcopen_sfc.comparison.project_comparison import diff  # noqa: PLC0415  # brings the interpreter
+
     function, values = _function(script, settings) if isinstance(script, Script) else (script, {})
     name = script.path if isinstance(script, Script) else __file__
     try:

@@ -210,8 +210,8 @@ def for_each(
     the next run leaves it out: what did not fail, and where the mapping names the result, is there and no older than
     its source. `told`: how many files were fine is printed in the end.
     """
-    from plcopen_sfc.analysis.processes import results  # noqa: PLC0415  # brings process pools with it
     from plcopen_sfc.batch import RunJournal  # noqa: PLC0415
+    from plcopen_sfc.processes import results  # noqa: PLC0415  # brings process pools with it
 
     given = [*things.items()] if isinstance(things, Mapping) else [(path,) for path in things]
     if len(given) == 1 and journal is None:

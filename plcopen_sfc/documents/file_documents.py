@@ -39,7 +39,6 @@ from plcopen_sfc.formats.provenance import (
 )
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.edits import Edit, apply_edits
-from plcopen_sfc.languages.translation.renames import NameScope, kept_names
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody
@@ -258,6 +257,8 @@ def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
 
 def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:
     """Return the paths in the source of variables of POUs whose names the dialect of the other side does not take."""
+    from plcopen_sfc.languages.translation.renames import NameScope, kept_names  # noqa: PLC0415  # brings the parser
+
     from_s7, to_s7 = kept_names(copy), kept_names(project)
     found = {}
     for old, new in zip(project.pous, copy.pous, strict=True):

@@ -36,7 +36,6 @@ from plcopen_sfc.documents.folder_documents import (
     without_objects,
 )
 from plcopen_sfc.documents.sources import FileSource, FolderSource, SourceDocument, with_objects
-from plcopen_sfc.documents.writer_preparation import prepared
 from plcopen_sfc.errors import (
     FileAccessError,
     Location,
@@ -469,6 +468,8 @@ def _convert(
     at_rest: Collection[str],
 ) -> tuple[list[PlannedDocument], dict[str, bytes]]:
     """Convert a project of another format: adapt it as a whole, write its documents, read it back as a whole."""
+    from plcopen_sfc.documents.writer_preparation import prepared  # noqa: PLC0415  # loading needs no interpreter
+
     codec = cast("FolderCodec", kind.codec())
     options = WriteOptions(version, at_rest=at_rest)
     copy, _, options, behaviour = prepared(project, kind, options, report)

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching
-from plcopen_sfc.analysis.processes import results
 from plcopen_sfc.analysis.search_limits import SearchProgress
 from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.conversion.adaptation.grafcet_variables import with_declarable_variables
@@ -50,6 +49,7 @@ from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.processes import results
 from plcopen_sfc.report import ConversionReport, Outcome
 
 

@@ -52,6 +52,17 @@ def test_loading_needs_neither_interpreter_nor_analysis():
     assert done.stdout.splitlines() == ["3", "[]"]
 
 
+@pytest.mark.parametrize("command", ["info", "validate"])
+def test_commands_that_look_at_files_need_neither_interpreter_nor_analysis(command):
+    script = (
+        f"import sys; from plcopen_sfc.cli import main; main(['{command}', 'fixtures/codesys/sorting_conveyor.xml']);"
+        "heavy = ('plcopen_sfc.semantics', 'plcopen_sfc.analysis', 'plcopen_sfc.conversion', 'z3');"
+        "print([name for name in heavy if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True, text=True, cwd=ROOT)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
 def test_help_needs_neither_model_nor_parser():
     script = (
         "import sys; from plcopen_sfc.cli import main; main(['convert', '--help']);"
