@@ -150,3 +150,28 @@ def test_a_sequence_without_trouble_keeps_its_form() -> None:
     assert [transition.targets for transition in chart.transitions if len(transition.targets) > 1] == [
         [chart.step("Idle").id, chart.step("Rest").id]
     ]
+
+
+DAMAGED = ("7", "{}", '{"transitions": [[0]], "initial": [1]}', '{"transitions": [[0, {"id": "x"}]], "initial": [1]}')
+
+
+@pytest.mark.parametrize("damage", DAMAGED)
+def test_a_damaged_mark_leaves_the_loops_as_they_are(damage: str) -> None:
+    data = sfc.dumps(built("branches that end"), format="plcopen-2.01").decode("utf-8")
+    start = data.index("instead_of")
+    at = data.index("{", start)
+    changed = data[:at] + damage + data[at + _length(data[at:]) :]
+    found = sfc.loads(changed.encode(), format="plcopen")
+    as_tool = sfc.loads(data.encode(), format="plcopen", as_tool=True).pou("Main").chart
+    assert [step.name for step in found.pou("Main").chart.steps] == [step.name for step in as_tool.steps]
+    assert any("outdated" in each.message for each in found.diagnostics)
+
+
+def _length(text: str) -> int:
+    """The length of the object in braces at the start of a text."""
+    depth = 0
+    for place, each in enumerate(text):
+        depth += {"{": 1, "}": -1}.get(each, 0)
+        if not depth:
+            return place + 1
+    raise AssertionError(text)

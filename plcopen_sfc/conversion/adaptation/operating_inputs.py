@@ -68,6 +68,8 @@ class OperatingModes:
         manual = self.selected is not None
         self.switches_of_steps = [self._found[key] for key in (_ON, _OFF) if manual and key in self._found]
         """The inputs with which people can switch steps."""
+        self.manual = self._found.get(_MANUAL, _MANUAL)
+        """The input that switches to the mode in which they can."""
         self.changes_conditions = bool(self._modes)
         """True if transitions fire otherwise in some mode."""
         if self._modes:

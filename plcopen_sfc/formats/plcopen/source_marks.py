@@ -122,14 +122,42 @@ def replaced_sequences(source: SfcNetwork, written: SfcNetwork) -> dict[str, Any
     return {"transitions": missing, "initial": [step.id for step in source.steps if step.initial]}
 
 
-def _put_sequences(chart: SfcNetwork, found: object) -> None:
+def _read_sequences(mark: Mapping[str, Any]) -> tuple[list[tuple[int, Transition]], set[int]]:
+    """Return the transitions of the source in a mark, with their places, and the ids of the initial steps.
+
+    Raises `ValueError` for a mark that is damaged.
+    """
+    found = mark["instead_of"]
+    if not isinstance(found, dict) or not isinstance(found.get("transitions"), list):
+        raise ValueError("the transitions of the source are damaged")
+    transitions: list[tuple[int, Transition]] = []
+    for each in found["transitions"]:
+        if not isinstance(each, list) or len(each) != 2 or not isinstance(each[0], int):
+            raise ValueError("a transition of the source is damaged")
+        transitions.append((each[0], Transition.model_validate(each[1])))
+    initial = found.get("initial")
+    if not isinstance(initial, list) or not all(isinstance(number, int) for number in initial):
+        raise ValueError("the initial steps of the source are damaged")
+    return transitions, set(initial)
+
+
+def _has_sequences(mark: Mapping[str, Any]) -> bool:
+    """True if what a mark keeps of the sequences of the source can be read, or it keeps none."""
+    try:
+        return "instead_of" not in mark or bool(_read_sequences(mark))
+    except ValueError:  # that of pydantic is one
+        return False
+
+
+def _put_sequences(chart: SfcNetwork, mark: Mapping[str, Any]) -> None:
     """Put the transitions and initial steps of the source back, in whose place others were written."""
-    if not isinstance(found, dict):
+    if "instead_of" not in mark:
         return
-    for at, fields in found["transitions"]:
-        chart.transitions.insert(at, Transition.model_validate(fields))
+    transitions, initial = _read_sequences(mark)
+    for at, transition in transitions:
+        chart.transitions.insert(at, transition)
     for step in chart.steps:
-        step.initial = step.id in found["initial"]
+        step.initial = step.id in initial
 
 
 def added_part(body: StBody | IlBody) -> dict[str, Any]:
@@ -187,10 +215,12 @@ def restore_chart(
     added = {number for number, mark in marks.items() if mark.get("added") and number not in outdated}
     _take_out(chart, added)
     for number in sorted(added):
-        _put_sequences(chart, marks[number].get("instead_of"))
+        _put_sequences(chart, marks[number])
     if added and chart.graph_settings is None:
         chart.graph_settings = GraphSettings()  # by which a writer adds them again
     if any(marks[number].get("added") for number in outdated):
+        if chart.graph_settings not in (None, GraphSettings()):
+            warn("the settings of the sequencer of S7-GRAPH")
         chart.graph_settings = None  # what stands for its operating inputs counts now
     for step in chart.steps:
         mark = marks.get(step.id)
@@ -230,6 +260,7 @@ def _outdated(chart: SfcNetwork, marks: Mapping[int, dict[str, Any]], edited: Co
             and (
                 not isinstance(marks[number].get("source"), dict)
                 or marks[number].get("digest") != digest
+                or not _has_sequences(marks[number])
                 or not names.isdisjoint(_uses(marks[number]))
             )
         }
