@@ -72,6 +72,7 @@ from plcopen_sfc.model.types import (
     Variable,
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -303,12 +304,17 @@ class _Reader:
         if name.upper() in self.at_rest:
             return RESTING_INPUT
         if is_used is None:
-            is_used = not unused_inputs(self.names, pou, [name])
+            is_used = not unused_inputs(self.names, pou, [name], self._named_inputs)
         return OPERATING_INPUT if is_used else UNUSED_INPUT
 
     def flags_at_rest(self, pou: Pou, flags: Iterable[SfcFlag]) -> set[SfcFlag]:
         """Those flags of the charts of a POU that nothing uses."""
-        return flags_at_rest(self.names, pou, flags, self._named_flags)
+        return flags_at_rest(self.project, pou, flags, self._named_flags)
+
+    @cached_property
+    def _named_inputs(self) -> frozenset[str]:
+        """The inputs of sequencers that the project names, in lower case; looked for once, as it takes long."""
+        return frozenset(each.reference.name.casefold() for each in self.names.occurrences(*ALL_INPUTS))
 
     @cached_property
     def _named_flags(self) -> frozenset[str]:

@@ -10,7 +10,7 @@ For the result of a function S7 has a variable ``Ret_Val``, other tools the name
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -206,21 +206,24 @@ def s7_programs(project: Project) -> S7Programs:
     return found
 
 
-def unused_inputs(names: Names, block: Pou, inputs: Iterable[str]) -> set[str]:
-    """Return those `inputs` of a block that nothing in a project reads or writes, although it has an instance."""
-    if not has_instance(names.project, block):
+def unused_inputs(names: Names, block: Pou, inputs: Iterable[str], named: Collection[str] | None = None) -> set[str]:
+    """Return those `inputs` of a block that nothing in a project reads or writes, although it has an instance.
+
+    `named`: the names, in lower case, that the project uses; looked for where they are not known.
+    """
+    if block.name.casefold() not in instance_types(names.project):
         return set()
     found = list(inputs)
-    used = {occurrence.reference.name.casefold() for occurrence in names.occurrences(*found)}
+    used = {each.reference.name.casefold() for each in names.occurrences(*found)} if named is None else named
     return {name for name in found if name.casefold() not in used}
 
 
-def has_instance(project: Project, block: Pou) -> bool:
-    """True if a project has an instance of a block, as a variable or a data block."""
+def instance_types(project: Project) -> frozenset[str]:
+    """Return the names, in lower case, of all types of which a project has a variable or an instance data block."""
     types = [data_block.type_name or "" for data_block in project.data_blocks]
     declared = (variable.type for pou in project.pous for variable in pou.variables())
     types += [kind.name for kind in declared if isinstance(kind, DerivedType)]
-    return block.name.casefold() in {name.strip('"').casefold() for name in types}
+    return frozenset(name.strip('"').casefold() for name in types)
 
 
 def names_of_programs(project: Project) -> dict[str, str]:

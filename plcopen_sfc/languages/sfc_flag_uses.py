@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 
 from plcopen_sfc.languages.binding import Names
-from plcopen_sfc.languages.s7_programs import has_instance
+from plcopen_sfc.languages.s7_programs import instance_types
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import SimpleValue
 
@@ -24,16 +25,17 @@ def named_flags(names: Names) -> frozenset[str]:
     return frozenset(each.reference.name.casefold() for each in names.occurrences(*words))
 
 
-def flags_at_rest(names: Names, pou: Pou, flags: Iterable[SfcFlag], named: Collection[str]) -> set[SfcFlag]:
+def flags_at_rest(project: Project, pou: Pou, flags: Iterable[SfcFlag], named: Collection[str]) -> set[SfcFlag]:
     """Return those `flags` of the charts of `pou` that nothing in the project uses.
 
-    `named` are the `named_flags` of the project. What operates a chart is at rest only where the project has an
+    `named` are the names of the `named_flags`. What operates a chart is at rest only where the project has an
     instance of the block, and where it does not start with TRUE: people may operate a program, as may other projects.
     """
     declared = {variable.name.casefold(): variable for variable in pou.variables()}
-    is_closed = has_instance(names.project, pou)
+    unnamed = [flag for flag in flags if flag.variable.casefold() not in named]
+    is_closed = bool(unnamed) and pou.name.casefold() in instance_types(project)
     found: set[SfcFlag] = set()
-    for flag in (flag for flag in flags if flag.variable.casefold() not in named):
+    for flag in unnamed:
         variable = declared.get(flag.variable.casefold())
         start = variable.initial if variable is not None else None
         starts_on = isinstance(start, SimpleValue) and (start.text or "").strip().upper() in _TRUE

@@ -676,8 +676,8 @@ _TRANSLATED = {
     "onDeactivation is the event {}": "bei Deaktivierung ist das Ereignis {}",
     "steps are loops with `<Step>_rests`; where nobody operates {}, --at-rest {} keeps their sequences, as does {} "
     "where nobody switches to the manual mode": (
-        "Schritte sind Schleifen mit `<Step>_rests`; wo niemand {} bedient, erhält --at-rest {} ihre Ketten, ebenso {}, "
-        "wo niemand in den Handbetrieb schaltet"
+        "Schritte sind Schleifen mit `<Step>_rests`; wo niemand {} bedient, erhält --at-rest {} ihre Ketten, ebenso {}"
+        ", wo niemand in den Handbetrieb schaltet"
     ),
     "steps are loops with `<Step>_rests`; where nobody operates {}, --at-rest {} keeps their sequences": (
         "Schritte sind Schleifen mit `<Step>_rests`; wo niemand {} bedient, erhält --at-rest {} ihre Ketten"

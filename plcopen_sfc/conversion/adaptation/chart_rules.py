@@ -112,14 +112,13 @@ def rewrite_charts(
     marks: SourceMarks,
 ) -> None:
     """Change the charts of `copy` into what `host` executes, and add to `marks` what to keep of `project` where."""
-    names = Names(project)
-    named = named_flags(names) if options.of_codesys and not host.is_codesys else frozenset[str]()
+    named = named_flags(Names(project)) if options.of_codesys and not host.is_codesys else frozenset[str]()
     for chart, source in zip(list(copy.charts()), list(project.charts()), strict=True):
         if needs_rewriting(chart, host, options) or chart.chart != source.chart:
             rewriting = ChartRewriting(chart, source.chart, host, options, report, marks, taken_names(copy, chart))
             if options.of_codesys and not host.is_codesys:
                 used = _flags_in_use(source)
-                rewriting.flags = used - flags_at_rest(names, source.pou, used, named)
+                rewriting.flags = used - flags_at_rest(project, source.pou, used, named)
             _ChartRewriter(rewriting).rewrite()
 
 

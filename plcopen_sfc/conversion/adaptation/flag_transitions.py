@@ -60,11 +60,10 @@ def execute_flags(
     project: Project, source: Project, options: WriteOptions, report: ConversionReport, marks: SourceMarks
 ) -> None:
     """Change the charts of `project`, a copy of `source` in SCL, so that conditions obey their flags."""
-    names = Names(source)
-    named = named_flags(names)
+    named = named_flags(Names(source))
     for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
         flags = frozenset(flag for flag in _flags_of(chart) if flag.variable.upper() not in options.at_rest)
-        resting = flags_at_rest(names, before.pou, flags, named)
+        resting = flags_at_rest(source, before.pou, flags, named)
         rewriter = _FlagRewriter(chart, report, taken_names(project, chart), resting)
         if not rewriter.rewrite(flags - WATCHING_FLAGS):
             continue
