@@ -13,6 +13,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -228,6 +229,10 @@ def test_links_lead_somewhere(page: Path) -> None:
             path = page.parent / target if target else page
             assert path.exists(), target
             assert not anchor or path.suffix != ".md" or anchor[1:] in anchors(path), target + anchor
+        elif not target.startswith("mailto:"):
+            place = urlsplit(target)  # no test asks the network
+            assert place.scheme == "https", target
+            assert re.fullmatch(r"[a-z0-9-]+(\.[a-z0-9-]+)+", place.netloc), target
 
 
 def test_every_page_is_in_the_navigation() -> None:

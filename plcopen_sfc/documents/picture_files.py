@@ -21,6 +21,8 @@ PICTURE_FORMATS = {"svg": ".svg", "png": ".png", "pdf": ".pdf", "mermaid": ".mmd
 _DEFAULT = "svg"
 _SHOWN = 20
 _SIZE = re.compile(r' width="(\d+)" height="(\d+)"')
+_OVERLINED = re.compile(r"(?:(?:[^<>&;]|&#\d+;)&#773;)+(?=[^<>]*</)")
+"""Negated names of a GRAFCET in the text of a picture: cairo takes no other font for a sign that Arial may not have."""
 _PNG_PIXELS = 32_000
 """The images of cairo have at most 32 767 rows and columns."""
 _PNG_SCALE = 2.0
@@ -109,6 +111,7 @@ def _pictures(named: NamedBody, kind: str, style: str | None, theme: str, paper:
         missing = "CairoSVG" if isinstance(error, ImportError) else "the library cairo, which CairoSVG uses,"
         hint = "pip install plcopen-sfc[pictures]; on Windows cairo comes with GTK. SVG needs neither."
         raise SfcError(f"{missing} is missing: {kind.upper()} cannot be written", hint=hint) from None
+    parts = [_OVERLINED.sub(r'<tspan font-family="DejaVu Sans">\g<0></tspan>', each) for each in parts]
     if kind == "pdf":
         return [_pdf(cairo_svg, parts)]
     made = (

@@ -36,7 +36,7 @@ _CLASSES = {
 def verdict_of(report: ConversionReport, path: str) -> ChartVerdict:
     """Return the verdict on the chart at a path, from the words of the report."""
     found = report.compared.get(path)
-    if found is None or found.startswith("not run"):
+    if found is None or found.startswith(("not run", "not compared")):
         return ChartVerdict.NOT_RUN
     if path in report.untested:
         return ChartVerdict.UNTESTED

@@ -435,7 +435,7 @@ class _ProjectContent:
         paths = self.index.uses(anchor)
         if not paths:
             return Html("")
-        shown = [element("li", link(self.index.anchor_at(path), path)) for path in paths[:_MOST_USES]]
+        shown = [element("li", link(self.index.anchor_at(path), self.words.place(path))) for path in paths[:_MOST_USES]]
         if len(paths) > _MOST_USES:
             shown.append(element("li", self.words("and {} more", len(paths) - _MOST_USES)))
         summary = element("summary", f"{self.words('Used in')} {len(paths)}")
@@ -452,7 +452,7 @@ class _ProjectContent:
         parts: list[str] = [element("b", f"{self.words(finding.severity.value)} {finding.code}"), " "]
         parts += [rule, element("div", finding.message)] if rule else [finding.message]
         if linked and place.path:
-            parts += [" ", link(self.index.anchor_at(place.path), place.path)]
+            parts += [" ", link(self.index.anchor_at(place.path), self.words.place(place.path))]
         if place.line:
             parts += [" ", element("small", self.words("line {}", place.line))]
         if finding.hint:

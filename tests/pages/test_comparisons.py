@@ -96,17 +96,18 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     report.compared = {
         "POU Ablauf_Band": "equal, first 1 scan later (proof: 8 states)",
         "POU Other": "different after 3",
+        "POU Third": "not compared: the report names what is not executed",
     }
     tree = parse(sfc.conversion_page(source, report, sfc.loads(data, as_tool=True)))
     (overview,) = tree.xpath("//section[@id='project']")
     verdicts, _, files = overview.findall("table")
     rows = {row[0].text: row[1].text for row in verdicts.findall(".//tbody/tr")}
-    assert rows == {"POU Ablauf_Band": "the same, a scan later", "POU Other": "differs"}
+    assert rows == {"POU Ablauf_Band": "the same, a scan later", "POU Other": "differs", "POU Third": "not compared"}
     assert hashlib.sha256(source.source.content).hexdigest() in words_of(files)
     tasks = words_of(overview.xpath("ul[@class='tasks']")[0])
     assert "Decide who operates these inputs (--at-rest)POU Ablauf_Band / SFC" in tasks
     assert "Import into TIA Portal" in tasks
-    assert "Test the charts that were not seen to be the samePOU Other" in tasks
+    assert "Test the charts that were not seen to be the samePOU Other, POU Third" in tasks
     lost = report.with_outcome(sfc.Outcome.NOT_EXECUTED)
     (listed,) = tree.xpath("//section[@id='not_executed']")
     assert len(listed.findall(".//li")) == len(lost) > 1

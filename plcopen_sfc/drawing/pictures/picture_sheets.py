@@ -14,7 +14,7 @@ PAPERS = {"A4": (794, 1123), "A3": (1123, 1587), "letter": (816, 1056)}
 _AREA = re.compile(r'data-area="(-?\d+) (-?\d+) (\d+) (\d+)"')
 _HEAD = re.compile(r' width="(\d+)" height="(\d+)" viewBox="0 0 \d+ \d+"')
 _LEAST = 0.5
-"""The part of a sheet that is filled at least: an element that is in the way of every later cut is divided."""
+"""The part of a sheet that is filled at least: elements that are in the way of every later cut are divided."""
 
 
 def sheets(svg: str, paper: str) -> list[str]:
@@ -42,16 +42,20 @@ def sheets(svg: str, paper: str) -> list[str]:
 
 
 def _pieces(length: int, room: int, spans: Sequence[tuple[int, int]]) -> Iterator[tuple[int, int]]:
-    """Yield the parts of a length that fit into `room`, divided where no span is if there is such a place."""
+    """Yield the parts of a length that fit into `room`, divided where the least of spans is cut off, but late."""
     start = 0
     while length - start > room:
-        cut = end = start + room
-        while any(low < cut < high for low, high in spans) and cut - start > room * _LEAST:
-            cut = max(low for low, high in spans if low < cut < high)
-        cut = cut if cut - start > room * _LEAST else end
+        end, least = start + room, start + int(room * _LEAST)
+        places = {end, *(edge for span in spans for edge in span if least < edge < end)}
+        cut = min(places, key=lambda place: (_cut_off(place, spans), -place))
         yield start, cut
         start = cut
     yield start, length
+
+
+def _cut_off(place: int, spans: Sequence[tuple[int, int]]) -> int:
+    """Return how much of spans a cut at a place separates: of each the smaller part."""
+    return sum(min(place - low, high - place) for low, high in spans if low < place < high)
 
 
 def _sheet(svg: str, head: re.Match[str], place: tuple[int, int], size: tuple[int, int]) -> str:

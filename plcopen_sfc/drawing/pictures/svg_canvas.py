@@ -268,13 +268,17 @@ class Canvas:
         self._marks, self._names = marks, names
         self._linked: Mapping[str, str] = {}
         self._wires: list[str] = []
+        self._paths: set[str] = set()
         self._elements: list[str] = []
 
     def wire(self, *points: tuple[int, int], kind: str = "wire") -> None:
         """Draw a wire in right angles, or straight; a line of another `kind` too."""
         (x, y), *others = points
         path = f"M{x} {y}" + "".join(f"L{x} {y}" for x, y in others)
-        self._wires.append(f'<path class="{kind}" d="{path}"/>')
+        drawn = f'<path class="{kind}" d="{path}"/>'
+        if drawn not in self._paths:  # drawn twice it would look thicker
+            self._paths.add(drawn)
+            self._wires.append(drawn)
 
     @contextmanager
     def element(self, kind: str, identifier: str, title: str, area: tuple[int, int, int, int]) -> Iterator[None]:
