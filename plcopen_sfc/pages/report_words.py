@@ -251,53 +251,26 @@ _NOT_EXECUTED = {
     "`{}` is of the type {}, and an action is a Boolean variable in {+}": (
         "`{}` ist vom Typ {}, und eine Aktion ist in {} eine boolesche Variable"
     ),
-    "S7-GRAPH has no {}: the chart neither obeys it nor sets it": (
-        "S7-GRAPH hat kein {}: die Ablaufkette gehorcht ihm nicht und setzt es nicht"
+    "S7-GRAPH has no {}: {+}": "S7-GRAPH hat kein {}: {}",
+    "the chart neither obeys it nor sets it": "die Ablaufkette gehorcht ihm nicht und setzt es nicht",
+    "a sequence goes on whenever its block is called": "eine Kette läuft weiter, sooft ihr Baustein aufgerufen wird",
+    "it has {}, which the caller of the block operates, not the block": (
+        "es hat {}, das der Aufrufer des Bausteins bedient, nicht der Baustein"
     ),
-    "S7-GRAPH has no {}: nothing forgets an error there and lets the times of steps begin again": (
-        "S7-GRAPH hat kein {}: nichts vergisst dort einen Fehler und lässt die Zeiten der Schritte neu beginnen"
+    "it has {}, which the caller of the block operates": "es hat {}, das der Aufrufer des Bausteins bedient",
+    "it has S_NO, the number of the step": "es hat S_NO, die Nummer des Schritts",
+    "nothing forgets an error there and lets the times of steps begin again": (
+        "nichts vergisst dort einen Fehler und lässt die Zeiten der Schritte neu beginnen"
     ),
-    "S7-GRAPH has no {}: several of its steps may be active at a time, which no transition leaves together": (
-        "S7-GRAPH hat kein {}: mehrere Schritte können zugleich aktiv sein, die keine Transition zusammen verlässt"
+    "several of its steps may be active at a time, which no transition leaves together": (
+        "mehrere seiner Schritte können zugleich aktiv sein, die keine Transition gemeinsam verlässt"
     ),
-    "S7-GRAPH has no {}: actions that it ends, stored or delayed ones, go on there": (
-        "S7-GRAPH hat kein {}: Aktionen, die es beendet, gespeicherte oder verzögerte, gehen dort weiter"
+    "actions that it ends, stored or delayed ones, go on there": (
+        "Aktionen, die es beendet, gespeicherte oder verzögerte, laufen dort weiter"
     ),
-    "S7-GRAPH has no {}: the actions of the step {} go on there": (
-        "S7-GRAPH hat kein {}: die Aktionen des Schritts {} gehen dort weiter"
-    ),
-    "S7-GRAPH has no {}: a condition that would obey it is no expression": (
-        "S7-GRAPH hat kein {}: eine Bedingung, die ihm gehorchen müsste, ist kein Ausdruck"
-    ),
-    "S7-GRAPH has no {}: it is no variable of the block": "S7-GRAPH hat kein {}: es ist keine Variable des Bausteins",
-    "S7-GRAPH has no {}: it has T_PUSH, which the caller of the block operates": (
-        "S7-GRAPH hat kein {}: es hat T_PUSH, das der Aufrufer des Bausteins bedient"
-    ),
-    "S7-GRAPH has no {}: it has SW_TAP, which the caller of the block operates": (
-        "S7-GRAPH hat kein {}: es hat SW_TAP, das der Aufrufer des Bausteins bedient"
-    ),
-    "the conditions of transitions obey it": "die Weiterschaltbedingungen gehorchen ihm",
-    "it is active instead of the initial step, and does nothing": (
-        "er ist anstelle des Initialschritts aktiv und tut nichts"
-    ),
-    "it is not TRUE while an SFC flag holds the chart": "sie ist nicht TRUE, solange ein SFC-Flag die Ablaufkette hält",
-    "it stands for an SFC flag, and is tried before the others": (
-        "sie steht für ein SFC-Flag und wird vor den anderen geprüft"
-    ),
-    "the transition of the flags to the initial step is another one": (
-        "die Transition der Flags zum Initialschritt ist eine andere"
-    ),
-    "what it executes when it is left is executed when {} ends it too, in CODESYS it is not": (
-        "was er ausführt, wenn er verlassen wird, wird auch ausgeführt, wenn {} ihn beendet, in CODESYS nicht"
-    ),
-    "{} does not begin it again where it is active already": "{} beginnt ihn nicht neu, wo er schon aktiv ist",
-    "its time does not begin again while {} is TRUE": "seine Zeit beginnt nicht neu, solange {} TRUE ist",
-    "its flag is FALSE while {} is TRUE, in CODESYS it is TRUE": (
-        "sein Schrittmerker ist FALSE, solange {} TRUE ist, in CODESYS ist er TRUE"
-    ),
-    "S7-GRAPH has no {}: it has S_NO, the number of the step": (
-        "S7-GRAPH hat kein {}: es hat S_NO, die Nummer des Schritts"
-    ),
+    "it is no variable of the block": "es ist keine Variable des Bausteins",
+    "a condition that would obey it is no expression": "eine Bedingung, die ihm gehorchen müsste, ist kein Ausdruck",
+    "the actions of the step {} go on there": "die Aktionen des Schritts {} laufen dort weiter",
     "S7-GRAPH has no macro-steps: the chart in it is not executed": (
         "S7-GRAPH hat keine Makroschritte: die Ablaufkette darin wird nicht ausgeführt"
     ),
@@ -562,6 +535,9 @@ _TRANSLATED = {
     "{} is expressed with the event {}": "{} ist mit dem Ereignis {} ausgedrückt",
     "on activation is {}: it stays so till it is reset": "bei Aktivierung ist {}: so bleibt es bis zum Rücksetzen",
     "it got a name, as S7-GRAPH requires": "sie hat einen Namen bekommen, wie S7-GRAPH ihn verlangt",
+    "an IEC step, for which the library {} has to be in the project: {+}": (
+        "ein IEC-Schritt, für den die Bibliothek {} im Projekt sein muss: {}"
+    ),
     "in a form that no known export shows; see it after the import": (
         "in einer Form, die kein bekannter Export zeigt; nach dem Import ansehen"
     ),
@@ -595,6 +571,17 @@ _TRANSLATED = {
     "transitions that are tried before all others": "Transitionen, die vor allen anderen geprüft werden",
     "transitions that are tried before those of the charts that it rules": (
         "Transitionen, die vor denen der gesteuerten Teilpläne geprüft werden"
+    ),
+    "the conditions of transitions obey it": "die Bedingungen der Transitionen gehorchen ihm",
+    "the transition of the flags to the initial step is another one": (
+        "die Transition der Merker zum Initialschritt ist eine andere"
+    ),
+    "it is not TRUE while an SFC flag holds the chart": "sie ist nicht TRUE, während ein SFC-Merker die Kette anhält",
+    "it is active instead of the initial step, and does nothing": (
+        "er ist statt des Initialschritts aktiv und tut nichts"
+    ),
+    "it stands for an SFC flag, and is tried before the others": (
+        "sie steht für einen SFC-Merker und wird vor den anderen geprüft"
     ),
     "a data block": "ein Datenbaustein",
     "tags and constants": "Variablen und Konstanten",
