@@ -97,15 +97,18 @@ class _Flattener:
                 return operator is Operator.NOT
             case n.Name(name):
                 return name.casefold() in self._flags
-            case n.Member(_, n.Name(name)):
-                return name.upper() in ("Q", "Q1")
-        return False
+            case n.Member(_, n.Name(name)) if name.upper() in ("Q", "Q1"):
+                return True
+        # an output or function of another block has the type of the variable that gets it
+        target = statement.target
+        is_bit = isinstance(target, n.Name) and target.identifier.casefold() in self._flags
+        return is_bit and not is_constant(value, TRUE) and not is_constant(value, FALSE)
 
     def _switched(self, statement: n.Assignment, guard: Expression) -> Iterator[Statement]:
         """Yield a set while it is TRUE and a reset while it is FALSE: TIA Portal has no box that moves a BOOL."""
         value = statement.value
-        # the set would change what the reset reads
-        if not _names(value).isdisjoint(_names(statement.target)):
+        # the set would change what the reset reads; a call is executed once
+        if not _names(value).isdisjoint(_names(statement.target)) or is_impure(value):
             value = self._declare()
             yield assignment(value, statement.value)
         yield when(conjunction([guard, value]), assignment(statement.target, TRUE))
