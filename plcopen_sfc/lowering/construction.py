@@ -13,7 +13,7 @@ from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.actions.drive_block import drive_block
 from plcopen_sfc.lowering.code.code_bodies import assemble
 from plcopen_sfc.lowering.code.code_memory import BitMemory, BlockMemory, Memory, OperandMemory
-from plcopen_sfc.lowering.code.flat_statements import flatten
+from plcopen_sfc.lowering.code.flat_statements import flatten, name_inputs
 from plcopen_sfc.lowering.code.lowered_code import LOCAL, FlagPlaces, LoweredCode, Naming, names_of
 from plcopen_sfc.lowering.code.single_use import inline_single_uses
 from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEncoding, no_regions, one_step_at_a_time
@@ -263,6 +263,8 @@ def construct(
             add_grafcet(maker)
         else:
             _fill(maker, chosen, style)
+    if code.drawn and code.tool is Tool.S7:
+        name_inputs(code, project)
     # most of a sequencer would be the text of boxes in CODESYS
     if code.needs_flat_statements or (code.drawn and isinstance(source, GraphSource)):
         flatten(code, pou.variables())

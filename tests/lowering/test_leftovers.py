@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.languages.networks import body_statements
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.dialect import Dialect
 from tests.lowering.charts import act, pou_with
 
@@ -221,3 +226,43 @@ def test_a_call_without_inputs_in_instruction_list_is_a_box_with_en(format: str)
     calls = [box for box in boxes if box.type_name == "Pump"]
     assert calls
     assert all("EN" in [pin.name for pin in box.parameters.inputs] for box in calls)
+
+
+CALLS = """{function}PROGRAM Main
+VAR_INPUT a : BOOL; b : BOOL; raw : INT; END_VAR
+VAR_OUTPUT lamp : BOOL; END_VAR
+VAR bl : BLINK; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: Work(N); END_STEP
+TRANSITION FROM S1 TO S2 := {condition}; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+ACTION Work: {work} END_ACTION
+END_PROGRAM"""
+TWICE = "FUNCTION Twice : INT\nVAR_INPUT x : INT; END_VAR\nTwice := x * 2;\nEND_FUNCTION\n"
+
+
+def calling(path: Path, function: str = "", condition: str = "a", work: str = "lamp := a;") -> str:
+    """The code of such a chart in FBD as it is in a file of TIA Portal, as structured text."""
+    text = CALLS.format(function=function, condition=condition, work=work)
+    made = sfc.lower(sfc.loads(text.encode(), format="iec-text"), "flipflop", target="simaticml", verify=False)
+    sfc.save(made, path, format="simaticml")
+    back = sfc.load(path)
+    body = next(pou for pou in back.pous if pou.name == "Main").body
+    assert isinstance(body, m.FbdBody)
+    return print_node(body_statements(body, m.Dialect.SCL).tree, m.Dialect.SCL)
+
+
+def test_functions_of_the_project_are_boxes_with_named_inputs_in_tia_portal(tmp_path: Path) -> None:
+    text = calling(tmp_path / "Main.xml", TWICE, "a AND Twice(raw) > 10")
+    assert "Twice(x := #raw) > 10" in text
+
+
+def test_a_function_that_nothing_declares_has_no_box_in_tia_portal(tmp_path: Path) -> None:
+    with pytest.raises(LoweringError, match="the inputs of Twice have no names"):
+        calling(tmp_path / "Main.xml", condition="a AND Twice(raw) > 10")
+
+
+def test_a_boolean_output_of_an_unknown_block_is_set_and_reset_in_tia_portal(tmp_path: Path) -> None:
+    text = calling(tmp_path / "Main.xml", work="bl(ENABLE := a); lamp := bl.OUT;")
+    assert "IF #Work_A AND #bl.OUT THEN\n    #lamp := TRUE;\nEND_IF;" in text
+    assert "IF #Work_A AND NOT #bl.OUT THEN\n    #lamp := FALSE;\nEND_IF;" in text

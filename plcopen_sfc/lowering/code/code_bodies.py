@@ -124,6 +124,8 @@ def _drawn(
                 location=place,
                 hint="Structured text can hold it, and so can the networks of CODESYS." if text else "",
             )
+        if code.tool is Tool.S7:
+            _refuse_unnamed_inputs(drawn.body.networks, place)
         free = max((node.id + 1 for sheet in drawn.body.networks for node in sheet.nodes), default=free)
         for sheet in drawn.body.networks:
             if code.tool is Tool.S7:  # where ladders end with their coils
@@ -134,6 +136,18 @@ def _drawn(
     if code.one_sheet:
         return [on_one_sheet(found, code.tool)]
     return found
+
+
+def _refuse_unnamed_inputs(networks: Sequence[LogicNetwork], place: Location) -> None:
+    """Refuse boxes of functions that nothing declares: S7 wants the names of their inputs."""
+    boxes = (node for network in networks for node in network.nodes if isinstance(node, Block))
+    for box in boxes:
+        if not all(pin.name for pin in box.parameters.inputs):
+            raise LoweringError(
+                f"this cannot be drawn for TIA Portal: the inputs of {box.type_name} have no names",
+                location=place,
+                hint=f"Add the function {box.type_name} to the project, or take structured text.",
+            )
 
 
 def assemble(original: Pou, code: LoweredCode, dialect: Dialect, language: Language) -> Pou:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.effects import is_impure, targets
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import (
@@ -20,7 +21,10 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode
+from plcopen_sfc.model.pou import PouKind
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.variables import SectionKind
 
 _BOOLEAN = frozenset(
     {
@@ -49,6 +53,25 @@ def flatten(code: LoweredCode, declared: Iterable[Variable] = ()) -> None:
         if isinstance(network, CodeNetwork):
             flat = _Flattener(lambda: code.declare(code.texts.condition), flags).statements(network.statements, TRUE)
             code.networks[place] = CodeNetwork(network.title, tuple(flat), network.comment)
+
+
+def name_inputs(code: LoweredCode, project: Project) -> None:
+    """Call functions of the project with the names of their inputs, as boxes of S7 have them."""
+    functions = {pou.name.casefold(): pou for pou in project.pous if pou.kind is PouKind.FUNCTION}
+
+    def named(node: n.Node) -> n.Node:
+        match node:
+            case n.Call(n.Name(name), arguments) if name.casefold() in functions:
+                inputs = functions[name.casefold()].variables(SectionKind.INPUT)
+                if len(arguments) <= len(inputs) and not any(each.name or each.output for each in arguments):
+                    pairs = zip(arguments, inputs, strict=False)
+                    return n.Call(node.callee, tuple(n.Argument(a.value, n.Name(v.name)) for a, v in pairs))
+        return node
+
+    for place, network in enumerate(code.networks):
+        if isinstance(network, CodeNetwork):
+            statements = tuple(transform(each, named) for each in network.statements)
+            code.networks[place] = replace(network, statements=statements)
 
 
 class _Flattener:
