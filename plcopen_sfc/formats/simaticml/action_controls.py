@@ -38,7 +38,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, print_n
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, LdBody, StBody
+from plcopen_sfc.model.body import Body, LdBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
@@ -235,15 +235,28 @@ class _Planner:
                 f"{ended} := {active};",
             ]
             return draft, self._drawn(draft)
-        function = self._functions.function(self._pou, label, code)
-        if isinstance(function, str):
-            raise _ImpossibleError
+        block, instance = self._executed(row, label, code)
         active, ended = self._bit(draft, "active"), self._bit(draft, "ended")
         draft.lines.append(f"{active} := {lasting or 'FALSE'};")
         networks = self._drawn(draft)
-        networks.append(ControlNetwork(label, self._call(draft, _or(filter(None, (active, ended, pulses))), function)))
+        networks.append(
+            ControlNetwork(label, self._call(draft, _or(filter(None, (active, ended, pulses))), block, instance))
+        )
         draft.lines = [f"{ended} := {active};"]
         return draft, [*networks, *self._drawn(draft)]
+
+    def _executed(self, row: ActionAssociation, label: str, code: Body) -> tuple[Pou, str | None]:
+        """Return the block that executes an action, and the instance of one with a chart."""
+        if not isinstance(code, SfcBody):
+            function = self._functions.function(self._pou, label, code)
+            if isinstance(function, str):
+                raise _ImpossibleError
+            return function, None
+        action = self._pou.find_action((row.target or "").removeprefix("#").strip('"'))
+        chart = self._functions.chart(self._pou, action) if action is not None else ""
+        if isinstance(chart, str):
+            raise _ImpossibleError
+        return chart.block, f"#{chart.instance.name}"
 
     def _is_named_elsewhere(self, label: str) -> bool:
         """True if a text of the block may write the variable too."""
@@ -363,8 +376,8 @@ class _Planner:
             raise _ImpossibleError
         return [ControlNetwork(draft.label, self._typed(draft, network)) for network in drawn.body.networks]
 
-    def _call(self, draft: _Draft, condition: str, function: Pou) -> LdBody:
-        """A network that calls a function while a condition is TRUE."""
+    def _call(self, draft: _Draft, condition: str, called: Pou, instance: str | None) -> LdBody:
+        """A network that calls a function or an instance while a condition is TRUE."""
         tree = parse_expression(condition, Dialect.SCL).tree
         if tree is None:
             raise _ImpossibleError
@@ -372,13 +385,14 @@ class _Planner:
         if drawn.problems or drawn.negated:
             raise _ImpossibleError
         pins = [BlockVariable(name="EN", input=InputPin(connections=list(drawn.outputs)))]
-        names = [variable.name for variable in function.variables()]
+        names = [variable.name for variable in called.variables()]
         pins += [BlockVariable(name=name, input=InputPin(expression=f"#{name}")) for name in names]
         outputs = [BlockVariable(name="ENO", output=OutputPin())]
         parameters = BlockParameters(inputs=pins, outputs=outputs)
         number = max(node.id for node in drawn.network.nodes) + 1
-        block = Block(id=number, type_name=function.name, call=BlockCall.FUNCTION, parameters=parameters)
-        mark_call(block, function)
+        kind = BlockCall.FUNCTION if instance is None else BlockCall.FUNCTION_BLOCK
+        block = Block(id=number, type_name=called.name, instance=instance, call=kind, parameters=parameters)
+        mark_call(block, called)
         return self._typed(draft, LogicNetwork(nodes=[*drawn.network.nodes, block]))
 
     def _typed(self, draft: _Draft, network: LogicNetwork) -> LdBody:

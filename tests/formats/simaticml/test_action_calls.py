@@ -215,6 +215,21 @@ def test_charts_of_actions_are_blocks_that_do_the_same() -> None:
     assert {v.name for v in tool.pou("Main_Outer").variables(m.SectionKind.IN_OUT)} == {"r", "n", "Inner_chart"}
 
 
+@pytest.mark.parametrize("source", ["plcopen", "iec-text"])
+@pytest.mark.parametrize("qualifier", ["S", "D"])
+def test_charts_of_actions_are_stored_and_delayed(source: str, qualifier: str) -> None:
+    def build(rig: Rig) -> None:
+        inner = inner_chart("a", "One", "Two")
+        inner.step("Two").actions.append(m.ActionAssociation(id=inner.new_id(), target="r"))
+        rig.action("Inner", m.SfcBody(chart=inner))
+        rig.act("Work", "Inner", qualifier, **({"duration": "T#20ms"} if qualifier == "D" else {}))
+        rig.act("Done", "Inner", "R")
+
+    project = feature_project(Feature("x", (source,), build), source)
+    converted = sfc.convert(project, "simaticml", limit=10)
+    assert converted.report.compared["POU Main"].startswith("equal"), converted.report.compared
+
+
 def test_charts_of_actions_come_back() -> None:
     source = sfc.loads(sfc.dumps(project_of(nested), format="codesys"))
     data = sfc.dumps(source, format="simaticml")
