@@ -65,7 +65,7 @@ REASONS = {
         "SFCInit|SFCReset|SFCPause|maximum time": "TC6 has no SFC flags; statements for them are not written yet",
     },
     "codesys23": {
-        "qualifier P1|qualifier P0|negated action|macro-step": "CoDeSys 2.3 has no such element",
+        "qualifier P0|negated action|macro-step": "CoDeSys 2.3 has no such element",
         "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
     },
     "codesys|twincat|codesys-export|plcopen-2.01|iec-text|codesys23": {

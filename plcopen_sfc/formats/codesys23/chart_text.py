@@ -345,6 +345,16 @@ class ChartNames:
         why = f"CoDeSys 2.3 has no qualifier {association.qualifier}: it is not executed"
         self._report.add(Outcome.NOT_EXECUTED, "action", f"{path} / action {association.target or 'in place'}", why)
 
+    def is_variable(self, association: ActionAssociation) -> bool:
+        """True if an association drives a variable, and executes no action of the POU."""
+        target = (association.target or "").casefold()
+        return bool(target) and association.body is None and target not in self._used
+
+    def note_pulse(self, association: ActionAssociation, path: str) -> None:
+        """Report P1 with a variable, which P is too: they differ in the last execution of an action only."""
+        place = f"{path} / action {association.target}"
+        self._report.add(Outcome.TRANSLATED, "qualifier P1", place, "P, which is the same with a variable")
+
     def note(self, what: str, path: str, also: str = "") -> None:
         """Report something in a form that no export was seen to have."""
         why = f"{also}in a form that no known export shows; see it after the import"
@@ -427,6 +437,10 @@ def _step_block(step: Step, names: ChartNames, path: str) -> WrittenBlock:
 def _associations(step: Step, names: ChartNames, path: str) -> Iterator[str]:
     """Yield the associations of a step, the last its main action if it has both."""
     for number, each in enumerate(step.actions, 1):
+        if each.qualifier is Qualifier.P1 and names.is_variable(each):
+            names.note_pulse(each, path)
+            yield f"{each.target}(P);"
+            continue
         if each.qualifier not in _QUALIFIERS.values() and each.qualifier is not Qualifier.NONE:
             names.leave_out(each, path)
             continue

@@ -188,3 +188,18 @@ def test_iec_steps_need_a_library_and_take_nine_associations() -> None:
         why = [item.why for item in report.items if item.what == "action associations"]
         assert "Iecsfc.lib" in why[0]
         assert why[1:] == lost
+
+
+def test_p1_with_a_variable_is_p() -> None:
+    text = "PROGRAM Main\nVAR_INPUT go: BOOL; END_VAR\nVAR v: BOOL; n: INT; END_VAR\nINITIAL_STEP A:\nEND_STEP\n"
+    text += "TRANSITION FROM A TO B := go; END_TRANSITION\nSTEP B:\nv(P1);\nCount(P1);\nEND_STEP\n"
+    text += "TRANSITION FROM B TO A := NOT go; END_TRANSITION\nACTION Count: n := n + 1; END_ACTION\nEND_PROGRAM\n"
+    source = sfc.loads(text.encode(), format="iec-text")
+    data, report = sfc.convert(source, "codesys23")
+    assert "STEP B:\r\nv(P);\r\nEND_STEP" in data.decode()
+    assert "ACTION B_entry:\r\nCount();" in data.decode()
+    assert [item.why for item in report.items if item.what == "qualifier P1"] == [
+        "P, which is the same with a variable"
+    ]
+    back = next(sfc.loads(data).charts()).chart
+    assert [each.qualifier for _, each in back.associations()] == ["P1", "P1"]
