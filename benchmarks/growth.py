@@ -2,6 +2,7 @@
 
     python -m benchmarks.growth                  files of 0.5, 1 and 2 MB, charts of 200, 400 and 800 steps
     python -m benchmarks.growth --scale 4        four times as much of each
+    python -m benchmarks.growth --no-gc          without the collector of garbage, whose full passes look at all objects
 
 An operation that is linear has the exponent 1: twice the input takes twice the time. Times are of the processor, the
 best of two runs, after a run on the smallest input. `LIMIT` is the greatest exponent that is taken without a reason;
@@ -11,6 +12,7 @@ what `EXPLAINED` lists has one.
 from __future__ import annotations
 
 import argparse
+import gc
 import math
 import tempfile
 import time
@@ -126,17 +128,21 @@ def _edited(project: sfc.Project) -> sfc.Project:
     return project
 
 
-def measured(operation: Operation) -> list[float]:
-    """Return the seconds that an operation takes with each size."""
+def measured(operation: Operation, *, collecting: bool = True) -> list[float]:
+    """Return the seconds of the processor that an operation takes with each size."""
     operation.run(operation.prepare(_SIZES[0]))
     best = []
     for size in _SIZES:
         runs = []
         for _ in range(_RUNS):
             given = operation.prepare(size)
+            gc.collect()
+            if not collecting:
+                gc.disable()
             start = time.process_time()
             operation.run(given)
             runs.append(time.process_time() - start)
+            gc.enable()
         best.append(min(runs))
     return best
 
@@ -150,13 +156,14 @@ def main() -> None:
     """Measure and print a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scale", type=float, default=1)
+    parser.add_argument("--no-gc", action="store_true", help="switch the collector off while something is measured")
     parser.add_argument("--only", default="", help="operations with this in their name")
     arguments = parser.parse_args()
     print("| operation | seconds | exponent |\n|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         for operation in operations(Path(folder), arguments.scale):
             if arguments.only in operation.name:
-                times = measured(operation)
+                times = measured(operation, collecting=not arguments.no_gc)
                 shown = " / ".join(f"{each:.3g}" for each in times)
                 why = "" if exponent(times) <= LIMIT else f" {EXPLAINED.get(operation.name, 'TOO MUCH')}"
                 print(f"| {operation.name} | {shown} | {exponent(times):.2f}{why} |", flush=True)

@@ -6,7 +6,7 @@ what is found to be possible may still be excluded by conditions.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from operator import or_
@@ -17,6 +17,30 @@ from plcopen_sfc.semantics.net import Competing, Net, NetStep, NetTransition, in
 
 _FIRINGS_PER_MARKING = 32
 """Sets of transitions that are tried for each marking of the cap, on average, before the search gives up."""
+
+
+class _ByStep:
+    """Transitions by one of the steps that each of them needs.
+
+    A long chart has few active steps at a time: to look at all of its transitions for each of its situations would take
+    the square of its length.
+    """
+
+    def __init__(self, needs: Iterable[int]) -> None:
+        self._always: list[int] = []
+        self._of_step: dict[int, list[int]] = {}
+        for index, need in enumerate(needs):
+            if need:
+                self._of_step.setdefault((need & -need).bit_length() - 1, []).append(index)
+            else:
+                self._always.append(index)
+
+    def among(self, active: int) -> list[int]:
+        """Indexes of the transitions that may be enabled where no other steps than `active` are, in their order."""
+        found = [*self._always]
+        for step in indexes(active):
+            found += self._of_step.get(step, ())
+        return sorted(found)
 
 
 @dataclass
@@ -48,11 +72,11 @@ class ExploredMarkings:
     def blocked(self) -> Iterator[int]:
         """The markings in which nothing is enabled."""
         needs = [transition.pre for transition in self.net.transitions]
+        leaving = _ByStep(needs)
         for level in self.levels:
-            left, active = level, reduce(or_, level, 0)
-            for pre in needs:
-                if pre & ~active:
-                    continue
+            left = level
+            for index in leaving.among(reduce(or_, level, 0)):
+                pre = needs[index]
                 left = [m for m in left if m & pre != pre]
                 if not left:
                     break
@@ -73,22 +97,26 @@ class ExploredMarkings:
         if self.came_from is not None:
             return {previous for marking in frontier for previous in self.came_from[marking]}
         found: set[int] = set()
-        active = reduce(or_, frontier)
-        for pre, left, post, touched in self._backwards:
-            if not post & ~active:  # long charts have few markings in a level, and few transitions lead to them
-                found.update([m & left | pre for m in frontier if m & touched == post])
+        for index in self._entering.among(reduce(or_, frontier)):
+            pre, left, post, touched = self._backwards[index]
+            found.update([m & left | pre for m in frontier if m & touched == post])
         return found & self.seen
 
     @cached_property
     def _backwards(self) -> list[tuple[int, int, int, int]]:
         return [(t.pre, ~t.post, t.post, t.pre | t.post) for t in self.net.transitions]
 
+    @cached_property
+    def _entering(self) -> _ByStep:
+        return _ByStep(transition.post for transition in self.net.transitions)
+
     def _previous(self, marking: int) -> Iterator[tuple[int, int]]:
         if self.came_from is not None:
             yield from self.came_from[marking].items()
             return
         # in a safe net a transition that led to a marking tells what was there before it
-        for transition in self.net.transitions:
+        for index in self._entering.among(marking):
+            transition = self.net.transitions[index]
             pre, post = transition.pre, transition.post
             if not post & ~marking and not marking & pre & ~post:
                 previous = marking & ~post | pre
@@ -98,7 +126,8 @@ class ExploredMarkings:
 
 def explore_one_by_one(net: Net, cap: int) -> ExploredMarkings:
     """Fire one transition at a time, until more than `cap` markings were seen, or one enters an active step."""
-    moves = [(t.pre, ~t.pre, t.post, t.post & ~t.pre, t.index) for t in net.transitions]
+    moves = [(t.pre, ~t.pre, t.post, t.post & ~t.pre) for t in net.transitions]
+    leaving = _ByStep(transition.pre for transition in net.transitions)
     seen = {net.initial}
     levels = [[net.initial]]
     found = ExploredMarkings(net, seen, levels)
@@ -106,9 +135,8 @@ def explore_one_by_one(net: Net, cap: int) -> ExploredMarkings:
         frontier = levels[-1]
         active = reduce(or_, frontier)
         fresh: set[int] = set()
-        for pre, kept, post, gained, index in moves:
-            if pre & ~active:
-                continue
+        for index in leaving.among(active):
+            pre, kept, post, gained = moves[index]
             enabled = [m for m in frontier if m & pre == pre]
             if not enabled:
                 continue
