@@ -211,7 +211,11 @@ class _Planner:
         if row.target is None:
             return row.body
         found = self._pou.find_action(row.target.removeprefix("#").strip('"'))
-        return found.body if found is not None else None
+        if found is not None:
+            return found.body
+        call = f"{row.target}();"  # the action of an instance, whose statements take the place of the call
+        is_call = "." in row.target and bool(self._functions.calls.inlined(call, self._pou).called)
+        return StBody(text=call) if is_call else None
 
     def _control(self, rows: list[tuple[Step, ActionAssociation]]) -> tuple[_Draft, list[ControlNetwork]]:
         step, row = rows[0]
@@ -248,7 +252,7 @@ class _Planner:
     def _executed(self, row: ActionAssociation, label: str, code: Body) -> tuple[Pou, str | None]:
         """Return the block that executes an action, and the instance of one with a chart."""
         if not isinstance(code, SfcBody):
-            function = self._functions.function(self._pou, label, code)
+            function = self._functions.function(self._pou, label.replace(".", "_"), code)
             if isinstance(function, str):
                 raise _ImpossibleError
             return function, None

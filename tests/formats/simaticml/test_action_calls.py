@@ -230,6 +230,23 @@ def test_charts_of_actions_are_stored_and_delayed(source: str, qualifier: str) -
     assert converted.report.compared["POU Main"].startswith("equal"), converted.report.compared
 
 
+@pytest.mark.parametrize("qualifier", ["S", "D"])
+def test_actions_of_instances_are_stored_and_delayed(qualifier: str) -> None:
+    def build(rig: Rig) -> None:
+        block = motor()
+        block.actions.append(m.Action(name="Turn", body=m.StBody(text="count := 3 - count;")))
+        rig.project.pous.append(block)
+        rig.declare(m.SectionKind.LOCAL, variable("drive", "Motor"))
+        rig.act("Work", "drive.Turn", qualifier, **({"duration": "T#20ms"} if qualifier == "D" else {}))
+        rig.act("Done", "drive.Turn", "R")
+        rig.action("Copy", m.StBody(text="n := drive.count;"))
+        rig.act("Idle", "Copy")  # no scan executes both: tools differ in the order
+
+    converted = sfc.convert(project_of(build), "simaticml", limit=10)
+    assert converted.report.compared["POU Main"].startswith("equal"), converted.report.compared
+    assert not converted.report.with_outcome(Outcome.NOT_EXECUTED)
+
+
 def test_charts_of_actions_come_back() -> None:
     source = sfc.loads(sfc.dumps(project_of(nested), format="codesys"))
     data = sfc.dumps(source, format="simaticml")
