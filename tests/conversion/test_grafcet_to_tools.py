@@ -238,6 +238,56 @@ def test_steps_that_are_only_passed_are_named() -> None:
     assert item.why.endswith("Step2 may be active where a GRAFCET only passes")
 
 
+PRESS = """GRAFCET Press
+INPUTS
+    a
+    b
+    auto
+OUTPUTS
+    v
+    lamp
+CHART G1
+    INITIAL STEP 1
+    1 -> 2, 5 : a * /b
+    STEP 2
+        ON ACTIVATION v := TRUE
+    2 -> 3 : b * a
+    STEP 3
+        ON DEACTIVATION v := FALSE
+    STEP 5
+    5 -> 6 : 1s/X5{also}
+    STEP 6
+        lamp FOR 2s
+    3, 6 -> 1 : /a
+CHART G2
+    INITIAL STEP 20
+    20 -> 21 : /auto
+    STEP 21
+        FORCE G1{{1}}
+    21 -> 20 : auto
+"""
+
+
+def test_a_step_is_passed_too_where_a_time_leads_to_it() -> None:
+    """After one second in step 5 with /a the GRAFCET passes step 6, and its lamp is never on; in a tool it is."""
+    _, report = converted(PRESS.format(also=""), "codesys")
+    (item,) = [item for item in report.items if item.what == STABILITY]
+    assert item.why.endswith("Step1, Step6 may be active where a GRAFCET only passes")
+    _, report = converted(PRESS.format(also=" * a"), "codesys")
+    (item,) = [item for item in report.items if item.what == STABILITY]
+    assert item.why.endswith(": Step1 may be active where a GRAFCET only passes")
+
+
+@pytest.mark.parametrize(("also", "differs"), [(" * a", False), ("", True)])
+def test_a_grafcet_with_times_and_forcing_differs_where_it_passes_a_step(also: str, differs: bool) -> None:
+    source = sfc.loads(PRESS.format(also=also).encode())
+    data, _ = sfc.convert(source, "plcopen", partial=True, limit=0)
+    verdict = sfc.equivalent(source, sfc.loads(data), ("grafcet", "iec"), cap=1000, runs=20, scans=60)
+    assert verdict.different is differs
+    missed = {each.why for side in verdict.coverage for each in side.unreached}
+    assert differs or missed <= {"was never FALSE"}
+
+
 MACRO = """GRAFCET G AS FUNCTION_BLOCK
 INPUTS
     a

@@ -154,12 +154,13 @@ class _Chart:
 
         An enclosing step enters those with a link, the end of a forcing order frees those of its chart.
         """
-        trees = {each.id: _without_times(each.condition) for each in self._chart.transitions}
+        trees = {each.id: _tree(each.condition) for each in self._chart.transitions}
         also = flat.freed(self._chart) if flat is not None else {}
         for step in self._chart.steps:
             entering = [*self._chart.incoming(step), *also.get(step.id, ())]
             before = [print_node(tree) for t in entering if (tree := trees[t.id]) is not None]
-            after = [print_node(tree) for t in self._chart.outgoing(step) if (tree := trees[t.id]) is not None]
+            leaving = [tree for t in self._chart.outgoing(step) if (tree := trees[t.id]) is not None]
+            after = [print_node(_with_no_time_in(tree, step)) for tree in leaving]
             if any(not exclusive(one, other).answer for one in before for other in after):
                 yield step
 
@@ -481,15 +482,17 @@ def _first_of(names: list[str], most: int = 5) -> str:
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
-def _without_times(condition: Condition | None) -> n.Expression | None:
-    """Return a condition with no time passed: that of a step that was just entered. None where it has no tree."""
-    tree = parse_expression(condition.text).tree if isinstance(condition, Expression) else None
-    if tree is None:
-        return None
+def _tree(condition: Condition | None) -> n.Expression | None:
+    return parse_expression(condition.text).tree if isinstance(condition, Expression) else None
+
+
+def _with_no_time_in(tree: n.Expression, step: Step) -> n.Expression:
+    """Return a condition that waits for a time of a step as it is when the step was just entered."""
+    own = f"{step.name}.T".casefold()
 
     def passed(node: n.Node) -> n.Node:
         times = isinstance(node, n.Operation) and isinstance(node.operands[0], n.Member)
-        return FALSE if times and print_node(node).partition(" ")[0].endswith(".T") else node
+        return FALSE if times and print_node(node).partition(" ")[0].casefold() == own else node
 
     return transform(tree, passed)
 
