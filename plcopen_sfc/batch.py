@@ -40,7 +40,7 @@ from plcopen_sfc.errors import (
 from plcopen_sfc.files import folder_exists, read_bytes, write_all
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import Format
-from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.formats.registry import all_formats, format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.processes import results
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
@@ -48,6 +48,11 @@ from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 if TYPE_CHECKING:
     from plcopen_sfc.comparison.changes import Proof
 
+_SPACE = b"\xef\xbb\xbf\xff\xfe\0 \t\r\n"
+_BLANK = 100
+"""Bytes that an empty file has at most: a mark of its encoding, ends of lines."""
+_OF_ANYTHING = frozenset({".xml", ".json", ".csv", ".xlsx"})
+"""Extensions that are not those of the files of PLC tools alone."""
 _START = 100_000
 """Bytes by which a file is recognised."""
 
@@ -282,7 +287,15 @@ def _in_folder(folder: str) -> list[str]:
 
 def _kinds_in(folder: str) -> dict[str, Format]:
     paths = (Path(folder, name) for name in sorted(files_below(folder)))
-    return {str(path): kind for path in paths if (kind := known_format(path)) is not None}
+    return {str(path): kind for path in paths if (kind := known_format(path) or _format_of_empty(path)) is not None}
+
+
+def _format_of_empty(path: Path) -> Format | None:
+    """Return the format of an empty file by an extension that only one tool has: reading tells that it is empty."""
+    suffix = path.suffix.casefold()
+    if suffix in _OF_ANYTHING or not path.is_file() or path.stat().st_size > _BLANK or path.read_bytes().strip(_SPACE):
+        return None
+    return next((kind for kind in all_formats() if suffix in kind.extensions), None)
 
 
 def known_format(path: Path) -> Format | None:

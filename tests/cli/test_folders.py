@@ -88,3 +88,16 @@ def test_a_folder_without_documents_is_unreadable(cli: Any, tmp_path: Path) -> N
     outcome = cli("info", tmp_path)
     assert outcome.code == 2
     assert "no document of simaticml" in outcome.err
+
+
+def test_an_empty_file_of_a_tool_is_not_passed_over(cli: Any, tmp_path: Path) -> None:
+    """Other empty files, such as `.gitkeep` or `notes.xml`, are none of it."""
+    text = "PROGRAM P\nVAR a : BOOL; END_VAR\na := TRUE;\nEND_PROGRAM\n"
+    for name, content in {"P.st": text, "Q.st": "\ufeff\n", "notes.xml": "", "keep": ""}.items():
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    outcome = cli("validate", tmp_path)
+    assert outcome.code == 2
+    assert "Q.st: no " in outcome.err
+    assert "notes.xml" not in outcome.out + outcome.err
+    (tmp_path / "Q.st").unlink()
+    assert cli("validate", tmp_path).code == 0

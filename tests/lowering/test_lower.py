@@ -75,3 +75,13 @@ def test_a_chart_that_was_not_read_completely_is_refused() -> None:
     broken = sfc.load(FIXTURES / "broken" / "connection_to_nothing.xml")
     with pytest.raises(LoweringError, match="not read completely"):
         lower(broken, verify=False)
+
+
+def test_a_step_with_the_name_of_a_variable_is_refused_before_any_code_is_made() -> None:
+    """Which of both a name means depends on the tool: the code was found to be different then."""
+    original = project()
+    chart = original.pous[0].sfc
+    assert chart is not None
+    chart.steps[1].name = original.pous[0].variables()[0].name.swapcase()
+    with pytest.raises(LoweringError, match=r"is called .*, too: rename it or the step"):
+        lower(original, verify=False)

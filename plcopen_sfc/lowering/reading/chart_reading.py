@@ -112,6 +112,9 @@ class _Reader(TextReader):
         if self.chart.permanent_pre or self.chart.permanent_post:
             self.refuse("permanent operations are not lowered yet", "")
         self._check_profile()
+        for step in self._net.steps:
+            if step.step.name.casefold() in self._types:
+                self.refuse(f"a variable of the POU is called {step.step.name}, too: rename it or the step", step.path)
         logic = self.logic()
         conditions = [self._transition(transition) for transition in self._net.transitions]
         actions = tuple(self._actions())

@@ -44,6 +44,7 @@ class InstructionTranslator:
         self._result: Code | None = None
         self._open: list[_Open] = []
         self._text = ""
+        self._behind: list[Instruction] = []
         self._at_labels: dict[str, list[Code]] = {}
 
     def body(self, text: str) -> None:
@@ -78,8 +79,9 @@ class InstructionTranslator:
             coming = [*coming, self._result]
         self._result = self._merged(coming)
         self._open.clear()
-        for instruction in part:
+        for place, instruction in enumerate(part, 1):
             self._writer.origin = lines.place(instruction.operator_span[0])[0]
+            self._behind = part[place:]
             self._one(instruction)
 
     def _one(self, instruction: Instruction) -> None:
@@ -91,7 +93,7 @@ class InstructionTranslator:
             trees.append(operand.parsed.tree)
         base = word.removesuffix("N")
         if word in ("LD", "LDN"):
-            self._load(self._value(trees, word == "LDN"))
+            self._load(self._value(trees, word == "LDN", self._wanted(trees)))
         elif word in ("ST", "STN"):
             self._store(trees, negated=word == "STN")
         elif word in ("S", "R"):
@@ -128,6 +130,22 @@ class InstructionTranslator:
             self._function(instruction.operator, trees)
         else:
             raise SimulationError(f"{instruction.operator or 'this'} is no instruction that the simulator knows")
+
+    def _wanted(self, trees: list[n.Expression]) -> t.Type | None:
+        """The type of what is loaded: 0 and 1 are Booleans, or numbers where the instructions behind them calculate."""
+        if len(trees) != 1 or not isinstance(trees[0], n.Literal) or trees[0].text not in ("0", "1"):
+            return t.BOOL
+        for instruction in self._behind:
+            word = instruction.operator.upper()
+            operands = [operand.parsed.tree for operand in instruction.operands if not operand.parsed.problems]
+            if instruction.is_function:
+                return None
+            if word not in (*_COMBINING, "ANDN", "ORN", "XORN", "&N", "LD", "ST") or not operands:
+                return None if word in (*ARITHMETIC, *COMPARISONS) else t.BOOL
+            is_bare = isinstance(operands[0], n.Literal) and operands[0].text in ("0", "1")
+            if not is_bare or word in ARITHMETIC or word in COMPARISONS:
+                return self._operators.known_type(operands[0])
+        return t.BOOL
 
     def _merged(self, results: list[Code]) -> Code | None:
         """The current result where several ways meet."""

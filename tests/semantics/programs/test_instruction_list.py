@@ -41,6 +41,28 @@ def test_arithmetic_goes_on_with_what_was_stored() -> None:
     assert (instance["y"], instance["z"], instance["q"], instance["x"]) == (8, 13, True, 1)
 
 
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("LD 1\nSUB x\nST y", {"y": -2}),
+        ("LD 1\nST y\nLD 0\nST z", {"y": 1, "z": 0}),
+        ("LD 1\nADD 1\nST y", {"y": 2}),
+        ("LD 1\nADD r\nST r", {"r": 1.5}),
+        ("LD 1\nLT x\nST q", {"q": True}),
+        ("LD 1\nTwice\nST y", {"y": 2}),
+        ("LD 1\nSUB( x\nADD 1\n)\nST y", {"y": -3}),
+        ("LD 1\nAND 1\nST q\nLD 0\nORN a\nST s", {"q": True, "s": True}),
+        ("LD 1\nST q\nLD 1\nS s\nLD 0\nNOT\nST c", {"q": True, "s": True, "c": True}),
+    ],
+)
+def test_one_and_zero_are_numbers_where_the_instructions_behind_calculate(
+    text: str, expected: dict[str, object]
+) -> None:
+    instance = run(text, x=3, r=0.5)
+    assert {name: instance[name] for name in expected} == expected
+    assert {name: type(instance[name]) for name in expected} == {n: type(v) for n, v in expected.items()}
+
+
 def test_set_reset_and_calls() -> None:
     instance = run(
         "LD a\nS s\nR q\nCAL t(IN := a, PT := T#0s)\nLD t.Q\nST c\nLD x\nTwice\nST y\nLD 3\nMAX x\nST z",
