@@ -42,7 +42,7 @@ from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.compare import differences, in_order_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.pou import Pou
@@ -373,6 +373,8 @@ def verify(project: Project, kind: Format, back: Project, report: ConversionRepo
     if not kind.ids:
         project = numbered_in_order(project)
         number_in_order(back)
+    if kind.used_first:
+        project = in_order_of(project, back)
     for difference in differences(project, back, ignore=frozenset({"drawing"})):
         if difference.left is None:
             why = f"the written file has {_short(difference.right)}, and the source nothing"

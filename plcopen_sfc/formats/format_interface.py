@@ -243,7 +243,8 @@ class Format:
     of a file which lists the files of such a folder. `ids`: its files keep the
     ids of steps, transitions and elements of networks. `positions`: they keep positions. `networks` is the form of
     networks in its files, `one_sheet`: all networks of a body are on one. `il_conditions`, `il_bodies`: the conditions
-    of its charts, and bodies, may be in IL. `charts` has the abilities of its charts, where other charts are put into
+    of its charts, and bodies, may be in IL. `used_first`: its files have each block behind those that it names, so that
+    the order of blocks and types is not kept. `charts` has the abilities of its charts, where other charts are put into
     their terms. `standard` is what its versions are of.
     """
 
@@ -269,6 +270,7 @@ class Format:
     one_sheet: bool = False
     il_conditions: bool = True
     il_bodies: bool = True
+    used_first: bool = False
     charts: ChartHost | None = None
     standard: str = ""
 

@@ -267,6 +267,7 @@ FORMATS: tuple[Format, ...] = (
         networks=NetworkForm.COMMENTS,
         il_conditions=False,
         il_bodies=False,
+        used_first=True,
     ),
     Format(
         name="grafcet",

@@ -10,7 +10,7 @@ from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import BodyBase
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.pou import Action, Method, NamedTransition
-from plcopen_sfc.model.project import Configuration, PouInstance, Resource, Tag, Task
+from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag, Task
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import MarkupText, MultilingualText
@@ -41,6 +41,15 @@ _KINDS: tuple[tuple[type[Any], str], ...] = (
 _SECTION = "section"
 _UNNAMED = frozenset({"body", "chart", "interface"})
 """Fields that no path names: what is in them is of the object around."""
+
+
+def in_order_of(project: Project, other: Project) -> Project:
+    """Return the project with its POUs, types and data blocks in the order that they have in another one."""
+    lists: dict[str, list[ProjectObject]] = {}
+    for field in ("pous", "data_types", "data_blocks"):
+        places = {each.name: place for place, each in enumerate(getattr(other, field))}
+        lists[field] = sorted(getattr(project, field), key=lambda each: places.get(each.name, len(places)))
+    return project.model_copy(update=lists)
 
 
 class ModelDifference(NamedTuple):

@@ -6,7 +6,8 @@ nothing is lost: the text is read as it is, and the rest of the model is put beh
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping, Sequence
+from itertools import pairwise
 
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
 from plcopen_sfc.formats.remainder_comments import keys_of
@@ -21,6 +22,7 @@ from plcopen_sfc.formats.scl.scl_reader import (
 )
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
+    Key,
     SourceText,
     WrittenBlock,
     decode_text,
@@ -56,7 +58,7 @@ from plcopen_sfc.languages.s7_types import NO_START, S7Types, s7_types
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import SfcBody, StBody
-from plcopen_sfc.model.compare import path_of
+from plcopen_sfc.model.compare import in_order_of, path_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -82,7 +84,7 @@ _INDENT = indent_of(_SCL)
 
 def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
     """Return the text of a project, in the pieces that an edit replaces."""
-    pieces = [*numbered_blocks(_units(project, report))]
+    pieces = _in_order_of_use(numbered_blocks(_units(project, report)))
     unreadable = kept(project.extension_data).get("unreadable")
     if unreadable:
         pieces.append(WrittenBlock(("stray", ""), unreadable, apart=True))
@@ -91,9 +93,10 @@ def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
     # the text is read back, and whatever differs goes into comments: no list of what SCL lacks can be incomplete
     written = WrittenBlock(("file", ""), blocks=tuple(pieces))
     back = read_source(SourceText(written.whole() + "\n", "utf-8")).project
-    left = [] if back == project else list(changes(plain_fields(back), plain_fields(project), guarded=True))
+    meant = in_order_of(project, back)
+    left = [] if back == meant else list(changes(plain_fields(back), plain_fields(meant), guarded=True))
     types = s7_types(project)
-    other = {change.path for change in changes(plain_fields(back), plain_fields(_as_written(project, types)))}
+    other = {change.path for change in changes(plain_fields(back), plain_fields(_as_written(meant, types)))}
     for change in left:
         _report(project, change, report, says_the_same=change.path not in other)
     if left:
@@ -221,6 +224,28 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
         yield WrittenBlock(
             ("POU", caller.block.name), blocks=numbered_blocks(_pou(caller.block, types, (), literals)), apart=True
         )
+
+
+def _in_order_of_use(units: Sequence[WrittenBlock]) -> list[WrittenBlock]:
+    """Return units with each behind those that it names, else in their order.
+
+    TIA Portal generates blocks from a source from its beginning to its end: what a block calls comes before it.
+    """
+    by_name = {unit.key[1].casefold(): unit for unit in units}
+    waiting, found = list(reversed(units)), dict[Key, WrittenBlock]()
+    begun: set[Key] = set()
+    while waiting:
+        unit = waiting.pop()
+        if unit.key in begun:
+            found.setdefault(unit.key, unit)
+            continue
+        begun.add(unit.key)
+        words = [token.value for token in tokenize(unit.whole(), _SCL).tokens]
+        # members and local variables may have the names of blocks
+        named = {word.strip('"').casefold() for before, word in pairwise(["", *words]) if before not in ("#", ".")}
+        used = [by_name[name] for name in by_name.keys() & named if by_name[name].key not in begun]
+        waiting += [unit, *sorted(used, key=units.index, reverse=True)]
+    return list(found.values())
 
 
 def _named_in_declarations(project: Project) -> set[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import FormatError
+from plcopen_sfc.model.compare import in_order_of
 from tests.corpus import corpus_files, require_corpus
 
 FIXTURES = Path(__file__).resolve().parents[3] / "fixtures" / "scl"
@@ -90,7 +92,8 @@ def test_fixtures_come_back_byte_for_byte_and_anew_as_an_equal_model(path: Path)
     assert sfc.dumps(project) == path.read_bytes()
     anew = sfc.dumps(project, fresh=True)
     assert b"plcopen_sfc" not in anew
-    assert sfc.loads(anew) == project
+    back = sfc.loads(anew)
+    assert back == in_order_of(project, back)  # what a block names comes before it
     assert sfc.dumps(sfc.loads(anew), fresh=True) == anew
 
 
@@ -212,3 +215,42 @@ def test_whatever_a_source_holds_it_is_kept(what: str) -> None:
     assert sfc.dumps(project) == data
     anew = sfc.dumps(project, fresh=True)
     assert sfc.loads(anew, format="scl") == project
+
+
+ORDERED = """PROGRAM Main
+VAR f : FB_A; x : INT; END_VAR
+f();
+x := Twice(1);
+END_PROGRAM
+FUNCTION_BLOCK FB_A
+VAR b : FB_B; s : Outer; END_VAR
+b();
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK FB_B
+VAR n : INT; END_VAR
+n := Twice(n) + start;
+END_FUNCTION_BLOCK
+FUNCTION Twice : INT
+VAR_INPUT a : INT; END_VAR
+Twice := a + a;
+END_FUNCTION
+VAR_GLOBAL start : INT := 4; END_VAR
+TYPE Outer : STRUCT i : Inner; END_STRUCT; END_TYPE
+TYPE Inner : STRUCT i : INT; END_STRUCT; END_TYPE
+"""
+
+
+def test_a_source_has_each_block_behind_those_that_it_names() -> None:
+    """TIA Portal generates blocks from the beginning of a source to its end."""
+    project = sfc.loads(ORDERED.encode(), format="iec-text")
+    data, report = sfc.convert(project, "scl")
+    heads = [line.split('"')[1] for line in data.decode("utf-8-sig").splitlines() if re.match('[A-Z_]+ "', line)]
+    places = {name: place for place, name in enumerate(heads)}
+    assert list(places) == ["Inner", "Outer", *[name for name in places if name not in ("Inner", "Outer")]]
+    for first, then in [("Twice", "FB_B"), ("FB_B", "FB_A"), ("FB_A", "Main"), ("Main", "Main_DB")]:
+        assert places[first] < places[then], heads
+    assert not report.with_outcome(sfc.Outcome.DROPPED)
+    back = sfc.loads(data)
+    assert {pou.name: pou.body for pou in back.pous} == {
+        pou.name: pou.body for pou in sfc.loads(data, as_tool=True).pous
+    }
