@@ -38,6 +38,9 @@ IEC_KEYWORDS = (
 )
 """Keywords of IEC 61131-3 ed. 3 (annex A) and CODESYS, but for words that tools take for names: ``ON``, ``R_EDGE``."""
 
+EDGES = frozenset({"R_EDGE", "F_EDGE"})
+"""Words of declarations that tools take for names elsewhere; a text that declares one is not read."""
+
 TRANSLATED_KEYWORDS = KEYWORDS | frozenset("AND_THEN OR_ELSE GOTO JMP REGION END_REGION VAR_STAT EN ENO".split())
 """Words that are no names of variables in CODESYS or SCL; many tools take the others of IEC 61131-3 as names."""
 
@@ -71,7 +74,7 @@ def objection(name: str, dialect: Dialect) -> str:
         return "" if printable else "a name has no quotes and no control characters in it"
     if not is_plain(name):
         return "a name consists of letters, digits and underscores, and starts with no digit"
-    if name.upper() in IEC_KEYWORDS:
+    if name.upper() in IEC_KEYWORDS | EDGES:
         return "it is a keyword"
     if "__" in name or name.endswith("_"):
         # tools take them, the standard does not: those that exist already stay as they are

@@ -265,7 +265,8 @@ class _Scan:
         closer = "END_VAR" if part.kind is PartKind.VAR else f"END_{kind.value}"
         start = self.tokens[part.head[0]].span[0]
         what = " ".join(filter(None, (part.keyword, part.name)))
-        self.problem(f"{closer} of {what} is missing", start, self.tokens[part.head[1] - 1].span[1])
+        before = f" before {self.tokens[self.at].value}" if self.at < len(self.tokens) else ""
+        self.problem(f"{closer} of {what} is missing{before}", start, self.tokens[part.head[1] - 1].span[1])
         return part
 
     # -- parts of units -------------------------------------------------------------------------------------------

@@ -298,6 +298,8 @@ def expectation(found: Token, accepted: Iterable[str]) -> str:
     expected = f"{', '.join(words[:-1])} or {words[-1]}" if len(words) > 1 else "".join(words)
     shown = found.value if len(found.value) <= _SHOWN_TEXT else found.value[:_SHOWN_TEXT] + ".."
     what = "the end of the text" if found.type == "$END" else f"'{shown}'"
+    if expected.endswith("a name") and found.type != "NAME" and found.value.isidentifier():
+        what = f"the keyword {what}"  # whoever declares it takes it for a name
     return f"found {what}, expected {expected}" if expected else f"{what} cannot stand here"
 
 

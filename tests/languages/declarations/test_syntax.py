@@ -109,7 +109,7 @@ def test_several_errors_in_one_pass_and_the_rest_is_read() -> None:
 def test_a_missing_end_of_a_section_is_put_in() -> None:
     parsed = parse_declarations("VAR a : INT;\nVAR_INPUT b : INT; END_VAR PROGRAM x VAR c : INT; END_VAR")
     assert [problem.message for problem in parsed.problems] == [
-        "found 'VAR_INPUT', expected ';', AT, END_VAR or a name for the VAR in line 1"
+        "found the keyword 'VAR_INPUT', expected ';', AT, END_VAR or a name for the VAR in line 1"
     ]
     assert [type(item) for item in parsed.tree.items] == [d.Section, d.Section, d.PouHead, d.Section]
 
@@ -117,6 +117,14 @@ def test_a_missing_end_of_a_section_is_put_in() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        (
+            "VAR R_EDGE : BOOL; END_VAR",
+            "found the keyword 'R_EDGE', expected ';', AT, CONSTANT or the like, END_VAR or a name",
+        ),
+        (
+            "VAR a : BOOL; READ_ONLY : BOOL; END_VAR",
+            "found the keyword 'READ_ONLY', expected ';', AT, END_VAR or a name",
+        ),
         ("VAR a INT; END_VAR", "found 'INT', expected ',', ':' or AT"),
         ("VAR a : INT := ; END_VAR", "found ';', expected '[' or an expression"),
         ("VAR a : REAL[5]; END_VAR", "only STRING and WSTRING have a length"),
