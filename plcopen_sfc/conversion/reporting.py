@@ -35,7 +35,7 @@ from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.types import used_types
+from plcopen_sfc.model.types import SimpleValue, used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import CHART_OF_ACTION, LOSSES, ConversionReport, Item, Outcome
@@ -125,11 +125,29 @@ def report_running(
         if verdict.kind is VerdictKind.PROVEN:
             _note_proven(report, there.report_path, CHART_OF_ACTION, "which calls a block for the chart of the action")
         if verdict.counterexample is not None:
-            report.add(Outcome.APPROXIMATED, "chart", there.report_path, _refused(verdict.counterexample, tool))
+            why = _refused(verdict.counterexample, tool)
+            times = _times_among(verdict.inputs, there)
+            held = compared(delay="auto", limit=left, fixed=times) if times else verdict
+            if held.equal:
+                why += f"; while {_listed(times)}, both are {str(held).splitlines()[0]}: tools differ in when they take"
+                why += " up a new time of an action that runs"
+            report.add(Outcome.APPROXIMATED, "chart", there.report_path, why)
         elif not as_run.equal:
             example = as_run.counterexample
             why = _refused(example, tool) if example is not None else "it is not known to do the same"
             report.add(Outcome.APPROXIMATED, "chart", there.report_path, why + _told_apart(profiles, tool))
+
+
+def _times_among(inputs: Iterable[str], chart: Chart) -> dict[str, str]:
+    """Return the inputs that are times of actions of a chart, each with a value: that of its start, or a second."""
+    durations = {(row.duration or "").casefold() for _, row in chart.chart.associations()}
+    known = {variable.name: variable.initial for variable in chart.pou.variables()}
+    initial = {name: known.get(name) for name in inputs if name.casefold() in durations}
+    return {name: (each.text if isinstance(each, SimpleValue) else None) or "T#1s" for name, each in initial.items()}
+
+
+def _listed(values: Mapping[str, str]) -> str:
+    return " and ".join(f"`{name}` stays {value}" for name, value in values.items())
 
 
 def _lasts(chart: Chart, project: Project, inputs: Iterable[str], *, has_other_inputs: bool) -> bool:

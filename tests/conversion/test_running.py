@@ -58,6 +58,7 @@ def test_what_looks_the_same_and_acts_otherwise_is_approximated(project: sfc.Pro
     assert (item.outcome, item.path) == (Outcome.APPROXIMATED, "POU Main")
     assert "it does something else after" in item.why
     assert report.compared["POU Main"].startswith("different")
+    assert ("while `t` stays T#1s, both are equal" in item.why) is (target == "simaticml")
     with pytest.raises(LossError):
         saved(project, target, strict=True)
 
