@@ -223,7 +223,7 @@ def output_pairs(
         if name in by_address and theirs[other].signal.kind is not variable.signal.kind:
             continue
         found.append((name, variable.signal, other))
-    members = {path.casefold(): path for path in right.members}
+    members = {renamed.get(path.casefold(), path.casefold()): path for path in right.members}
     return found + [
         (path, member.signal, members[path.casefold()])
         for path, member in left.members.items()

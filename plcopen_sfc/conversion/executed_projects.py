@@ -276,7 +276,8 @@ class _Reader:
             return ArrayType(dimensions=kind.dimensions, base=self._plain_type(kind.base, depth + 1))
         if isinstance(kind, StructType):
             members = [
-                Variable(name=member.name, type=self._plain_type(member.type, depth + 1)) for member in kind.members
+                Variable(name=plain_name(member.name), type=self._plain_type(member.type, depth + 1))
+                for member in kind.members
             ]
             return StructType(members=members)
         return kind

@@ -228,9 +228,15 @@ def _step_flags(there: Chart, here: Chart, called: Mapping[str, str]) -> dict[st
 
 
 def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]:
-    """Return the names in the source of variables of a POU of the result that have others there."""
-    paths = {variable.name: f"{here.pou.report_path} / {variable.name}" for variable in here.pou.variables()}
-    return {name: ObjectPath.of(called[path]).last for name, path in paths.items() if path in called}
+    """Return the names in the source of variables that a POU of the result sees and that have others there."""
+    own, shared = f"{here.pou.report_path} / ", "global variable "
+    found = {
+        new.removeprefix(shared): old.removeprefix(shared) for new, old in called.items() if new.startswith(shared)
+    }
+    plain = [path.removeprefix(own) for path in called if path.startswith(own) and "step " not in path]
+    for variable in here.pou.variables():  # which hides a tag
+        found.pop(variable.name, None)
+    return found | {name: ObjectPath.of(called[own + name]).last for name in plain if " / " not in name}
 
 
 def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:

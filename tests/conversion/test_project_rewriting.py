@@ -30,8 +30,9 @@ from plcopen_sfc.model import (
     VariableSection,
 )
 from plcopen_sfc.model.compare import differences
-from plcopen_sfc.model.pou import PouKind
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, PouKind
 from plcopen_sfc.model.sfc import FlagUse, GraphSettings, SfcFlag, SfcSettings, Supervised
+from plcopen_sfc.model.types import StructType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -597,3 +598,26 @@ def test_branches_that_do_not_nest_are_refused_in_the_family_of_codesys(target: 
     told = [item for item in caught.value.report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "chart"]
     assert [item.path for item in told] == ["POU Main / transition P3+P2 -> S1"]
     assert "charts of" in told[0].why
+
+
+def test_renamed_members_of_data_blocks_and_structures_are_the_same_inputs_of_both_sides() -> None:
+    """One was driven apart from the other: a chart was different that is the same."""
+    project = block([{"qualifier": Qualifier.N, "target": "#q"}])
+    (pou,) = project.pous
+    assert pou.interface is not None
+
+    def boolean(name: str) -> Variable:
+        return Variable.model_validate({"name": name, "type": "BOOL"})
+
+    section = VariableSection(
+        variables=[boolean("val 1"), Variable(name="st", type=StructType(members=[boolean("in 2")]))]
+    )
+    project.data_blocks.append(
+        DataBlock(name="My DB", kind=DataBlockKind.GLOBAL, interface=Interface(sections=[section]))
+    )
+    pou.interface.sections[0].variables.append(Variable(name="s", type=StructType(members=[boolean("on 3")])))
+    condition = '"My DB"."val 1" AND "My DB".st."in 2" AND #s."on 3"'
+    chart_of(project).transitions[0].condition = Expression(text=condition)
+    _, report = sfc.convert(project, "codesys", limit=60)
+    assert report.losses == []
+    assert report.compared["POU FB_Ring"].startswith("equal, second 1 scan later (proof")
