@@ -443,6 +443,7 @@ _SHOWN = 60
 
 def _patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the file that was read with the edits in it. What has no edits is neither read nor drawn nor written."""
+    _report_refused(report, project, source, kind)
     from plcopen_sfc.conversion.adaptation import (  # noqa: PLC0415
         has_rewritten_charts,
         is_rewritten_throughout,
@@ -526,6 +527,29 @@ def _report_edits(
     if found.losses != report.losses:
         _pass_known_losses(found, notes(codec.read(before).project, before, []))
         report.items = found.items
+
+
+def _report_refused(report: ConversionReport, project: Project, source: FileSource, kind: Format) -> None:
+    """Report charts that no tool compiles since they were edited; before an edit that is the matter of `check`."""
+    edited = [pou for number, pou in enumerate(project.pous) if not is_from(pou, number, source.content)]
+    refused = _refused(edited) if kind.tool else set()
+    if refused:
+        names = {pou.name for pou in edited}
+        before = kind.codec(source.version).read(source.content).project
+        for path, why in sorted(refused - _refused(pou for pou in before.pous if pou.name in names)):
+            report.add(Outcome.NOT_EXECUTED, "chart", path, f"{kind.tool} does not compile it: {why}")
+
+
+def _refused(pous: Iterable[Pou]) -> set[tuple[str, str]]:
+    """Return what no tool compiles in the charts of these POUs: the place, and what is wrong."""
+    from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # most edits are in no chart
+
+    found = (each for pou in pous if _charts_of(pou) for each in check_charts(pou, select=_NEVER_COMPILED))
+    return {(each.location.path or "", each.message) for each in found if each.severity is Severity.ERROR}
+
+
+_NEVER_COMPILED = ("STR02", "STR12", "CND01")
+"""Rules on what is a chart for no tool: no initial step, several, a transition without a condition."""
 
 
 def _drawing_style(kind: Format) -> DrawingStyle:
@@ -686,6 +710,7 @@ def _read_as(project: Project, data: bytes, kind: Format, version: str) -> Proje
 
 def _patched_text(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the text that was read with the edits in it."""
+    _report_refused(report, project, source, kind)
     from plcopen_sfc.formats.text_patch import patch_text  # noqa: PLC0415  # only to save edits
 
     codec = cast("TextCodec", kind.codec(source.version))

@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model
+from plcopen_sfc.errors import LossError
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 CONVEYOR = FIXTURES / "codesys" / "sorting_conveyor.xml"
@@ -278,3 +280,26 @@ def test_an_edit_says_nothing_of_what_the_file_kept_beside_before() -> None:
     kept = sfc.loads(sfc.convert(graph, "codesys", partial=True).data)
     kept.rename("FB_Drill", "FB_Drills")
     assert sfc.convert(kept, "codesys").report.losses == []
+
+
+@pytest.mark.parametrize("name", ["codesys/sorting_conveyor.xml", "plcopen/filling_station_2.01.xml"])
+@pytest.mark.parametrize(
+    ("edit", "why"),
+    [
+        (lambda chart: setattr(chart.steps[3], "initial", True), "a second initial step in one connected chart"),
+        (lambda chart: setattr(chart.transitions[1], "condition", None), "the transition has no condition"),
+    ],
+    ids=["second initial step", "no condition"],
+)
+def test_an_edit_that_no_tool_compiles_is_refused(name: str, edit: Callable[[Any], None], why: str) -> None:
+    project = sfc.load(FIXTURES / name)
+    chart = next(each for each in project.charts() if len(each.chart.steps) > 4)
+    edit(chart.chart)
+    with pytest.raises(LossError, match=why):
+        sfc.dumps(project)
+    _, report = sfc.convert(project, project.source.format, partial=True)
+    (item,) = [each for each in report.losses if each.what == "chart"]
+    assert item.path.startswith(chart.report_path)
+    edited = sfc.loads(sfc.dumps(project, partial=True))
+    edited.pous[0].comment = "another edit"
+    assert not any("does not compile" in each.why for each in sfc.convert(edited, edited.source.format)[1].losses)
