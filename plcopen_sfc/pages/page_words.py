@@ -160,6 +160,7 @@ _RULES = {
     "ACT16": "Ereignisse von S7-GRAPH stehen bei den Aktionen, die sie brauchen",
     "ACT17": "Aktionen warten auf Bedingungen, die der Schritt hat",
     "ACT18": "Kein Schritt setzt einen Operanden und setzt ihn zugleich zur\u00fcck",
+    "ACT19": "Code weist nicht zu, was eine gespeicherte Aktion hält",
     "EVO01": "Die Ablaufkette kommt zur Ruhe",
     "EVO02": "Schritte werden nicht durchlaufen",
     "TIM01": "Die Maximalzeit eines Schritts ist seine l\u00e4ngste",

@@ -25,6 +25,7 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.effects import Path, path_of
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.semantics.net import NetStep
+from plcopen_sfc.semantics.profile import BooleanTargets
 
 _KEEPING = frozenset({Manner.SET, Manner.RESET, Manner.STORED})
 
@@ -152,6 +153,7 @@ class _Write:
     value: str
     action: str = ""
     kind: ActionKind | None = None
+    in_code: bool = False
 
 
 def _writes(chart: CheckedChart) -> Iterator[_Write]:
@@ -177,7 +179,20 @@ def _writes(chart: CheckedChart) -> Iterator[_Write]:
                     if path and isinstance(n.bare(assigned.target), n.Name | n.Member | n.Address):
                         name = print_node(assigned.target, chart.dialect)
                         for step in of_step.get(id(own), ()):
-                            yield _Write(step, place, path, name, constant(assigned.value), action)
+                            yield _Write(step, place, path, name, constant(assigned.value), action, in_code=True)
+
+
+def _overwritten(chart: CheckedChart) -> Iterator[Finding]:
+    if chart.profile.boolean_targets is BooleanTargets.WHEN_DECIDED:
+        return  # stored actions are coils there
+    stored = {use.path: use for use in uses(chart) if use.manner is Manner.SET and use.association.kind is None}
+    reported: set[str] = set()
+    for write in _writes(chart):
+        use = stored.get(write.path)
+        if use is None or not write.in_code or write.place.path in reported:
+            continue
+        reported.add(write.place.path)
+        yield Finding(write.place, f"{write.name} is assigned here, and stored ({_how(use)}) in step {use.step.name}")
 
 
 def _literal(value: str | None, chart: CheckedChart) -> str:
@@ -282,6 +297,26 @@ TRANSITION FROM (A, B) TO S1 := b; END_TRANSITION
 """,
     check=_races,
     severity=Severity.WARNING,
+)
+
+
+ACT19 = Rule(
+    code="ACT19",
+    title="Code does not assign what a stored action keeps",
+    why="A stored action stays active when its step is left, and writes its variable TRUE in every scan until an R of "
+    "the same action (IEC 61131-3 ed. 3, 6.7.4.6; CODESYS V3 does the same). What code assigns in between is lost, "
+    "also FALSE. In S7-GRAPH S is a coil: there the assignment counts.",
+    hint="End it with an R, or set it in code too: a P1 action with an assignment.",
+    example="""
+INITIAL_STEP S1: Off(N); END_STEP
+STEP S2: q(S); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+ACTION Off: q := FALSE; END_ACTION
+""",
+    check=_overwritten,
+    severity=Severity.WARNING,
+    severities={"s7graph": None, "grafcet": None, "matiec": None, "beremiz": None},
 )
 
 

@@ -574,6 +574,22 @@ case("ACT17", guarded(None, interlock=True), guarded(None), "depends on the inte
 
 case("ACT18", steps("q(S); q(R);"), steps("q(S);", "q(R);"), "the step sets q (S) and resets it")
 
+
+def beside_code(actions: str) -> Callable[[], Subject]:
+    """A ring of two steps: the code of the first assigns `q`, the second has these associations."""
+    return text(
+        f"""
+        INITIAL_STEP S1: Off(N); END_STEP STEP S2: {actions} END_STEP
+        TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+        TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+        ACTION Off: q := FALSE; END_ACTION
+        """
+    )
+
+
+case("ACT19", beside_code("q(S);"), beside_code("lamp(S);"), "q is assigned here, and stored (S) in step S2")
+case("ACT19", beside_code("q(DS, T#2s);"), beside_code("q(N);"), "stored (DS) in step S2", "codesys")
+
 # -- evolution, times, limits, lowering
 
 CIRCLE = """
