@@ -40,7 +40,8 @@ TARGETS = (
 FOLDERS = frozenset({"twincat"})
 """Targets in which a file holds one object: a project becomes a folder."""
 WRITTEN = ("executed", "otherwise", "partial", "refused", "failed")
-COLUMNS = ("files", *WRITTEN, "unsaid", "the same", "unknown", "different")
+COUNTED = ("files", *WRITTEN, "unsaid")
+COLUMNS = (*COUNTED, "the same", "unknown", "different")
 
 
 @dataclass
@@ -59,9 +60,7 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
         project = sfc.load(path)
     except SfcError:
         return None
-    origin = project.source
-    assert isinstance(origin, FileSource)
-    source = f"{origin.format}-{origin.version}" if origin.format == "plcopen" else origin.format
+    source = source_of(project)
     if target == source:
         return None
     found = Judged(f"{source} -> {target}", path.name, Counter(files=1))
@@ -87,6 +86,13 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
         if column != "the same":
             found.notes.append(f"{column}: {chart}: {verdict}")
     return found
+
+
+def source_of(project: sfc.Project) -> str:
+    """Return the format of a project that was loaded, as pairs name it."""
+    origin = project.source
+    assert isinstance(origin, FileSource)
+    return f"{origin.format}-{origin.version}" if origin.format == "plcopen" else origin.format
 
 
 def _saved(project: sfc.Project, target: str, limit: float) -> ConversionReport:
@@ -117,16 +123,16 @@ def _work(job: tuple[Path, str], *, limit: float) -> Judged | None:
     return judged(*job, limit=limit)
 
 
-def table(found: list[Judged]) -> str:
+def table(found: list[Judged], columns: tuple[str, ...]) -> str:
     """Counts by pair of formats as a table of Markdown."""
     pairs: dict[str, Counter[str]] = defaultdict(Counter)
     for each in found:
         pairs[each.pair] += each.counts
     total: Counter[str] = sum(pairs.values(), Counter())
-    rows = [["pair", *COLUMNS]]
-    rows += [[name, *(str(row[c]) for c in COLUMNS)] for name, row in [*sorted(pairs.items()), ("all", total)]]
+    rows = [["pair", *columns]]
+    rows += [[name, *(str(row[c]) for c in columns)] for name, row in [*sorted(pairs.items()), ("all", total)]]
     lines = ["| " + " | ".join(row) + " |" for row in rows]
-    return "\n".join([lines[0], "|---|" + "---:|" * len(COLUMNS), *lines[1:]])
+    return "\n".join([lines[0], "|---|" + "---:|" * len(columns), *lines[1:]])
 
 
 def main() -> None:
@@ -152,7 +158,8 @@ def main() -> None:
             wrong = [note for note in each.notes if note.startswith(("unsaid", "failed", "different"))]
             for note in each.notes if given.list else wrong:
                 print(f"{each.pair} {each.file}: {note}", flush=True)
-    print(f"\n{table(found)}\n\n{time.monotonic() - start:.0f} s with {given.processes} processes")
+    shown = table(found, COLUMNS if given.limit else COUNTED)
+    print(f"\n{shown}\n\n{time.monotonic() - start:.0f} s with {given.processes} processes")
 
 
 if __name__ == "__main__":
