@@ -236,3 +236,30 @@ def test_charts_of_tools_become_grafcets_and_come_back() -> None:
     assert "POU FB_Drill / step Drill / action Spindle" in lost, "its interlock has no word"
     back, _ = sfc.convert(sfc.loads(data), "simaticml", partial=True)
     assert sfc.loads(back).pous == source.pous
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("folder", ["codesys", "codesys23", "iectext", "plcopen", "simaticml", "training-chain"])
+def test_charts_of_all_tools_keep_their_steps_and_transitions_as_grafcets(folder: str) -> None:
+    read = 0
+    for path in sorted(Path("fixtures", folder).iterdir()):
+        if path.suffix == ".txt":
+            continue
+        source = sfc.load(path)
+        if any(finding.severity == "error" for finding in source.diagnostics) or not list(source.charts()):
+            continue
+        data, report = sfc.convert(source, "grafcet-text", partial=True, limit=0)
+        found = {chart.report_path: chart.chart for chart in sfc.loads(data).charts()}
+        for chart in source.charts():
+            there = found[chart.report_path]
+            assert [step.name for step in there.steps] == [step.name.replace(" ", "_") for step in chart.chart.steps], (
+                path
+            )
+            assert len(there.transitions) == len(chart.chart.transitions), path
+            told = {item.path for item in report.losses}
+            # that of an action is told where the action is, since GRAFCET has no such action
+            for step in chart.chart.steps if "." not in chart.name else ():
+                if step.entry_action or step.exit_action or step.main_action:
+                    assert any(f"step {step.name.replace(' ', '_')}" in place for place in told), (path, step.name)
+        read += 1
+    assert read
