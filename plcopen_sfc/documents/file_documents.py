@@ -530,22 +530,29 @@ def _report_edits(
 
 
 def _report_refused(report: ConversionReport, project: Project, source: FileSource, kind: Format) -> None:
-    """Report charts that no tool compiles since they were edited; before an edit that is the matter of `check`."""
+    """Report charts that no tool compiles since they were edited; before an edit that is the matter of `check`.
+
+    Paths have names, which edits change: it is the number of mistakes of a kind that tells whether one is new.
+    """
     edited = [pou for number, pou in enumerate(project.pous) if not is_from(pou, number, source.content)]
-    refused = _refused(edited) if kind.tool else set()
-    if refused:
-        names = {pou.name for pou in edited}
-        before = kind.codec(source.version).read(source.content).project
-        for path, why in sorted(refused - _refused(pou for pou in before.pous if pou.name in names)):
-            report.add(Outcome.NOT_EXECUTED, "chart", path, f"{kind.tool} does not compile it: {why}")
+    found = _refused(edited) if kind.tool else []
+    if not found:
+        return
+    before = _refused(kind.codec(source.version).read(source.content).project.pous)
+    more = Counter(each.code for each in _refused(project.pous)) - Counter(each.code for each in before)
+    known = {(each.location.path, each.message) for each in before}
+    for each in found:
+        path = each.location.path or ""
+        if more[each.code] and (path, each.message) not in known:
+            report.add(Outcome.NOT_EXECUTED, "chart", path, f"{kind.tool} does not compile it: {each.message}")
 
 
-def _refused(pous: Iterable[Pou]) -> set[tuple[str, str]]:
-    """Return what no tool compiles in the charts of these POUs: the place, and what is wrong."""
+def _refused(pous: Iterable[Pou]) -> list[Diagnostic]:
+    """Return what no tool compiles in the charts of these POUs."""
     from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # most edits are in no chart
 
-    found = (each for pou in pous if _charts_of(pou) for each in check_charts(pou, select=_NEVER_COMPILED))
-    return {(each.location.path or "", each.message) for each in found if each.severity is Severity.ERROR}
+    found = [each for pou in pous if _charts_of(pou) for each in check_charts(pou, select=_NEVER_COMPILED)]
+    return sorted((each for each in found if each.severity is Severity.ERROR), key=str)
 
 
 _NEVER_COMPILED = ("STR02", "STR12", "CND01")
