@@ -74,12 +74,12 @@ def test_a_simulation_sets_freed_variables() -> None:
 
 def test_what_cannot_be_reached_is_proven_by_conditions_and_markings() -> None:
     chart = project(
-        "VAR_INPUT c, d : BOOL; n : INT; END_VAR",
-        """TRANSITION FROM A TO B := c; END_TRANSITION
-        TRANSITION FROM B TO A := d; END_TRANSITION
+        "VAR_INPUT up, down : BOOL; n : INT; END_VAR",
+        """TRANSITION FROM A TO B := up; END_TRANSITION
+        TRANSITION FROM B TO A := down; END_TRANSITION
         TRANSITION FROM B TO C := n > 5 AND n < 3; END_TRANSITION
         TRANSITION FROM C TO A := TRUE; END_TRANSITION
-        TRANSITION FROM (A, B) TO D := c; END_TRANSITION""",
+        TRANSITION FROM (A, B) TO D := up; END_TRANSITION""",
         "INITIAL_STEP A: END_STEP STEP B: END_STEP STEP C: END_STEP STEP D: END_STEP",
     )
     verdict = against_bits(chart, cap=1, runs=3)
