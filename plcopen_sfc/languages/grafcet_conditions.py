@@ -25,6 +25,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from plcopen_sfc.languages.problems import Problem
+from plcopen_sfc.languages.st import parse_expression
 
 
 class ConditionError(ValueError):
@@ -73,6 +74,8 @@ _TOKEN = re.compile(
 )
 _WORDS = {"AND": "and", "OR": "or", "XOR": "xor", "NOT": "not", "MOD": "mark"}
 _COMPARISONS = {"≤": "<=", "≥": ">=", "≠": "<>"}
+_SAME_LENGTH = str.maketrans("≤≥≠", "<>=")
+"""Comparisons of structured text that are as long as those written, so that offsets are the same."""
 _BOOLEAN = {"and": "AND", "or": "OR", "xor": "XOR"}
 _OPEN = {"(": ")", "[": "]"}
 
@@ -192,7 +195,6 @@ class _Reader:
         """Return a comparison: it is structured text already."""
         if start == end or self.tokens[start].kind == "compare" or self.tokens[end - 1].kind == "compare":
             raise self._missing(end)
-        self.parts.append((self.tokens[start].span[0], self.tokens[end - 1].span[1]))
         parts, last = [], self.tokens[start].span[0]
         for token in self.tokens[start:end]:
             if OVERLINE in token.text:
@@ -200,7 +202,21 @@ class _Reader:
             text = _COMPARISONS.get(token.text, token.text) if token.kind == "compare" else token.text
             parts.append(self._text[last : token.span[0]] + text)
             last = token.span[1]
+        self._keep_part(start, end)
         return "".join(parts)
+
+    def _keep_part(self, start: int, end: int) -> None:
+        """Keep the span of a part that is structured text. Raises `ConditionError` where it is none."""
+        first, last = self.tokens[start].span[0], self.tokens[end - 1].span[1]
+        text = self._text[first:last]
+        problems = parse_expression(text.translate(_SAME_LENGTH)).problems if end > start + 1 else ()
+        if problems:
+            why = f"{' '.join(text.split())!r} is no structured text: {problems[0].message}"
+            if self._next(start, end, {"compare"}) < end:
+                why += "; write [..] around a comparison"
+            place = first + problems[0].span[0]
+            raise ConditionError(why, (place, place))
+        self.parts.append((first, last))
 
     # -- operands
 
@@ -252,7 +268,7 @@ class _Reader:
         behind = self._path(start + 1, end)
         if OVERLINE in token.text:
             return f"NOT {self._overlined(start, behind)}", behind
-        self.parts.append((token.span[0], self.tokens[behind - 1].span[1]))
+        self._keep_part(start, behind)
         return self._text[slice(*self.parts[-1])], behind
 
     def _overlined(self, start: int, behind: int) -> str:

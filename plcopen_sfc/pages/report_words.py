@@ -682,6 +682,7 @@ _TRANSLATED = {
         "Ablaufketten in Aktionen zeigen einen neuen Schritt in CODESYS einen Aufruf später: wo eine solche Aktion "
         "gerade endet, wirkt der Schritt in TIA Portal, bevor sie endet, und in CODESYS, wenn sie wieder beginnt"
     ),
+    "the condition cannot be read: {}": "die Bedingung ist nicht lesbar: {}",
     "the condition is FALSE: CODESYS leaves the transition out": (
         "die Bedingung ist FALSE: CODESYS lässt die Transition aus"
     ),

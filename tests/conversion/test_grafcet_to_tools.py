@@ -94,6 +94,23 @@ def test_what_the_tool_has_no_words_for_is_told(line: str, what: str, form: str)
     assert what in found
 
 
+TOOLS = [
+    *("plcopen", "plcopen-2.01", "codesys", "codesys-export", "twincat"),
+    *("codesys23", "iec-text", "simaticml"),
+]
+
+
+@pytest.mark.parametrize("condition", ["n < 5 + B1*", "n < 5 + ↑B1", "F(5 + B1*) * B2", "THEN * B1"])
+@pytest.mark.parametrize("form", TOOLS)
+def test_a_condition_that_cannot_be_read_is_refused(condition: str, form: str) -> None:
+    source = sfc.loads(TEXT.replace("50ms/X2 * B2 * /B1", condition).encode())
+    with pytest.raises(LossError) as caught:
+        sfc.convert(source, form)
+    lost = [item for item in caught.value.report.with_outcome("not executed") if item.what == "condition"]
+    assert {item.path for item in lost} == {"POU Kette / transition Step2 -> Step1"}
+    assert any(item.why.startswith("the condition cannot be read: ") for item in lost)
+
+
 DIGITS = TEXT.replace("B1", "1B1").replace("Q1", "1M1")
 
 

@@ -318,7 +318,7 @@ class _Chart:
         try:
             return Expression(text=self._text(condition.text, terms), negated=condition.negated)
         except (ConditionError, _TermError) as error:
-            self._note(Outcome.NOT_EXECUTED, "condition", place, str(error))
+            self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
             return condition
 
     def _text(self, text: str, terms: _Terms) -> str:
@@ -326,7 +326,10 @@ class _Chart:
 
     def _flagged(self, text: str) -> str:
         """Return structured text with the flags of steps as the tool has them."""
-        return print_node(transform(parse_expression(text).tree, self._flag))
+        parsed = parse_expression(text)
+        if parsed.problems:  # a variable whose name is a keyword of structured text
+            raise ConditionError(parsed.problems[0].message, parsed.problems[0].span)
+        return print_node(transform(parsed.tree, self._flag))
 
     def _flag(self, node: n.Node) -> n.Node:
         if isinstance(node, n.Name) and node.identifier[:1] in "Xx":
@@ -377,9 +380,8 @@ class _Chart:
                 try:
                     flag += f" AND ({self._text(each.condition.text, _Terms(self, in_action=True))})"
                 except (ConditionError, _TermError) as error:
-                    self._note(
-                        Outcome.NOT_EXECUTED, "condition", f"{path} / step {step.name} / action {target}", str(error)
-                    )
+                    place = f"{path} / step {step.name} / action {target}"
+                    self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
             parts.append(flag)
         name = self._new_action(f"Assign_{target}", f"{target} := {' OR '.join(parts)};")
         for step, each in uses:
@@ -398,7 +400,7 @@ class _Chart:
                     condition=Expression(text=self._text(each.condition.text, _Terms(self, in_action=True)))
                 )
             except (ConditionError, _TermError) as error:
-                self._note(Outcome.NOT_EXECUTED, "condition", place, str(error))
+                self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
                 continue
             if step.interlock not in (None, wanted):
                 self._note(
@@ -451,7 +453,7 @@ class _Chart:
             edge = self._text(happens.text, _Terms(self))
             statements = self._drawable(text) if self._of_graph else [text]
         except (ConditionError, _TermError) as error:
-            self._note(Outcome.NOT_EXECUTED, "action", place, str(error))
+            self._note(Outcome.NOT_EXECUTED, "action", place, _why(error))
             return
         was_active = print_node(step_flag(step))
         if not self._of_graph:
@@ -472,6 +474,10 @@ class _Chart:
         name = self._new_name(wanted)
         self._pou.actions.append(Action(name=name, body=StBody(text=text)))
         return name
+
+
+def _why(error: ConditionError | _TermError) -> str:
+    return f"the condition cannot be read: {error}" if isinstance(error, ConditionError) else str(error)
 
 
 def _is_constant(each: ActionAssociation) -> bool:

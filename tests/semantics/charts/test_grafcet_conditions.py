@@ -79,6 +79,18 @@ def test_messages_have_terms_as_they_are_written() -> None:
         ("[a̅=b]", "an overline in a comparison: write NOT before it", 1),
         ("a ? b", "'?' is not of a condition", 2),
         ("", "an operand is missing", 0),
+        (
+            "/a * (n ≤ 5 + b*)",
+            "'n ≤ 5 + b*' is no structured text: found the end of the text, expected an expression; "
+            "write [..] around a comparison",
+            16,
+        ),
+        (
+            "n < 5 + ↑a",
+            "'n < 5 + ↑a' is no structured text: '↑' cannot stand here; write [..] around a comparison",
+            8,
+        ),
+        ("F(5 + b*) * a", "'F(5 + b*)' is no structured text: found ')', expected an expression", 8),
     ],
 )
 def test_what_is_none_is_told_with_its_place(text: str, message: str, place: int) -> None:
