@@ -195,6 +195,7 @@ def _convert(
     strict: o.Strict = False,
     fresh: o.Fresh = False,
     normalize: o.Normalize = False,
+    verify: o.ConvertVerify = True,
     limit: o.ConvertLimit = "5",
     at_rest: o.ConvertAtRest = None,
     as_tool: o.AsTool = False,
@@ -219,7 +220,7 @@ def _convert(
         "partial": partial,
         "fresh": fresh,
         "normalize": normalize,
-        "limit": convert.limit_in_seconds(limit),
+        "limit": convert.limit_in_seconds(limit) if verify else 0,
         "at_rest": o.names(at_rest),
     }
     how = convert.ConvertOptions(saving, as_tool, accept_errors, accept_untested, page, lang)

@@ -381,8 +381,14 @@ def _starts_alike(said: list[Any], meant: list[Any]) -> bool:
         return False
     if not all(isinstance(item, dict) for item in said):
         return len(said) == len(meant)
-    alike = sum(o.get("name") == t.get("name") and _same_kind(o, t) for o, t in zip(said, meant, strict=False))
+    alike = sum(_is_alike(o, t) for o, t in zip(said, meant, strict=False))
     return alike == len(said) or (len(said) == len(meant) and 2 * alike >= len(said))
+
+
+def _is_alike(said: Fields, meant: Fields) -> bool:
+    """True if both are one object: of one name, or the same but for the name."""
+    named = said.get("name") == meant.get("name") or {**said, "name": None} == {**meant, "name": None}
+    return named and _same_kind(said, meant)
 
 
 def _segments(said: list[Any], meant: list[Any]) -> list[Segment]:

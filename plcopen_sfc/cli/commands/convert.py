@@ -125,7 +125,7 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         _show_written(screen, target, report)
     if not how.saving.get("limit") and not report.unchanged and not report.compared and any(project.charts()):
-        screen.note("no chart was run in both tools (--limit 0): the report rests on what was written alone")
+        screen.note("no chart was run in both tools (--no-verify): the report rests on what was written alone")
     if report.untested and not how.accept_untested:
         is_run = any(not report.compared[path].startswith("not compared") for path in report.untested)
         longer = "a longer --limit, or " if is_run else ""

@@ -107,6 +107,16 @@ def test_what_is_no_value_is_an_error_with_its_place(text: str) -> None:
             ["v[x].t := 1", "v[] := (name := 'y')"],
         ),
         ({"v": [{"name": "x"}]}, {"v": []}, ["v := []"]),
+        (
+            {"v": [{"name": "Globals_1", "n": [1, 2]}]},
+            {"v": [{"n": [1, 2]}]},
+            ["v[0].name := DEFAULT FOR 'Globals_1'"],
+        ),
+        (
+            {"v": [{"name": "Main", "kind": "functionBlock", "text": "a"}]},
+            {"v": [{"name": "Main", "kind": "program", "text": "a"}]},
+            ["v[Main].kind := 'program' FOR 'functionBlock'"],
+        ),
     ],
 )
 def test_one_line_for_each_thing_left_unsaid(said: Any, meant: Any, lines: list[str]) -> None:
