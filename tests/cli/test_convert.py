@@ -268,7 +268,7 @@ def test_as_its_tool_reads_a_file(cli, fixtures, tmp_path):
     )
     assert cli("convert", source, tmp_path / "whole.json", "--to", "json").code == 0
     assert cli("convert", source, tmp_path / "seen.json", "--to", "json", "--as-tool").code == 0
-    actions = [len(sfc.load(tmp_path / name).pous[0].actions) for name in ("whole.json", "seen.json")]
+    actions = [len(sfc.load(tmp_path / name).pou("PLC_PRG").actions) for name in ("whole.json", "seen.json")]
     assert actions == [20, 0]
     assert cli("convert", source, tmp_path / "plain.scl", "--to", "scl", "--as-tool", "--limit", 0).code == 0
     assert b"{plcopen_sfc " in source.read_bytes()
