@@ -223,13 +223,18 @@ def output_pairs(
         if name in by_address and theirs[other].signal.kind is not variable.signal.kind:
             continue
         found.append((name, variable.signal, other))
-    members = {renamed.get(path.casefold(), path.casefold()): path for path in right.members}
+    # what is a variable of a list in one tool is a member of a data block in the other
+    paired = [{name for name, _, _ in found}, {other for _, _, other in found}]
+    loose, others = (
+        {**{n: each for n, each in own.items() if n not in known and not each.is_input}, **system.members}
+        for own, known, system in zip((mine, theirs), paired, (left, right), strict=True)
+    )
+    members = {renamed.get(local, local): path for path in others for local in [right.local_name(path)]}
     return found + [
-        (path, member.signal, members[path.casefold()])
-        for path, member in left.members.items()
-        if path.casefold() in members
-        and right.members[members[path.casefold()]].signal.kind is member.signal.kind
-        and not (delayed and member.is_input)
+        (path, member.signal, other)
+        for path, member in loose.items()
+        for other in [members.get(left.local_name(path))]
+        if other is not None and others[other].signal.kind is member.signal.kind and not (delayed and member.is_input)
     ]
 
 

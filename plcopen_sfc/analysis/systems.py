@@ -23,6 +23,7 @@ from plcopen_sfc.analysis.product import Branching, LeftOutError, end_of, hidden
 from plcopen_sfc.analysis.timers import Clocking, StepTimes, WaitingTimer, step_times, waiting_timers
 from plcopen_sfc.errors import ModelError, SfcError, SimulationError
 from plcopen_sfc.languages.binding import names_in
+from plcopen_sfc.languages.s7_globals import TABLE
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.charts import compile_chart
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
@@ -199,10 +200,19 @@ class ProgramSystem:
         return {name: each.signal for name, each in self.variables.items() if each.is_input}
 
     def local_name(self, path: str) -> str:
-        """The name by which the POU knows a variable, in lower case: a path to an address begins with the POU."""
-        own = f"{self.subject.pou.name}."
-        is_own = path in self.addresses and path.startswith(own)
-        return (path.removeprefix(own) if is_own else path).casefold()
+        """The name by which the POU knows a variable, in lower case.
+
+        A path to an address begins with the POU. S7 has a global variable of no list in a data block.
+        """
+        own, unlisted = f"{self.subject.pou.name}.", f"{TABLE}."
+        if path in self.addresses and path.startswith(own):
+            return path.removeprefix(own).casefold()
+        alone = path.removeprefix(unlisted).casefold()
+        return path.casefold() if re.split(r"[.\[]", alone)[0] in self._own_names else alone
+
+    @cached_property
+    def _own_names(self) -> frozenset[str]:
+        return frozenset(variable.name.casefold() for variable in self.subject.pou.variables())
 
     @property
     def marks(self) -> Marks:

@@ -120,6 +120,21 @@ def test_variables_of_global_lists_are_compared() -> None:
     assert "GVL.q is TRUE in the first and FALSE in the second" in str(verdict)
 
 
+def test_a_variable_that_hides_a_global_one_is_another_input() -> None:
+    """S7 has global variables of no list in a data block, which is named with them."""
+
+    def block(condition: str) -> Project:
+        text = f"""DATA_BLOCK "GlobalVariables" VAR Ready : Bool; END_VAR BEGIN END_DATA_BLOCK
+        FUNCTION_BLOCK "Main" VAR_INPUT Ready : Bool; END_VAR VAR_OUTPUT Q : Bool; END_VAR
+        BEGIN #Q := {condition}; END_FUNCTION_BLOCK"""
+        return sfc.loads(text.encode(), format="scl")
+
+    own, shared = block("#Ready"), block('"GlobalVariables".Ready')
+    verdict = equivalent(own.pous[0], shared.pous[0], "iec")
+    assert verdict.different, str(verdict)
+    assert equivalent(shared.pous[0], shared.pous[0], "iec").proven
+
+
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 @pytest.mark.parametrize("condition", ["b", "FALSE"])
 def test_steps_of_charts_that_are_actions_are_compared(profile: str, condition: str) -> None:

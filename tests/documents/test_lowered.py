@@ -259,3 +259,41 @@ def test_tags_in_the_place_of_a_list_are_those_of_the_chart(tmp_path: Path) -> N
     assert made.proof is not None
     assert made.proof.proven
     assert 'IF "Start" THEN' in (tmp_path / "main.scl").read_text(encoding="utf-8-sig")
+
+
+_WITH_GLOBAL = """
+VAR_GLOBAL Valve, Ready : BOOL; END_VAR
+PROGRAM Main
+VAR_INPUT Start : BOOL; END_VAR
+VAR_OUTPUT Q : BOOL; END_VAR
+INITIAL_STEP Init: END_STEP
+TRANSITION FROM Init TO Run := Start AND Ready; END_TRANSITION
+STEP Run: Q(N); Valve(S); END_STEP
+TRANSITION FROM Run TO Init := NOT Start; END_TRANSITION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("target", ["scl", "simaticml"])
+@pytest.mark.parametrize("name", [None, "GVL"])
+def test_global_variables_that_a_chart_writes_are_those_in_data_blocks(
+    name: str | None, target: str, tmp_path: Path
+) -> None:
+    project = sfc.loads(_WITH_GLOBAL.encode(), format="iec-text")
+    project.global_variables[0].name = name
+    made = sfc.lower_to_file(project, str(tmp_path / "main"), "case", format=target, free_inputs="all")
+    assert made.pous[0].proof is not None
+    assert made.pous[0].proof.proven
+    assert f"{name}.Valve" if name else "Valve" in made.pous[0].proof.compared
+
+    def written(text: str) -> m.Project:
+        """The project in the data block of whose file is what a chart with `text` writes."""
+        other = sfc.loads(_WITH_GLOBAL.replace("Valve(S)", text).encode(), format="iec-text")
+        other.global_variables[0].name = name
+        path = str(tmp_path / "other")
+        sfc.lower_to_file(other, path, "case", format=target, accept_untested=True)
+        return sfc.load(path, format=target, as_tool=True)
+
+    found = sfc.equivalent(project, written("Valve(N)"), "iec", free_inputs="all")
+    assert found.different, str(found)
+    assert sfc.equivalent(written("Valve(S)"), project, "iec", free_inputs="all").proven
