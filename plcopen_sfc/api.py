@@ -233,6 +233,7 @@ def check_syntax(project: Project | Pou | SfcNetwork) -> list[Diagnostic]:
     Each finding has the place in its text and, if the project was loaded from a file that it is still in, in the file.
     """
     from plcopen_sfc.languages.syntax_problems import TextFinder, syntax_problems  # noqa: PLC0415  # brings the parser
+    from plcopen_sfc.semantics.profile import default_profile  # noqa: PLC0415
 
     if not isinstance(project, Project):
         from plcopen_sfc.semantics.subjects import resolve  # noqa: PLC0415
@@ -241,17 +242,19 @@ def check_syntax(project: Project | Pou | SfcNetwork) -> list[Diagnostic]:
         pou = found.pou.model_copy(deep=True)
         if isinstance(project, SfcNetwork):  # its texts only
             pou = Pou(name=pou.name, kind=pou.kind, bodies=[SfcBody(chart=project.model_copy(deep=True))])
-        return syntax_problems(Project(dialect=found.project.dialect, pous=[pou]))
+        part = Project(dialect=found.project.dialect, pous=[pou])
+        return syntax_problems(part, grafcet=default_profile(found.project).grafcet_terms)
     source = project.source
     if isinstance(source, FolderSource):
         from plcopen_sfc.documents.sources import documents_of  # noqa: PLC0415
 
         return [finding for document in documents_of(project) for finding in check_syntax(document)]
+    grafcet = default_profile(project).grafcet_terms
     if not isinstance(source, FileSource):
-        return syntax_problems(project)
+        return syntax_problems(project, grafcet=grafcet)
     kind = format_named(source.format)[0]
     finder = TextFinder(_text_of(source.content, kind), xml=kind.xml)
-    return syntax_problems(project, file=source.path, finder=finder)
+    return syntax_problems(project, grafcet=grafcet, file=source.path, finder=finder)
 
 
 def _text_of(content: bytes, kind: Format) -> str:

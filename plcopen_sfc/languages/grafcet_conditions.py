@@ -25,7 +25,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from plcopen_sfc.languages.problems import Problem
-from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.languages.st import parse_condition, parse_expression
+from plcopen_sfc.model.dialect import Dialect
 
 
 class ConditionError(ValueError):
@@ -88,13 +89,14 @@ def to_structured_text(text: str, terms: Terms) -> str:
     return reader.level(0, len(reader.tokens))
 
 
-def condition_problem(text: str) -> Problem | None:
+def condition_problem(text: str, dialect: Dialect = Dialect.IEC) -> Problem | None:
     """Return why a condition cannot be read; None where it can."""
     try:
-        to_structured_text(text, _AsWritten())
+        read = to_structured_text(text, _Operands())
     except ConditionError as error:
         return error.problem
-    return None
+    problems = parse_condition(read, dialect).problems  # such as a keyword in place of a name
+    return Problem(problems[0].message, (0, len(text))) if problems else None
 
 
 def program_parts(text: str) -> list[tuple[int, int]]:
@@ -103,19 +105,21 @@ def program_parts(text: str) -> list[tuple[int, int]]:
     Empty where it cannot be read. A span may be that of an overlined name.
     """
     try:
-        reader = _Reader(text, _AsWritten())
+        reader = _Reader(text, _Operands())
         reader.level(0, len(reader.tokens))
     except ConditionError:
         return []
     return reader.parts
 
 
-class _AsWritten:
-    def edge(self, operand: str, *, rising: bool) -> str:
-        return f"{'↑' if rising else '↓'}({operand})"
+class _Operands:
+    """Gives the operand for each term."""
 
-    def delay(self, operand: str, first: str | None, last: str | None) -> str:
-        return "/".join(part for part in (first, f"({operand})", last) if part is not None)
+    def edge(self, operand: str, *, rising: bool) -> str:  # noqa: ARG002  # as the protocol has it
+        return f"({operand})"
+
+    def delay(self, operand: str, first: str | None, last: str | None) -> str:  # noqa: ARG002  # as the protocol has it
+        return f"({operand})"
 
 
 class _Reader:
@@ -209,7 +213,8 @@ class _Reader:
         """Keep the span of a part that is structured text. Raises `ConditionError` where it is none."""
         first, last = self.tokens[start].span[0], self.tokens[end - 1].span[1]
         text = self._text[first:last]
-        problems = parse_expression(text.translate(_SAME_LENGTH)).problems if end > start + 1 else ()
+        dialect = Dialect.SCL if '"' in text else Dialect.IEC  # "DB".x: this notation has names of S7 in every file
+        problems = parse_expression(text.translate(_SAME_LENGTH), dialect).problems if end > start + 1 else ()
         if problems:
             why = f"{' '.join(text.split())!r} is no structured text: {problems[0].message}"
             if self._next(start, end, {"compare"}) < end:

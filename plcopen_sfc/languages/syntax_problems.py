@@ -9,7 +9,8 @@ from typing import Any
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.grafcet_conditions import condition_problem
+from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_declarations, parse_expression, parse_statements
 from plcopen_sfc.languages.st.nodes import EmbeddedCode
 from plcopen_sfc.languages.st.walking import walk
@@ -74,16 +75,22 @@ def embedded_code(project: Project) -> Iterator[str]:
                 yield text_site.report_path
 
 
-def syntax_problems(project: Project, *, file: str | None = None, finder: TextFinder | None = None) -> list[Diagnostic]:
-    """Every syntax error, with its line and column in its text and, with a `finder`, in the file as well."""
+def syntax_problems(
+    project: Project, *, grafcet: bool = False, file: str | None = None, finder: TextFinder | None = None
+) -> list[Diagnostic]:
+    """Every syntax error, with its line and column in its text and, with a `finder`, in the file as well.
+
+    `grafcet`: the conditions are those of GRAFCETs, with edges and times (IEC 60848:2013, 4.6).
+    """
     found: list[Diagnostic] = []
-    for text_site, parsed in _parsed(project):
-        if not parsed.problems:
+    for text_site, problems in _problems(project, grafcet=grafcet):
+        if not problems:
             continue
-        offsets = [problem.span[0] for problem in parsed.problems]
+        offsets = [problem.span[0] for problem in problems]
         places = finder.places(text_site.text, offsets) if finder is not None else None
-        for index, problem in enumerate(parsed.problems):
-            line, column = parsed.place(offsets[index])
+        lines = Lines(text_site.text)
+        for index, problem in enumerate(problems):
+            line, column = lines.place(offsets[index])
             file_line, file_column = places[index] if places is not None else (None, None)
             where = f"{text_site.path}, line {line}, column {column}"
             location = Location(file, file_line, file_column, where)
@@ -91,15 +98,18 @@ def syntax_problems(project: Project, *, file: str | None = None, finder: TextFi
     return found
 
 
-def _parsed(project: Project) -> Iterator[tuple[TextSite, Parsed[Any]]]:
+def _problems(project: Project, *, grafcet: bool) -> Iterator[tuple[TextSite, Sequence[Problem]]]:
     for text_site in text_sites(project):
         if text_site.reading is SiteKind.STATEMENTS:
-            yield text_site, _statements(text_site.text, project.dialect)
+            yield text_site, _statements(text_site.text, project.dialect).problems
+        elif grafcet and isinstance(text_site.holder, Expression):
+            problem = condition_problem(text_site.text, project.dialect)
+            yield text_site, [problem] if problem is not None else []
         elif text_site.is_program_text and not _is_any_size(text_site):
             parse = parse_condition if isinstance(text_site.holder, Expression) else parse_expression
-            yield text_site, parse(text_site.text, project.dialect)
+            yield text_site, parse(text_site.text, project.dialect).problems
         elif text_site.reading is SiteKind.DECLARATIONS:
-            yield text_site, parse_declarations(text_site.text, project.dialect)
+            yield text_site, parse_declarations(text_site.text, project.dialect).problems
 
 
 def _is_any_size(text_site: TextSite) -> bool:

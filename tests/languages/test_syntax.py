@@ -67,6 +67,34 @@ def _problems(path: Path) -> list[sfc.Diagnostic]:
     return sfc.check_syntax(project)
 
 
+def test_conditions_of_grafcets_are_read_as_such(tmp_path: Path) -> None:
+    files = sorted(Path("fixtures/grafcet").iterdir())
+    assert len(files) >= 3
+    for file in files:
+        project = sfc.load(file)
+        saved = tmp_path / f"{file.stem}.json"
+        sfc.save(project, saved)
+        found = [sfc.check_syntax(each) for each in (project, sfc.load(saved), project.pous[0])]
+        assert found == [[], [], []]
+
+
+def test_conditions_of_other_charts_have_no_terms_of_grafcet() -> None:
+    chart = SfcNetwork()
+    chart.add_transition(chart.add_step("S0", initial=True), chart.add_step("S1"), Expression(text="↑a"))
+    project = Project(
+        dialect=Dialect.CODESYS, pous=[Pou(name="Main", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=chart)])]
+    )
+    (found,) = sfc.check_syntax(project)
+    assert (found.code, found.message) == ("LNG101", "'↑' cannot stand here")
+
+
+def test_an_unreadable_condition_of_a_grafcet_has_its_place() -> None:
+    text = "GRAFCET G\nINPUTS\n    a\n    n : INT\nINITIAL STEP 1\n1 -> 2 : /a * [n < 5 + a*]\nSTEP 2\n2 -> 1 : ↑a\n"
+    (found,) = sfc.check_syntax(sfc.loads(text.encode()))
+    assert (found.code, found.location.line, found.location.column) == ("LNG101", 6, 26)
+    assert "'n < 5 + a*' is no structured text" in found.message
+
+
 LISTED = {
     "example.xml": ["SFCTest / step Step3 / action IN1 / duration, line 1, column 3"],  # a time without T#
 }

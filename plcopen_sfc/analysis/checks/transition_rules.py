@@ -14,7 +14,6 @@ from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.languages.networks import NetworkExpression
-from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.languages.st.effects import reads, targets
@@ -23,7 +22,6 @@ from plcopen_sfc.model.body import Body, IlBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.sfc import Step, Transition
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, EnumType, StringType, StructType
-from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 
 
 def _selections(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, list[Transition]]]:
@@ -233,17 +231,10 @@ def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
         places = [(sheet.at(transition), transition.condition) for transition in sheet.transitions]
         places += [(sheet.at(step, each), each.condition) for step, each in sheet.actions()]
         for place, condition in places:
-            problem = _problem(condition.text, chart) if isinstance(condition, Expression) else None
+            problem = condition_problem(condition.text, chart.dialect) if isinstance(condition, Expression) else None
             if problem is not None and isinstance(condition, Expression):
                 text = " ".join(condition.text.split())
                 yield Finding(place, f"the condition {text!r} cannot be read: {problem.message}")
-
-
-def _problem(text: str, chart: CheckedChart) -> Problem | None:
-    found = condition_problem(text)
-    if found is None:  # a comparison is structured text, which the parser judges
-        found = next(iter(parse_condition(TermTexts().read(text), chart.dialect).problems), None)
-    return found
 
 
 def _constant(chart: CheckedChart, truth: Truth) -> Iterator[tuple[CheckedSheet, Transition]]:
