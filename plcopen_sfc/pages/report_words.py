@@ -682,6 +682,9 @@ _TRANSLATED = {
         "Ablaufketten in Aktionen zeigen einen neuen Schritt in CODESYS einen Aufruf später: wo eine solche Aktion "
         "gerade endet, wirkt der Schritt in TIA Portal, bevor sie endet, und in CODESYS, wenn sie wieder beginnt"
     ),
+    "{} is an edge of something that is no variable and no step: {}": (
+        "{} ist eine Flanke von etwas, das weder Variable noch Schritt ist: {}"
+    ),
     "the condition cannot be read: {}": "die Bedingung ist nicht lesbar: {}",
     "the condition is FALSE: CODESYS leaves the transition out": (
         "die Bedingung ist FALSE: CODESYS lässt die Transition aus"

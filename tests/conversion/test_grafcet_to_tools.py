@@ -9,7 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import LossError
-from plcopen_sfc.model import Expression, Project
+from plcopen_sfc.model import Elementary, ElementaryType, Expression, Project, SectionKind, Variable, VariableSection
 from plcopen_sfc.report import ConversionReport
 
 TEXT = """GRAFCET Kette AS FUNCTION_BLOCK
@@ -450,3 +450,47 @@ def test_steps_that_rules_activate_and_a_grafcet_passes_are_named() -> None:
     assert "Step1 may be active" in losses(converted(text, "plcopen")[1])[STABILITY]
     text = SIMULTANEOUS.replace("11 -> 10 : /c", "11 -> 10 : /c * /a")
     assert "flags are a scan late" in losses(converted(text, "plcopen")[1])[STABILITY]
+
+
+EDGES = """GRAFCET Kette AS FUNCTION_BLOCK
+INPUTS
+    START %I0.0
+    X2 %I0.1
+    B
+OUTPUTS
+    Q
+INITIAL STEP 1
+1 -> 2 : ↑START * /B
+STEP 2
+    Q
+2 -> 1 : ↓START * /X2 + B * ↑X2
+"""
+
+
+@pytest.mark.parametrize("placed", [True, False])
+@pytest.mark.parametrize("form", ["codesys", "codesys23", "twincat", "simaticml", "plcopen", "iec-text"])
+def test_edges_of_inputs_are_executed_with_an_address_and_without(form: str, placed: bool) -> None:
+    text = EDGES if placed else EDGES.replace(" %I0.0", "").replace(" %I0.1", "")
+    result, report = converted(text, form)
+    assert losses(report).keys() <= {STABILITY}
+    profiles = ("grafcet", {"plcopen": "iec", "iec-text": "iec", "simaticml": "s7graph"}.get(form, "codesys"))
+    verdict = sfc.equivalent(sfc.loads(text.encode()), result, profiles, delay="auto", cap=300, runs=4, scans=60)
+    assert verdict.counterexample is None, verdict
+
+
+@pytest.mark.parametrize("edge", ["↑Key", "↓Panel.Key", "↑T1.Q"])
+@pytest.mark.parametrize("form", ["codesys", "simaticml"])
+def test_edges_of_global_variables_and_members_are_executed(edge: str, form: str) -> None:
+    text = EDGES.replace("↑START", edge).replace("OUTPUTS", "INTERNALS\n    T1 : TON\nOUTPUTS")
+    source = sfc.loads(text.encode())
+    key = Variable(name="Key", type=ElementaryType(name=Elementary.BOOL))
+    source.global_variables.append(VariableSection(kind=SectionKind.GLOBAL, name="Panel", variables=[key]))
+    report = sfc.convert(source, form, partial=True).report
+    assert "condition" not in losses(report)
+    edges = [item.path.rpartition(" / ")[2] for item in report.items if item.what == "edge"]
+    assert edge in edges
+
+
+def test_an_edge_of_an_undeclared_name_is_refused() -> None:
+    report = converted(EDGES.replace("↑START", "↑Taste"), "simaticml")[1]
+    assert losses(report)["condition"] == "↑Taste is an edge of something that is no variable and no step: Taste"

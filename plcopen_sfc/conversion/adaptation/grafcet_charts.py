@@ -22,15 +22,17 @@ from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
 )
 from plcopen_sfc.conversion.executed_parts import STABILITY, START
 from plcopen_sfc.errors import UnknownBehaviourError
+from plcopen_sfc.languages.binding.name_sites import in_tree
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
 from plcopen_sfc.languages.networks import declared_rules, draw_ld
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, disjunction
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import PermanentOperation, SfcNetwork, Step, Supervised
@@ -96,7 +98,9 @@ class _Chart:
         self._note = note
         self._of_graph = target.graph_parameters
         self._actions_first = target.order is ScanOrder.ACTIONS_FIRST
-        self._taken = taken_names(project, Chart(pou.name, pou, chart))
+        self._tags = {tag.name.casefold() for table in project.tag_tables for tag in table.tags}
+        self._globals = {name.casefold() for section in project.global_sections() for name in _named_by(section)}
+        self._taken = taken_names(project, Chart(pou.name, pou, chart)) | self._tags | self._globals
         self._macros: dict[str, list[Step]] = {}
         self._edges: dict[tuple[str, bool], str] = {}
         self._memories: list[str] = []
@@ -194,11 +198,13 @@ class _Chart:
     def edge(self, operand: str, *, rising: bool) -> str:
         """Return what stands for an edge; its memory is a variable that `_keep_memories` writes."""
         tree = parse_expression(operand).tree
-        names = [node.identifier for node in walk(tree) if isinstance(node, n.Name)] if tree is not None else ["?"]
-        steps = [step for name in names if not self._declares(name) and (step := self._step_of(name)) is not None]
-        if sum(self._declares(name) for name in names) + len(steps) < len(names):
-            what = f"{'↑' if rising else '↓'}{operand}"
-            raise _TermError(f"{what} is an edge of something that is no variable of the POU and no step")
+        names = _named_first(tree) if tree is not None else ["?"]
+        undeclared = [name for name in names if not self._declares(name)]
+        steps = [step for name in undeclared if (step := self._step_of(name)) is not None]
+        unknown = [name for name in undeclared if self._step_of(name) is None and name.casefold() not in self._globals]
+        if unknown:
+            what = _shown_edge(operand, rising=rising)
+            raise _TermError(f"{what} is an edge of something that is no variable and no step: {unknown[0]}")
         starts = len(self._chart.initial_steps) > 1 and self._actions_first
         if starts and any(step.initial for step in steps):
             raise _TermError("its step becomes active one scan after the start, which would be an edge")
@@ -342,7 +348,9 @@ class _Chart:
         return node
 
     def _declares(self, name: str) -> bool:
-        return any(variable.name.casefold() == name.casefold() for variable in self._pou.variables())
+        """True for what a GRAFCET declares, which its steps do not hide; inputs with an address are tags by now."""
+        wanted = name.casefold()
+        return wanted in self._tags or any(variable.name.casefold() == wanted for variable in self._pou.variables())
 
     # -- actions
 
@@ -501,6 +509,16 @@ def _with_no_time_in(tree: n.Expression, step: Step) -> n.Expression:
         return FALSE if times and print_node(node).partition(" ")[0].casefold() == own else node
 
     return transform(tree, passed)
+
+
+def _named_first(tree: n.Expression) -> list[str]:
+    """Return the names in a tree, but for those of members and parameters."""
+    return [each.name for each in in_tree(tree, Dialect.IEC) if each.base is None and each.callee is None]
+
+
+def _named_by(section: VariableSection) -> list[str]:
+    """Return the names by which texts find a list of global variables: its own, and those of the variables."""
+    return [*filter(None, [section.name]), *(variable.name for variable in section.variables)]
 
 
 def _shown_edge(operand: str, *, rising: bool) -> str:
