@@ -232,6 +232,10 @@ _NOT_EXECUTED = {
     "it calls a method": "sie ruft eine Methode auf",
     "its network is no list of statements": "ihr Netzwerk ist keine Folge von Anweisungen",
     "{+} has no program in {+}": "{} hat in {} keinen Programmcode",
+    "the block is empty and does nothing: SCL has no charts; `plcopen-sfc lower --to scl` makes code of them": (
+        "der Baustein ist leer und tut nichts: SCL hat keine Ablaufketten; "
+        "`plcopen-sfc lower --to scl` macht Code aus ihnen"
+    ),
     "the block is empty and does nothing: SCL has programs in structured text only": (
         "der Baustein ist leer und tut nichts: SCL hat Programme nur in strukturiertem Text"
     ),

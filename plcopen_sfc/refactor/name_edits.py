@@ -113,7 +113,7 @@ def check_free(names: Names, pou: Pou, name: str) -> None:
         raise ModelError(f"{name!r} cannot be a name: {problem}")
     beside = names.resolver.scopes.pou(pou).named(name)
     if beside:
-        raise ModelError(f"{name!r} is taken: there is a {beside[0]} already")
+        raise ModelError(f"{name!r} is taken: the {beside[0]} has this name already")
     if any(True for _ in names.occurrences(name)):
         raise ModelError(f"{name!r} is named already, and would mean something else", hint="Take another name.")
 

@@ -87,7 +87,7 @@ def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[
             for other in level.named(key):
                 stays = other != declaration and other not in alike and not _gives_up_name(other, wanted)
                 if stays and (other.kind is Kind.TRANSITION) == transition:
-                    yield f"there is a {other} already"
+                    yield f"the {other} has this name already"
             for other in alike:
                 if other in level and (other.kind is Kind.TRANSITION) == transition:
                     yield f"the {other} gets this name too"

@@ -176,7 +176,10 @@ REFUSED: list[tuple[Callable[[Editor, sfc.Project], Any], str]] = [
     (lambda e, p: e.retarget("Main.Drain", "Main.Wait", [link(p, "Wait -> Fill")]), "does not lead to 'Drain'"),
     (lambda e, p: e.remove_branch(link(p, "Wait -> Fill")), "no other transition leaves"),
     (lambda e, p: e.remove_branch("Main.Drain"), "does not begin simultaneous sequences"),
-    (lambda e, p: e.extract_condition(link(p, "Wait -> Fill"), "Valve"), "there is a variable Main.Valve already"),
+    (
+        lambda e, p: e.extract_condition(link(p, "Wait -> Fill"), "Valve"),
+        "variable Main.Valve has this name already",
+    ),
     (lambda e, p: e.extract_condition(link(p, "Wait -> Fill"), "IF"), "cannot be a name"),
     (lambda e, p: e.inline_condition(link(p, "Wait -> Fill")), "names no transition"),
     (lambda e, p: e.extract_action("Main.Fill", "Do", 0), "no code in place"),

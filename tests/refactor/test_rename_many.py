@@ -45,7 +45,7 @@ def test_names_are_passed_on() -> None:
     ("table", "reason"),
     [
         ({"Main.S1": "Fill", "Main.S2": "fill"}, "gets this name too"),
-        ({"Main.S1": "Fill", "Main.S2": "S3"}, "there is a step Main.S3 already"),
+        ({"Main.S1": "Fill", "Main.S2": "S3"}, "the step Main.S3 has this name already"),
         ({"Main.S1": "Fill", "Main.S3": "IF"}, "cannot be a name"),
         ({"Main.S1": "Fill", "main.s1": "Mix"}, "twice"),
         ({"Main.S1": "Fill", "Main.S9": "Mix"}, "declares no 'Main.S9'"),

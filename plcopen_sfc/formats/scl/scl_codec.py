@@ -270,8 +270,10 @@ def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, 
     keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
     for number, body in enumerate(pou.bodies):
         if not isinstance(body, StBody) or number:
-            what = "chart" if isinstance(body, SfcBody) else "body"
-            yield what, "", "the block is empty and does nothing: SCL has programs in structured text only"
+            what, why = "body", "SCL has programs in structured text only"
+            if isinstance(body, SfcBody):
+                what, why = "chart", "SCL has no charts; `plcopen-sfc lower --to scl` makes code of them"
+            yield what, "", f"the block is empty and does nothing: {why}"
         elif not _stays_inside(body.text, keyword):
             yield "body", "", "the block is empty and does nothing: its text would end the block before its end"
     for action in pou.actions:

@@ -136,7 +136,9 @@ def test_blocks_that_do_nothing_are_told() -> None:
     chart.add_step("S1", initial=True)
     project.pous.append(m.Pou(name="Chart", kind=m.PouKind.PROGRAM, bodies=[m.SfcBody(chart=chart)]))
     _, _, report = written(project)
-    assert told(report, "chart") == ["the block is empty and does nothing: SCL has programs in structured text only"]
+    assert told(report, "chart") == [
+        "the block is empty and does nothing: SCL has no charts; `plcopen-sfc lower --to scl` makes code of them"
+    ]
     assert {item.path for item in report.with_outcome(Outcome.NOT_EXECUTED)} == {"POU Chart"}
 
 
