@@ -31,7 +31,12 @@ from plcopen_sfc.lowering.lowering_options import (
     tool_of,
     without_version,
 )
-from plcopen_sfc.lowering.other_bodies import with_actions, with_actions_inside, without_unused_parts
+from plcopen_sfc.lowering.other_bodies import (
+    with_actions,
+    with_actions_inside,
+    without_external_declarations,
+    without_unused_parts,
+)
 from plcopen_sfc.lowering.proof import ProofOptions, prove, refuse_untested
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.pou import Pou
@@ -281,7 +286,8 @@ def _constructed(chart: Subject, meant: Subject, wanted: _Wanted, rules: Lowerin
     )
     made = with_actions(made, dialect, rules, wanted.language, chart.project)
     if rules.target is not None and tool_of(rules.target, dialect) is Tool.S7:
-        made = replace(made, pou=with_actions_inside(made.pou, dialect))
+        pou = without_external_declarations(with_actions_inside(made.pou, dialect), meant.project)
+        made = replace(made, pou=pou)
     if chart.name == chart.pou.name:
         made = replace(made, pou=without_unused_parts(meant.pou, made.pou, dialect))
     return made

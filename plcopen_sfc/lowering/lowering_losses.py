@@ -18,6 +18,7 @@ from plcopen_sfc.model.network import NodeBase
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, SfcSettings, Step
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, plain
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Item, Outcome
 from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
 from plcopen_sfc.semantics.net import Net
@@ -126,7 +127,8 @@ def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language:
             found += _Chart(subject, part.chart, profile, path).losses()
         for remark in captions(part, path, subject.project.dialect):
             found += _missing_in_code(remark, code_captions, language)
-    kept = {variable.name.casefold() for variable in pou.variables()}
+    # VAR_EXTERNAL declares nothing: the code names the global variable itself
+    kept = {variable.name.casefold() for variable in (*pou.variables(), *own.variables(SectionKind.EXTERNAL))}
     gone = [variable.name for variable in own.variables() if variable.name.casefold() not in kept]
     if gone:
         why = f"only a chart can have variables of their types: {', '.join(gone)}"

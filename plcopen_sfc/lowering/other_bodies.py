@@ -24,8 +24,9 @@ from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Contact
-from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.variables import SectionKind
 
 _OPERAND = re.compile(r"[\w.]+")
 _STEP_DATA = frozenset({"x", "t", "_x", "_t"})
@@ -158,19 +159,26 @@ _LEAVING = (n.ReturnStatement, n.Goto, n.LabelStatement)
 def with_actions_inside(pou: Pou, dialect: Dialect) -> Pou:
     """Return `pou` with the statements of its actions in the place of their calls, each behind a comment with its name.
 
-    Calls stay of actions that are drawn, that return or jump, and that call themselves.
+    Calls stay of actions that are drawn, that return or jump, and that call themselves. Actions that nothing calls any
+    more have no calls either: some dialects keep them, and the target compiles none.
     """
     texts = {a.name.casefold(): a.body.text for a in pou.actions if isinstance(a.body, StBody)}
     texts = {name: text for name, text in texts.items() if _can_stand_elsewhere(text, dialect)}
     if not texts or not any(isinstance(body, StBody) for body in pou.bodies):
         return pou
-    bodies = [
-        body.model_copy(update={"text": _inlined(body.text, texts, dialect), "markup": None})
-        if isinstance(body, StBody)
-        else body
-        for body in pou.bodies
+    inlining = _Inlining(pou, dialect)
+
+    def inside(body: Body, around: str = "") -> Body:
+        if not isinstance(body, StBody):
+            return body
+        others = {name: text for name, text in texts.items() if name != around}
+        return body.model_copy(update={"text": inlining.inlined(body.text, others), "markup": None})
+
+    actions = [
+        each.model_copy(update={"body": inside(each.body, each.name.casefold())}) if each.body is not None else each
+        for each in pou.actions
     ]
-    return pou.model_copy(update={"bodies": bodies})
+    return pou.model_copy(update={"bodies": [inside(body) for body in pou.bodies], "actions": actions})
 
 
 def _can_stand_elsewhere(text: str, dialect: Dialect) -> bool:
@@ -178,33 +186,61 @@ def _can_stand_elsewhere(text: str, dialect: Dialect) -> bool:
     return not parsed.problems and not any(isinstance(node, _LEAVING) for node in walk(parsed.tree))
 
 
-def _inlined(text: str, texts: Mapping[str, str], dialect: Dialect) -> str:
-    edits: list[Edit] = []
-    for node in walk(parse_statements(text, dialect).tree):
-        name = _called_alone(node)
-        if name is None or name.casefold() not in texts or node.span is None:
-            continue
-        others = {each: inside for each, inside in texts.items() if each != name.casefold()}
-        inside = _inlined(texts[name.casefold()], others, dialect).strip("\n")
-        end = re.compile(r"\s*;").match(text, node.span[1])
-        stop = end.end() if end is not None else node.span[1]
-        start = text.rfind("\n", 0, node.span[0]) + 1
-        before = text[start : node.span[0]]
-        indent = before[: len(before) - len(before.lstrip())]
-        put = f"\n{indent}".join([f"// {name}", *inside.split("\n")])
-        if before.strip():
-            put = f"\n{indent}{put}"
-        behind = text[stop : (text + "\n").index("\n", stop)]
-        edits.append(Edit(node.span[0], stop, put if not behind.strip() else f"{put}\n{indent}"))
-    return apply_edits(text, edits)
+class _Inlining:
+    """Statements of the actions of one POU in the place of their calls."""
+
+    def __init__(self, pou: Pou, dialect: Dialect) -> None:
+        self._own = {"this", *([pou.name.casefold()] if pou.kind is PouKind.PROGRAM else [])}
+        self._dialect = dialect
+
+    def inlined(self, text: str, texts: Mapping[str, str]) -> str:
+        """Return `text` with the statements in `texts`, by the names of actions in lower case."""
+        edits: list[Edit] = []
+        for node in walk(parse_statements(text, self._dialect).tree):
+            name = self._called_alone(node)
+            if name is None or name.casefold() not in texts or node.span is None:
+                continue
+            others = {each: inside for each, inside in texts.items() if each != name.casefold()}
+            inside = self.inlined(texts[name.casefold()], others).strip("\n")
+            end = re.compile(r"\s*;").match(text, node.span[1])
+            stop = end.end() if end is not None else node.span[1]
+            start = text.rfind("\n", 0, node.span[0]) + 1
+            before = text[start : node.span[0]]
+            indent = before[: len(before) - len(before.lstrip())]
+            put = f"\n{indent}".join([f"// {name}", *inside.split("\n")])
+            if before.strip():
+                put = f"\n{indent}{put}"
+            behind = text[stop : (text + "\n").index("\n", stop)]
+            edits.append(Edit(node.span[0], stop, put if not behind.strip() else f"{put}\n{indent}"))
+        return apply_edits(text, edits)
+
+    def _called_alone(self, node: n.Node) -> str | None:
+        """Return the name of the action that a statement calls without arguments: ``A``, ``Main.A``, ``THIS^.A``."""
+        call = node.call if isinstance(node, n.CallStatement) else None
+        if isinstance(call, n.Call) and not call.arguments:
+            call = call.callee
+        if isinstance(call, n.Member):
+            base = call.base.base if isinstance(call.base, n.Dereference) else call.base
+            if not isinstance(base, n.Name) or base.identifier.casefold() not in self._own:
+                return None
+            call = call.name
+        return call.identifier if isinstance(call, n.Name) else None
 
 
-def _called_alone(node: n.Node) -> str | None:
-    """Return the name of what a statement calls without arguments."""
-    call = node.call if isinstance(node, n.CallStatement) else None
-    if isinstance(call, n.Call) and not call.arguments:
-        call = call.callee
-    return call.identifier if isinstance(call, n.Name) else None
+def without_external_declarations(pou: Pou, project: Project) -> Pou:
+    """Return `pou` without declarations of what is a global variable of its project: S7 has only that itself."""
+    if pou.interface is None or all(each.kind is not SectionKind.EXTERNAL for each in pou.interface.sections):
+        return pou
+    declared = {variable.name.casefold() for section in project.global_sections() for variable in section.variables}
+    sections = []
+    for section in pou.interface.sections:
+        if section.kind is SectionKind.EXTERNAL:
+            left = [variable for variable in section.variables if variable.name.casefold() not in declared]
+            section = section.model_copy(update={"variables": left})  # noqa: PLW2901
+        if section.kind is not SectionKind.EXTERNAL or section.variables:
+            sections.append(section)
+    interface = pou.interface.model_copy(update={"sections": sections, "declaration": None})
+    return pou.model_copy(update={"interface": interface})
 
 
 def without_unused_parts(original: Pou, lowered: Pou, dialect: Dialect) -> Pou:

@@ -592,6 +592,7 @@ _TRANSLATED = {
     "the networks that control actions": "die Netzwerke, die Aktionen steuern",
     "there is one organization block only": "es gibt nur einen Organisationsbaustein",
     "in the types of S7": "in den Typen von S7",
+    "in the sections of S7": "in den Abschnitten von S7",
     "conditions tell which transition fires": "Bedingungen bestimmen, welche Transition schaltet",
     "it depends on the operating mode": "sie hängt von der Betriebsart ab",
     "rows and outputs that depend on it are statements; it does nothing else": (

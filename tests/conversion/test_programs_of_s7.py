@@ -365,3 +365,24 @@ def test_a_folder_has_a_file_for_each_block(tmp_path: Path) -> None:
     files = {path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("*.xml")}
     blocks = {f"Program blocks/{name}.xml" for name in ("PLC_PRG", "PLC_PRG_DB", "MainTask")}
     assert blocks | {"PLC tags/GVL_IO.xml"} <= files
+
+
+@pytest.mark.parametrize(
+    "declared",
+    [
+        "VAR_EXTERNAL Total : INT; END_VAR VAR_INPUT Start : BOOL; END_VAR VAR n : INT; END_VAR",
+        "VAR_INPUT Start : BOOL; END_VAR VAR k : INT; a AT %QX0.0 : BOOL; n : INT; END_VAR",
+    ],
+)
+def test_variables_that_are_elsewhere_in_s7_are_no_loss_of_the_others(declared: str, tmp_path: Path) -> None:
+    """Neither a block in SCL declares: external variables are the global ones, those at an address are tags."""
+    text = f"""VAR_GLOBAL Total : INT; END_VAR
+    PROGRAM Main {declared} VAR CONSTANT c : INT := 3; END_VAR
+    IF Start THEN n := n + c; END_IF; END_PROGRAM"""
+    source = sfc.loads(text.encode(), format="iec-text")
+    report = sfc.save(source, tmp_path / "main.scl", partial=True)
+    lost = {(item.what, item.path) for item in report.with_outcome(Outcome.NOT_EXECUTED)}
+    assert lost == ({("global variable", "a")} if "%QX" in declared else set())
+    back = sfc.load(tmp_path / "main.scl")
+    kinds = [[(s.kind, [v.name for v in s.variables]) for s in p.pous[0].interface.sections] for p in (source, back)]  # type: ignore[union-attr]
+    assert kinds[0] == kinds[1]

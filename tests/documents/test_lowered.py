@@ -297,3 +297,17 @@ def test_global_variables_that_a_chart_writes_are_those_in_data_blocks(
     found = sfc.equivalent(project, written("Valve(N)"), "iec", free_inputs="all")
     assert found.different, str(found)
     assert sfc.equivalent(written("Valve(S)"), project, "iec", free_inputs="all").proven
+
+
+@pytest.mark.parametrize("target", ["scl", "simaticml"])
+def test_external_variables_are_the_global_ones_alone(target: str, tmp_path: Path) -> None:
+    """The list of sections was compared with that of the text, in which VAR_EXTERNAL is not: all others were lost."""
+    external = "VAR_EXTERNAL Valve, Ready : BOOL; END_VAR"
+    text = _WITH_GLOBAL.replace("VAR_OUTPUT", f"{external} VAR_OUTPUT")
+    path = tmp_path / "main"
+    made = sfc.lower_to_file(sfc.loads(text.encode(), format="iec-text"), str(path), format=target, free_inputs="all")
+    assert made.pous[0].proof is not None
+    assert made.pous[0].proof.proven
+    assert [item for item in made.report.items if item.what in ("sections", "variables", "section")] == []
+    assert "external" not in path.read_text(encoding="utf-8-sig").casefold()
+    assert not made.pous[0].losses

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -62,6 +64,22 @@ def test_tia_portal_gets_the_statements_of_actions_instead_of_calls(target: str,
     elsewhere = lower(project, construction, target="codesys", verify=False)
     assert isinstance(elsewhere.pou.body, m.StBody)
     assert elsewhere.pou.body.text.count("Toggle();") == 2
+
+
+@pytest.mark.parametrize("call", ["Toggle();", "Toggle;", "Ablauf.Toggle();", "Ablauf.Toggle;", "THIS^.Toggle();"])
+@pytest.mark.parametrize("target", ["scl", "simaticml"])
+def test_actions_that_nothing_calls_any_more_are_no_reason_to_refuse(call: str, target: str, tmp_path: Path) -> None:
+    """Dialects in which an action is called from anywhere keep it; TIA Portal compiles no call of one."""
+    project = chain_in_actions(call)
+    project.pous[0].kind = m.PouKind.FUNCTION_BLOCK if "THIS" in call else m.PouKind.PROGRAM
+    made = sfc.lower_to_file(project, str(tmp_path / "chain"), "case", format=target, partial=True)
+    assert not made.refused
+    (pou,) = made.pous
+    assert pou.proof is not None
+    assert pou.proof.proven
+    assert isinstance(pou.pou.body, m.StBody)
+    assert "// Toggle\n" in pou.pou.body.text
+    assert [item.why for item in made.report.items if "no actions and methods" in item.why] == []
 
 
 def test_actions_that_call_themselves_stay_calls() -> None:

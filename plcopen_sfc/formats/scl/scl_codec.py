@@ -97,8 +97,9 @@ def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
     left = [] if back == meant else list(changes(plain_fields(back), plain_fields(meant), guarded=True))
     types = s7_types(project)
     other = {change.path for change in changes(plain_fields(back), plain_fields(_as_written(meant, types)))}
+    told: set[str] = set()
     for change in left:
-        _report(project, change, report, says_the_same=change.path not in other)
+        _report(project, change, report, says_the_same=change.path not in other, told=told)
     if left:
         rest = "\n".join(f"// {{plcopen_sfc {change}}}" for change in left)
         pieces.append(WrittenBlock(("rest", ""), rest, apart=True))
@@ -120,9 +121,18 @@ _REPORTED = frozenset(
 """Fields whose effect on the execution the report lists elsewhere."""
 
 
-def _report(project: Project, change: RemainderEntry, report: ConversionReport, *, says_the_same: bool) -> None:
+def _report(
+    project: Project, change: RemainderEntry, report: ConversionReport, *, says_the_same: bool, told: set[str]
+) -> None:
+    """Report a comment of the text. `told`: the lists of sections that are reported already, as one for each POU."""
     path = path_of(project, keys_of(project, change))
     fields = [segment for segment in change.path if isinstance(segment, str)]
+    if says_the_same and fields[-2:] in (["interface", "sections"], ["sections", "variables"]):
+        owner = ObjectPath.of(path).owner
+        if owner not in told:
+            told.add(owner)
+            report.add(Outcome.TRANSLATED, "sections", owner, "in the sections of S7")
+        return
     why = next((_EXECUTED[field] for field in reversed(fields) if field in _EXECUTED), None)
     if says_the_same:
         report.add(Outcome.TRANSLATED, fields[-1], path, "in the types of S7")
@@ -153,10 +163,10 @@ _IN_A_BLOCK = 2
 
 def _as_written(project: Project, types: S7Types) -> Project:
     """Return a copy of `project` with the types, values and numbers that its text has for those of the project."""
-    copy, literals = project.model_copy(deep=True), _literals(project, types)
+    copy, literals, tags = project.model_copy(deep=True), _literals(project, types), local_tags(project)
     for pou in copy.pous:
         if pou.interface is not None:
-            pou.interface.sections = [_in_scl(section, pou, types) for section in pou.interface.sections]
+            pou.interface.sections = list(_sections(pou, types, tags.get(pou.name.casefold(), ())))
     for block in copy.data_blocks:
         if block.interface is not None:
             block.interface.sections = [each for section in block.interface.sections for each in _by_retention(section)]
@@ -405,17 +415,21 @@ def _pou(pou: Pou, types: S7Types, tags: Container[str], literals: Mapping[str, 
     written = f" : {write_type(types.type(result), _SCL) if result is not None else 'Void'}"
     yield from _head(keyword, pou.name, written if keyword == "FUNCTION" else "", pou.title, pou.extension_data)
     yield from _comment(pou.comment)
-    for section in pou.interface.sections if pou.interface is not None else []:
-        # S7 has no declarations of global variables in blocks
-        if section.kind is not SectionKind.EXTERNAL and not is_void(section):
-            members = [variable for variable in section.variables if variable.name.casefold() not in tags]
-            if len(members) < len(section.variables):
-                section = section.model_copy(update={"variables": members})  # noqa: PLW2901
-            yield _section(_in_scl(section, pou, types), types)
+    yield from (_section(section, types) for section in _sections(pou, types, tags) if not is_void(section))
     yield WrittenBlock(("begin", ""), "BEGIN")
     text = _with_literals(pou.body.text, literals) if isinstance(pou.body, StBody) else ""
     yield WrittenBlock(("body", ""), text if _stays_inside(text, keyword) else "", verbatim=True)
     yield WrittenBlock(("end", ""), f"END_{keyword}")
+
+
+def _sections(pou: Pou, types: S7Types, tags: Container[str]) -> Iterator[VariableSection]:
+    """Yield the sections of a block as SCL has them. `tags`: the names of variables that are tags."""
+    for section in pou.interface.sections if pou.interface is not None else []:
+        if section.kind is not SectionKind.EXTERNAL:  # S7 has no declarations of global variables in blocks
+            members = [variable for variable in section.variables if variable.name.casefold() not in tags]
+            if len(members) < len(section.variables):
+                section = section.model_copy(update={"variables": members})  # noqa: PLW2901
+            yield _in_scl(section, pou, types)
 
 
 def _stays_inside(body: str, keyword: str) -> bool:
