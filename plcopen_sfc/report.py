@@ -33,6 +33,8 @@ LOSSES = (Outcome.NOT_EXECUTED, Outcome.APPROXIMATED)
 """Outcomes that change the behaviour of the machine, the worst first: ``strict`` does not let them pass."""
 CHART_OF_ACTION = "chart of an action"
 """Subject of items that tell of a block for the chart of an action; a run may show that it does the same."""
+ORDER_OF_ACTIONS = "order of actions"
+"""Subject of items that tell of actions that the target executes in another order in a scan; see `CHART_OF_ACTION`."""
 SEQUENCE = "sequence"
 """Subject of items that tell which inputs, at rest, keep the form of the sequences of a chart."""
 FIELD = "field"

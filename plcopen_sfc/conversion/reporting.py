@@ -38,7 +38,7 @@ from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.types import SimpleValue, used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import CHART_OF_ACTION, LOSSES, ConversionReport, Item, Outcome
+from plcopen_sfc.report import CHART_OF_ACTION, LOSSES, ORDER_OF_ACTIONS, ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
@@ -49,11 +49,11 @@ if TYPE_CHECKING:
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
-_APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, CHART_OF_ACTION}
+_APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, CHART_OF_ACTION, ORDER_OF_ACTIONS}
 _APART |= {"retain", "address", "interval", "max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
 the chart of a GRAFCET may have no step that is only passed, and begins one scan later. A block for the chart of an
-action may do the same."""
+action may do the same, and actions in another order."""
 
 
 def report_running(
@@ -124,6 +124,7 @@ def report_running(
             _note_proven(report, there.report_path, STABILITY, "which fires transitions once in a scan")
         if verdict.kind is VerdictKind.PROVEN:
             _note_proven(report, there.report_path, CHART_OF_ACTION, "which calls a block for the chart of the action")
+            _note_proven(report, there.report_path, ORDER_OF_ACTIONS, "which executes actions in another order")
         if verdict.counterexample is not None:
             why = _refused(verdict.counterexample, tool)
             times = _times_among(verdict.inputs, there)

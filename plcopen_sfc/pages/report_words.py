@@ -67,6 +67,7 @@ _KINDS = {
     "minimum time": "Minimalzeit",
     "name": "Name",
     "named transition": "benannte Transition",
+    "order of actions": "Reihenfolge der Aktionen",
     "negation": "Negation",
     "network": "Netzwerk",
     "number": "Nummer",
@@ -125,7 +126,6 @@ _PARTS = {
     "the action of the POU": "Die Aktion des Bausteins",
     "stored value of {}": "gespeicherter Wert von {}",
     "order of transitions to": "Reihenfolge der Transitionen zu",
-    "order of actions": "Reihenfolge der Aktionen",
     "order of members": "Reihenfolge der Elemente",
     "order of {} variables": "Reihenfolge der Variablen von {}",
     "start value": "Startwert",
@@ -623,6 +623,9 @@ _TRANSLATED = {
     "with all inputs the target, which fires transitions once in a scan, does the same": (
         "mit allen Eingängen tut das Ziel, das Transitionen einmal je Zyklus schaltet, dasselbe"
     ),
+    "with all inputs the target, which executes actions in another order, does the same": (
+        "mit allen Eingängen tut das Ziel, das Aktionen in anderer Reihenfolge ausführt, dasselbe"
+    ),
     "with all inputs the target, which calls a block for the chart of the action, does the same": (
         "mit allen Eingängen tut das Ziel, das für die Ablaufkette der Aktion einen Baustein aufruft, dasselbe"
     ),
@@ -698,6 +701,19 @@ _TRANSLATED = {
     "the transition of INIT_SQ to the initial step is another one": (
         "die Transition von INIT_SQ zum Initialschritt ist eine andere"
     ),
+    "{} is executed before {} in one scan, in the source the other way round ({})": (
+        "{} wird in einem Zyklus vor {} ausgeführt, in der Quelle umgekehrt ({})"
+    ),
+    "{} is executed before {} in one scan, in the source the other way round ({}); {+}": (
+        "{} wird in einem Zyklus vor {} ausgeführt, in der Quelle umgekehrt ({}); {}"
+    ),
+    "{} is executed after {} in one scan, in the source the other way round ({})": (
+        "{} wird in einem Zyklus nach {} ausgeführt, in der Quelle umgekehrt ({})"
+    ),
+    "{} is executed after {} in one scan, in the source the other way round ({}); {+}": (
+        "{} wird in einem Zyklus nach {} ausgeführt, in der Quelle umgekehrt ({}); {}"
+    ),
+    "and {} more": "und {} weitere",
     "values of enumerations without the name of their type, which CoDeSys 2.3 does not write": (
         "Werte von Aufzählungen ohne den Namen ihres Typs, den CoDeSys 2.3 nicht schreibt"
     ),

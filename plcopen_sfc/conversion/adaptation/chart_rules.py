@@ -151,6 +151,7 @@ class _ChartRewriter:
         self._steps = StepRewriter(self._rewriting, self._checks)
         for step in self._chart.steps:
             self._steps.rewrite(step)
+        self._steps.report_order()
 
     def sequences(self) -> None:
         """Rewrite sequences that the target cannot hold, and add the transitions of INIT_SQ and OFF_SQ."""

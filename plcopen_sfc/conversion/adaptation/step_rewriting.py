@@ -18,13 +18,14 @@ from functools import cached_property
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
 from plcopen_sfc.conversion.adaptation.step_checks import COMPUTED, StepChecks
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, changed_element, rewritten_step
+from plcopen_sfc.languages.binding import Row, SharedScans, told_orders
 from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Action
 from plcopen_sfc.model.sfc import SfcNetwork, Step
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
 
 _COILS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.D, Qualifier.L})
 _SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
@@ -38,7 +39,10 @@ _MEANT = {
     Qualifier.P: "the statements of the step that are executed at its start, after other rows have written",
     Qualifier.P0: "the statements of the step that are executed once when it was left",
 }
-_MOST_SITUATIONS = 2_000
+_PHASES = {"entry": Qualifier.P1, "main": Qualifier.N, "exit": Qualifier.P0}
+_ORDER = (Qualifier.P0, Qualifier.P1, Qualifier.N)
+"""Exit, entry and main actions as CODESYS executes them in a scan, before the actions of associations."""
+_LASTING = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 _KEPT_ONLY = ("max_time", "warning_time", "interlock", "supervision")
 """Fields of a step that are extension data only: they come back as in the source."""
 _NO_TEXT = "its network cannot be written as an expression"
@@ -119,6 +123,8 @@ class StepRewriter:
         self._mixed = mixed_operands(self._chart) if rewriting.options.of_graph else set()
         if rewriting.options.of_graph:
             self._stated |= self._mixed | timed_operands(self._chart)
+        self._acting = [*self._rows, *_step_actions(self._chart)]
+        self._moved: dict[int, Qualifier] = {}
         self._uses: dict[int, list[str]] = {}
         self._permanent: dict[int, list[str]] = {}
         self._logic: dict[int, Mapping[int, Node] | None] = {}
@@ -293,6 +299,7 @@ class StepRewriter:
 
     def _named_row(self, step: Step, row: ActionAssociation, uses: list[str]) -> ActionAssociation | None:
         """Return a row that executes an action of the POU; None if it became the entry or exit action of its step."""
+        number = id(row)
         kind = {Qualifier.P1: "entry", Qualifier.P0: "exit"}.get(row.qualifier, "")
         if self._runs_no_final_scan(step, row):
             kind = {Qualifier.P: "entry", Qualifier.N: "main", Qualifier.NONE: "main"}.get(row.qualifier, kind)
@@ -307,6 +314,7 @@ class StepRewriter:
         if kind == "main" and isinstance(action.body, SfcBody):
             return row
         setattr(step, f"{kind}_action", row.target)
+        self._moved[number] = _PHASES[kind]
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is the {kind} action of the step")
         return None
 
@@ -321,6 +329,38 @@ class StepRewriter:
         if self._rewriting.options.final_scan or row not in self._rewriting.source_steps[step.id].actions:
             return False
         return row.target is None or sum(_key(other) == _key(row) for _, other in self._rows) == 1
+
+    def report_order(self) -> None:
+        """Report entry, main and exit actions that CODESYS executes before others that precede them in the source."""
+        acting = [row for row in self._acting if row[1].qualifier not in (Qualifier.R, Qualifier.R0)]
+        moved = [row for row in acting if id(row[1]) in self._moved]
+        if moved and (told := told_orders(self._scans, moved, acting, self._is_overtaken, "before")):
+            self._rewriting.note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, "", told)
+
+    def _is_overtaken(self, moved: Row, other: Row) -> bool:
+        """True if an association that became a step action is executed before another one, and not in the source."""
+        (step, row), (there, second) = moved, other
+        steps = [each.id for each in self._chart.steps]
+        of_step = not any(second is each for _, each in self._rows)
+        phase = second.qualifier if of_step else self._moved.get(id(second))
+        if phase is not None:
+            places = [(_ORDER.index(p), steps.index(s.id)) for p, s in ((self._moved[id(row)], step), (phase, there))]
+            if places[0] > places[1]:
+                return False
+            return of_step or self._precedes(second, row)
+        is_last = self._rewriting.options.final_scan and second.qualifier not in (Qualifier.P1, Qualifier.P0)
+        if is_last and second.qualifier in _LASTING:
+            return True
+        if is_last and row.qualifier is Qualifier.P0:
+            return self._scans.are_together(there, step)
+        return self._precedes(second, row) or (is_last and self._scans.follow(there, step))
+
+    def _precedes(self, one: ActionAssociation, other: ActionAssociation) -> bool:
+        """True if the source executes one action before another one that is active too."""
+        if self._rewriting.options.of_codesys:
+            return _key(one) < _key(other)
+        used = [_key(row) if row.target else str(id(row)) for _, row in self._acting]
+        return used.index(_key(one) or str(id(one))) < used.index(_key(other) or str(id(other)))
 
     def _main_action(self, step: Step) -> None:
         """Let a main action of CODESYS act while its step is active only: an action of IEC 61131-3 has a final scan."""
@@ -470,23 +510,13 @@ class StepRewriter:
                 continue
             here, there = step.name.casefold(), other.name.casefold()
             late = here < there if self._host.is_codesys else order.index(step.id) < order.index(other.id)
-            if late and any({step.id, other.id} <= situation for situation in self._situations):
+            if late and self._scans.are_together(step, other):
                 return other
         return None
 
     @cached_property
-    def _situations(self) -> set[frozenset[int]]:
-        """The situations that the chart can reach, as far as they are few: steps that are active together."""
-        first = frozenset(step.id for step in self._chart.steps if step.initial)
-        found, waiting = {first}, [first]
-        while waiting and len(found) < _MOST_SITUATIONS:
-            situation = waiting.pop()
-            for transition in self._rewriting.source.transitions:
-                if transition.sources and situation.issuperset(transition.sources):
-                    following = situation.difference(transition.sources).union(transition.targets)
-                    waiting += [following] if following not in found else []
-                    found.add(following)
-        return found
+    def _scans(self) -> SharedScans:
+        return SharedScans(self._rewriting.source, self._pou, self._host.dialect)
 
     def _next_rows(self, step: Step, row: ActionAssociation) -> Iterator[tuple[Step, ActionAssociation]]:
         """Yield the rows of following steps that have the operand of a row."""
@@ -540,6 +570,16 @@ class StepRewriter:
         event = f" (event {row.event})" if row.event is not None else ""
         text = f"`{_called(row)}`{event} is not executed in {self._host.title}: {why}"
         self._note_action(Outcome.NOT_EXECUTED, step, row.target, text)
+
+
+def _step_actions(chart: SfcNetwork) -> Iterator[Row]:
+    """Yield the entry, main and exit actions of the steps as associations."""
+    for step in chart.steps:
+        for kind, qualifier in _PHASES.items():
+            code = getattr(step, f"{kind}_action")
+            if code is not None:
+                target, body = (code, None) if isinstance(code, str) else (None, code)
+                yield step, ActionAssociation(id=0, qualifier=qualifier, target=target, body=body)
 
 
 def _is_coil(row: ActionAssociation) -> bool:

@@ -31,6 +31,7 @@ from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, control_label
 from plcopen_sfc.formats.simaticml.network_boxes import mark_call
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
 from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, GRAPH_QUALIFIERS
+from plcopen_sfc.languages.binding import Row, SharedScans, told_orders
 from plcopen_sfc.languages.networks import condition_reader, draw_ld, draw_ld_expression
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.st import nodes as n
@@ -60,6 +61,7 @@ _RESETS = (Q.R, Q.R0)
 _PLAIN = (Q.N, Q.NONE)
 _IEC = frozenset({*_RESETS, *_PLAIN, Q.S, Q.L, Q.D, Q.P, Q.P1, Q.P0, Q.SD, Q.DS, Q.SL})
 _OF_ROWS = GRAPH_QUALIFIERS | AS_EVENTS.keys() | {Q.R0}
+_LASTING = frozenset({Q.S, Q.SD, Q.DS, Q.SL})
 _AT_ONCE = frozenset({Q.P1, Q.P0})
 _KINDS = frozenset({None, ActionKind.CONTINUOUS})
 
@@ -91,6 +93,49 @@ def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
         return lambda _: options.of_graph
     found = {json.loads(text) for text in _CONTROLS.findall(options.source.decode("utf-8", "replace"))}
     return lambda label: label not in found
+
+
+def told_late_actions(pou: Pou, chart: SfcNetwork, controls: ActionControls, options: WriteOptions) -> str:
+    """Return which actions networks execute after others that they precede in the source; empty if none."""
+    if options.of_graph:
+        return ""
+    rows = [
+        (step, row) for step in chart.steps for row in (step.actions if not step.exclude else ()) if not row.exclude
+    ]
+    ends: dict[str, list[Step]] = {}
+    used: dict[str, int] = {}
+    for step, row in rows:
+        used.setdefault(_name(row), len(used))
+        if row.qualifier in _RESETS:
+            ends.setdefault(_name(row), []).append(step)
+    acting = [each for each in rows if each[1].qualifier not in _RESETS]
+    networks = {id(row) for step, row in acting if (step.id, row.id) in controls.controlled}
+    places = {
+        id(row): (id(row) in networks, used[_name(row)] if id(row) in networks else at)
+        for at, (_, row) in enumerate(acting)
+    }
+    late = [each for each in acting if id(each[1]) in networks]
+    scans = SharedScans(chart, pou, Dialect.SCL)
+
+    def is_late(one: Row, other: Row) -> bool:
+        names = [_name(row) for _, row in (one, other)]
+        if places[id(one[1])] < places[id(other[1])]:
+            return False
+        if (names[0] < names[1]) if options.of_codesys else (used[names[0]] < used[names[1]]):
+            return True
+        if not options.final_scan or one[1].qualifier in _AT_ONCE:
+            return False
+        if other[1].qualifier in _LASTING:
+            return True
+        if one[1].qualifier in _LASTING:  # its final scan comes first in the source
+            return any(scans.are_together(step, other[0]) for step in ends.get(names[0], ()))
+        return scans.follow(one[0], other[0])
+
+    return told_orders(scans, late, acting, is_late, "after")
+
+
+def _name(row: ActionAssociation) -> str:
+    return (row.target or f" {id(row)}").replace("#", "").replace('"', "").casefold()
 
 
 def watching_flags(pou: Pou, chart: SfcNetwork) -> frozenset[SfcFlag]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.action_controls import action_controls, are_rows_alone
+from plcopen_sfc.formats.simaticml.action_controls import action_controls, are_rows_alone, told_late_actions
 from plcopen_sfc.formats.simaticml.action_functions import ActionFunctions
 from plcopen_sfc.formats.simaticml.action_rows import functions_of
 from plcopen_sfc.formats.simaticml.added_elements import bodies_with_result, is_added, mark_added, name_result
@@ -59,7 +59,7 @@ from plcopen_sfc.model.project import Tag, TagTable
 from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, SimpleValue, StructType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind
-from plcopen_sfc.report import CHART_OF_ACTION, Outcome
+from plcopen_sfc.report import CHART_OF_ACTION, ORDER_OF_ACTIONS, Outcome
 
 POUS = {
     "SW.Blocks.FB": PouKind.FUNCTION_BLOCK,
@@ -163,6 +163,8 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
         more, ends = flags.get("lines", ()), flags.get("ends", ())
         controls = action_controls(ctx.project, pou, chart.chart, functions, alone=alone, more=more, ends=ends)
         ctx.action_controls = controls
+        if told := told_late_actions(pou, chart.chart, controls, ctx.options):
+            ctx.note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, why=told)
         added += controls.variables
         ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
     mark = ctx.options.marks.get(id(pou), {})

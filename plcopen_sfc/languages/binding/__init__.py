@@ -20,6 +20,7 @@ from plcopen_sfc.languages.binding.bound_bodies import (
     texts_in,
 )
 from plcopen_sfc.languages.binding.name_uses import Names, find_uses
+from plcopen_sfc.languages.binding.shared_scans import Row, SharedScans, told_orders
 from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path
 from plcopen_sfc.report import Use
@@ -33,6 +34,8 @@ __all__ = [
     "Kind",
     "Names",
     "Path",
+    "Row",
+    "SharedScans",
     "UnknownPart",
     "Use",
     "bind",
@@ -42,4 +45,5 @@ __all__ = [
     "names_in",
     "step_effects",
     "texts_in",
+    "told_orders",
 ]

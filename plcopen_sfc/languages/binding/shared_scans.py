@@ -1,0 +1,123 @@
+"""Actions of a chart that one scan may execute, and the variables for which their order counts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from itertools import product
+
+from plcopen_sfc.languages.binding.bound_bodies import step_effects
+from plcopen_sfc.languages.st.effects import ANYTHING, Effects, may_change
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcNetwork, Step
+
+_MOST_SITUATIONS = 2_000
+_LASTING = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
+_LISTED = 3
+
+Row = tuple[Step, ActionAssociation]
+"""An association and its step. That of an entry or exit action has the qualifier P1 or P0."""
+
+
+class SharedScans:
+    """Pairs of actions of a chart that have a scan and a variable in common.
+
+    Args:
+        chart: The steps and transitions that tell which steps are active together, or one right after the other.
+        pou: The POU whose actions the associations name.
+        dialect: The dialect of their texts.
+    """
+
+    def __init__(self, chart: SfcNetwork, pou: Pou, dialect: Dialect) -> None:
+        self._chart, self._pou, self._dialect = chart, pou, dialect
+        self._found: dict[int, Effects] = {}
+        self._names = {variable.name.casefold(): variable.name for variable in pou.variables()}
+
+    @cached_property
+    def situations(self) -> set[frozenset[int]]:
+        """The situations that the chart can reach, as far as they are few: ids of steps that are active together."""
+        first = frozenset(step.id for step in self._chart.steps if step.initial)
+        found, waiting = {first}, [first]
+        while waiting and len(found) < _MOST_SITUATIONS:
+            situation = waiting.pop()
+            for transition in self._chart.transitions:
+                if transition.sources and situation.issuperset(transition.sources):
+                    following = situation.difference(transition.sources).union(transition.targets)
+                    waiting += [following] if following not in found else []
+                    found.add(following)
+        return found
+
+    def follow(self, left: Step, entered: Step) -> bool:
+        """True if a step may become active in the scan in which another one was left."""
+        together = left is not entered and self.are_together(left, entered)
+        return together or any(left.id in t.sources and entered.id in t.targets for t in self._chart.transitions)
+
+    def are_together(self, one: Step, other: Step) -> bool:
+        """True if two steps may be active together; a step is with itself."""
+        if one is other or len(self.situations) >= _MOST_SITUATIONS:
+            return True
+        return any({one.id, other.id} <= situation for situation in self.situations)
+
+    def meet(self, one: Row, other: Row) -> bool:
+        """True if a scan may execute both associations, the final scan of an action included."""
+        (here, first), (there, second) = one, other
+        if _LASTING & {first.qualifier, second.qualifier}:
+            return True
+        once = {first.qualifier, second.qualifier}
+        if here is there and once == {Qualifier.P1, Qualifier.P0}:
+            return self.follow(here, here)
+        if self.are_together(here, there):
+            return True
+        forth = (
+            first.qualifier is not Qualifier.P1 and second.qualifier is not Qualifier.P0 and self.follow(here, there)
+        )
+        back = second.qualifier is not Qualifier.P1 and first.qualifier is not Qualifier.P0 and self.follow(there, here)
+        return forth or back
+
+    def shared(self, one: Row, other: Row) -> str:
+        """Return a variable that one of two actions writes and the other one reads or writes; empty without one."""
+        mine, its = self._effects(one), self._effects(other)
+        for writes, uses in ((mine.writes, its.reads | its.writes), (its.writes, mine.reads)):
+            for path in sorted(writes):
+                if may_change(uses, frozenset({path}), frozenset()):
+                    named = path or next(iter(sorted(uses)), ("?",))
+                    return ".".join([self._names.get(named[0], named[0]), *named[1:]])
+        return ""
+
+    def _effects(self, row: Row) -> Effects:
+        """Return what an association executes, as names tell it: a block changes its instance, a function nothing."""
+        _, association = row
+        if id(association) not in self._found:
+            alone = Step.model_construct(id=0, name="", actions=[association])
+            found = step_effects(alone, self._pou, self._dialect)
+            own = {path for path in found.calls if path and path[0] in self._names}
+            changed = own | {path[:-1] for path in own if len(path) > 1}
+            called = {ANYTHING, *found.calls} if found.calls else set()
+            self._found[id(association)] = Effects(
+                found.reads | changed, (found.writes - called) | changed, found.calls
+            )
+        return self._found[id(association)]
+
+
+def told_orders(
+    scans: SharedScans, rows: Sequence[Row], others: Sequence[Row], differ: Callable[[Row, Row], bool], word: str
+) -> str:
+    """Return which of `rows` a target executes before (`word`) or after which of `others`, and the source does not."""
+    found: dict[str, None] = {}
+    for one, other in product(rows, others):
+        names = _called(one), _called(other)
+        if one[1] is other[1] or names[0].casefold() == names[1].casefold() or not differ(one, other):
+            continue
+        if scans.meet(one, other) and (shared := scans.shared(one, other)):
+            found[
+                f"{names[0]} is executed {word} {names[1]} in one scan, in the source the other way round ({shared})"
+            ] = None
+    more = f"; and {len(found) - _LISTED} more" if len(found) > _LISTED else ""
+    return "; ".join(list(found)[:_LISTED]) + more
+
+
+def _called(row: Row) -> str:
+    step, association = row
+    return (association.target or f"an action of {step.name}").replace("#", "").replace('"', "")

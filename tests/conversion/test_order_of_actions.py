@@ -1,0 +1,92 @@
+"""Actions that the target executes in another order in a scan: told without a run too."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.errors import LossError
+from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.report import Item, Outcome
+from tests.conversion.features import Feature, Rig, feature_project, variable
+
+CHART = """PROGRAM Main
+VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT n, m : INT; END_VAR
+INITIAL_STEP Init: END_STEP
+TRANSITION FROM Init TO Run := a; END_TRANSITION
+STEP Run: Act({qualifier}); {other}(N); END_STEP
+TRANSITION FROM Run TO Init := NOT a; END_TRANSITION
+ACTION Act: n := n + 1; END_ACTION
+ACTION {other}: {code} END_ACTION
+END_PROGRAM
+"""
+
+
+def of_codesys(**words: str) -> sfc.Project:
+    project = sfc.loads(CHART.format(**words).encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    return project
+
+
+def orders(project: sfc.Project, target: str, limit: float = 0) -> list[Item]:
+    items = sfc.convert(project, target, limit=limit).report.items
+    return [item for item in items if item.what == "order of actions"]
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys-export", "twincat", "codesys23"])
+def test_an_entry_action_that_another_action_preceded_is_approximated(target: str) -> None:
+    project = of_codesys(qualifier="P1", other="Aaa", code="m := m + n;")
+    (item,) = orders(project, target)
+    assert (item.outcome, item.path) == (Outcome.APPROXIMATED, "POU Main")
+    assert item.why == "Act is executed before Aaa in one scan, in the source the other way round (n)"
+    assert german(item.why) == "Act wird in einem Zyklus vor Aaa ausgeführt, in der Quelle umgekehrt (n)"
+    with pytest.raises(LossError):
+        sfc.convert(project, target, limit=0, strict=True)
+
+
+@pytest.mark.parametrize(
+    ("qualifier", "other", "code", "told"),
+    [
+        ("P0", "Aaa", "m := m + n;", True),
+        ("P0", "Zzz", "m := m + n;", True),  # its final scan precedes P0, and follows an exit action
+        ("P1", "Zzz", "m := m + n;", False),
+        ("P1", "Aaa", "m := m + 1;", False),
+        ("N", "Aaa", "m := m + n;", False),
+    ],
+)
+def test_only_orders_that_differ_and_count_are_told(qualifier: str, other: str, code: str, told: bool) -> None:
+    project = of_codesys(qualifier=qualifier, other=other, code=code)
+    assert bool(orders(project, "codesys")) is told
+    report = sfc.convert(project, "codesys", limit=8).report
+    assert report.compared["POU Main"].startswith("different" if told else "equal")
+
+
+def with_control(step: str, qualifier: str) -> m.Project:
+    def build(rig: Rig) -> None:
+        sections = [m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[variable("count", "INT")])]
+        turn = m.Action(name="Turn", body=m.StBody(text="count := 3 - count;"))
+        interface = m.Interface(sections=sections)
+        body = [m.StBody(text=";")]
+        kind = m.PouKind.FUNCTION_BLOCK
+        rig.project.pous.append(m.Pou(name="Motor", kind=kind, interface=interface, bodies=body, actions=[turn]))
+        rig.declare(m.SectionKind.LOCAL, variable("drive", "Motor"))
+        rig.act("Work", "drive.Turn", qualifier, **({"duration": "T#20ms"} if qualifier == "D" else {}))
+        rig.act("Done", "drive.Turn", "R")
+        rig.action("Copy", m.StBody(text="n := drive.count;"))
+        rig.act(step, "Copy")
+
+    return feature_project(Feature("x", ("codesys",), build), "codesys")
+
+
+@pytest.mark.parametrize("qualifier", ["S", "D"])
+@pytest.mark.parametrize(("step", "told"), [("Done", True), ("Idle", False)])
+def test_networks_that_execute_actions_after_the_rows_are_told(step: str, qualifier: str, told: bool) -> None:
+    project = with_control(step, qualifier)
+    items = orders(project, "simaticml")
+    assert [(item.outcome, item.path) for item in items] == [(Outcome.APPROXIMATED, "POU Main")] * told
+    for item in items:
+        assert item.why == "drive.Turn is executed after Copy in one scan, in the source the other way round (drive)"
+        assert german(item.why).startswith("drive.Turn wird in einem Zyklus nach Copy ausgeführt")
+    compared = sfc.convert(project, "simaticml", limit=8).report.compared
+    assert compared["POU Main"].startswith("different" if told else "equal")
