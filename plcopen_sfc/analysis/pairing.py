@@ -234,8 +234,13 @@ def output_pairs(
         (path, member.signal, other)
         for path, member in loose.items()
         for other in [members.get(left.local_name(path))]
-        if other is not None and others[other].signal.kind is member.signal.kind and not (delayed and member.is_input)
+        if other is not None and _is_alike(others[other].signal, member.signal) and not (delayed and member.is_input)
     ]
+
+
+def _is_alike(one: Signal, other: Signal) -> bool:
+    """True if two signals have values that can be compared: S7 has numbers for the values of enumerations."""
+    return len({SignalKind.INTEGER if each.kind is SignalKind.ENUMERATION else each.kind for each in (one, other)}) == 1
 
 
 def unpaired(system: ProgramSystem, compared: Iterable[str]) -> list[str]:

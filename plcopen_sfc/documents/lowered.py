@@ -37,6 +37,7 @@ from plcopen_sfc.languages.s7_globals import tag_tables_of
 from plcopen_sfc.lowering import LoweredPou, lower_project
 from plcopen_sfc.lowering.chart_lowering import LoweringOptions, faults_of
 from plcopen_sfc.lowering.construction import errors_of
+from plcopen_sfc.lowering.enumeration_constants import with_enumeration_constants
 from plcopen_sfc.lowering.proof import ProofOptions, refuse_untested
 from plcopen_sfc.lowering.written_code import (
     prove_written,
@@ -161,15 +162,16 @@ class _Draft:
     """A project as it would be written to `target`, in a temporary `place`."""
 
     def __init__(self, project: Project, target: Source, place: Path, options: SaveOptions) -> None:
-        self._project, self._target, self._options = project, target, options
+        self._target, self._options = target, options
         path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
         if path is not None:
             refuse_empty(path)
         name = format_to_write(project, options.get("format"), options.get("tia", ""), path)
         self._format = format_named(name)[0].name
+        self._project = with_enumeration_constants(project) if self._format == "scl" else project
         self._is_folder = path is not None and is_folder(path, project, name)
         self._path = place / (Path(path).resolve().name if path is not None else "draft")
-        self.report = save_project(project, f"{self._path}/" if self._is_folder else self._path, **options)
+        self.report = save_project(self._project, f"{self._path}/" if self._is_folder else self._path, **options)
 
     def refuse_losses(
         self, lowered: Iterable[LoweredPou], refused: Mapping[str, LoweringError], *, partial: bool

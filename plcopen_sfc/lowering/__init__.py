@@ -5,6 +5,7 @@
 `written_code`       code in a file: its header, and its comparison as the tool of the file reads it
 `lowering_losses`    what a chart holds and its code does not
 `other_bodies`       actions and other bodies of the POU that refer to the chart
+`enumeration_constants`  values of enumerations as constants of blocks in SCL
 `faults`             the faults of textbook sequences, and the search for them
 `construction`       the choice of encoding and language, and the code as a POU
 `grafcet`, `graph`   what only GRAFCET and S7-GRAPH have

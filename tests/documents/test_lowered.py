@@ -311,3 +311,36 @@ def test_external_variables_are_the_global_ones_alone(target: str, tmp_path: Pat
     assert [item for item in made.report.items if item.what in ("sections", "variables", "section")] == []
     assert "external" not in path.read_text(encoding="utf-8-sig").casefold()
     assert not made.pous[0].losses
+
+
+_WITH_ENUMERATION = """
+TYPE Mode : (Off, Fast := 5, Broken); END_TYPE
+VAR_GLOBAL Last : Mode; END_VAR
+FUNCTION_BLOCK Main
+VAR_INPUT Start : BOOL; END_VAR
+VAR_OUTPUT Now : Mode := Fast; Mode_Off : BOOL; END_VAR
+INITIAL_STEP Init: Rest(N); END_STEP
+TRANSITION FROM Init TO Run := Start AND Now <> Mode#Broken; END_TRANSITION
+STEP Run: Work(N); END_STEP
+TRANSITION FROM Run TO Init := NOT Start; END_TRANSITION
+ACTION Rest: Now := Off; Mode_Off := TRUE; END_ACTION
+ACTION Work: Last := Now; Now := Mode#Fast; Mode_Off := FALSE; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+def test_values_of_enumerations_are_constants_of_the_block_in_scl(tmp_path: Path) -> None:
+    path = tmp_path / "main.scl"
+    made = sfc.lower_to_file(sfc.loads(_WITH_ENUMERATION.encode(), format="iec-text"), str(path), "case")
+    assert not made.refused
+    proof = made.pous[0].proof
+    assert proof is not None
+    assert proof.proven
+    assert {"Now", "Last"} <= set(proof.compared)
+    text = path.read_text(encoding="utf-8-sig")
+    constants = {"Mode_Off_2": "0", "Mode_Fast": "5", "Mode_Broken": "6"}  # `Mode_Off` is a variable
+    assert {name for name in constants if f"{name} : Int := {constants[name]};" in text} == set(constants)
+    for each in ("#Now := #Mode_Off_2;", "#Now := #Mode_Fast;", "#Now <> #Mode_Broken", "Now : Int := 5;"):
+        assert each in text
+    assert "TYPE" not in text
+    assert ".text :=" not in text  # no comment has the text of the block once more
