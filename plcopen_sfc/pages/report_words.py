@@ -297,6 +297,9 @@ _NOT_EXECUTED = {
         "{} ist in {} eine andere Stelle: ein Werkzeug zählt Worte, wo das andere Bytes zählt"
     ),
     "{+}; left as it stands": "{}; bleibt, wie es ist",
+    "left as it stands: it is in the notation of GRAFCETs": (
+        "bleibt, wie es ist: es ist in der Schreibweise von GRAFCETs"
+    ),
     "left as it stands, because it cannot be read: {}": "bleibt, wie es ist, weil es nicht lesbar ist: {}",
     "{} has more digits than any type": "{} hat mehr Stellen als jeder Typ",
     "SCL has no function block {}: LAD and FBD have it as a box with an operand": (

@@ -493,4 +493,5 @@ def test_edges_of_global_variables_and_members_are_executed(edge: str, form: str
 
 def test_an_edge_of_an_undeclared_name_is_refused() -> None:
     report = converted(EDGES.replace("↑START", "↑Taste"), "simaticml")[1]
+    assert losses(report)["text"] == "line 1: left as it stands: it is in the notation of GRAFCETs"
     assert losses(report)["condition"] == "↑Taste is an edge of something that is no variable and no step: Taste"

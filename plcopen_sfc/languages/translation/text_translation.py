@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Statements
@@ -183,6 +184,9 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
     source, into = family(parsed.dialect), family(target)
     notes = Notes(parsed.text)
     if parsed.problems:
+        if not isinstance(parsed.tree, Statements) and condition_problem(parsed.text, parsed.dialect) is None:
+            notes.add(Severity.ERROR, "left as it stands: it is in the notation of GRAFCETs", (0, len(parsed.text)))
+            return Translated(parsed.text, parsed, notes.in_order())
         for problem in parsed.problems:
             notes.add(Severity.ERROR, f"left as it stands, because it cannot be read: {problem.message}", problem.span)
         return Translated(parsed.text, parsed, notes.in_order())
