@@ -54,14 +54,18 @@ CODESYS_KEYWORDS = CODESYS23_KEYWORDS | frozenset(
 """Words that are no names in CODESYS V3 and TwinCAT 3: no project in reach has one, but for names such as ``Step``."""
 
 
+_SCL_WORDS = TRANSLATED_KEYWORDS | {"ANY", "BEGIN", "DB", "LABEL"}
+"""Words that are names in quotes only in SCL, in declarations as in use; the last four are variables elsewhere."""
+
+
 def is_plain(name: str) -> bool:
     """True if a name consists of letters of any alphabet, digits and underscores, and starts with no digit."""
     return re.fullmatch(r"[^\W\d]\w*", name) is not None
 
 
 def needs_quotes(name: str) -> bool:
-    """True if a name is in quotes in SCL wherever it is used."""
-    return not is_plain(name) or name.upper() in TRANSLATED_KEYWORDS
+    """True if a name is in quotes in SCL wherever it is declared and used."""
+    return not is_plain(name) or name.upper() in _SCL_WORDS
 
 
 def objection(name: str, dialect: Dialect) -> str:

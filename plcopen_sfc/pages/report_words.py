@@ -227,6 +227,10 @@ _NOT_EXECUTED = {
         "eine Zeile von S7-GRAPH weist einem Operanden zu; ihre Anweisungen sind mehr als das"
     ),
     "it is a network, and S7-GRAPH has no row for that": "sie ist ein Netzwerk, und S7-GRAPH hat dafür keine Zeile",
+    "it uses data of the step {}, which no call passes; let the step set a variable (N), and use that in its place": (
+        "sie benutzt Daten des Schritts {}, die kein Aufruf übergibt; lassen Sie den Schritt eine Variable setzen (N),"
+        " und benutzen Sie diese"
+    ),
     "it uses {}, which is no variable of the block": "sie benutzt {}, das keine Variable des Bausteins ist",
     "it writes what its text does not name": "sie schreibt, was ihr Text nicht nennt",
     "it calls a method": "sie ruft eine Methode auf",

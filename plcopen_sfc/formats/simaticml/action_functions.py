@@ -208,7 +208,12 @@ class ActionFunctions:
         known = {v.name.casefold(): (s, v) for s in _sections(pou) for v in s.variables}
         known |= {v.name.casefold(): (VariableSection(kind=SectionKind.LOCAL), v) for v in self.instances(pou)}
         blocks = {name: block for name, (_, v) in known.items() if (block := self._block(v.type)) is not None}
+        charts = [body.chart for body in pou.bodies if isinstance(body, SfcBody)]
+        steps = {step.name.casefold(): step.name for chart in charts for step in chart.steps}
         for name in sorted(used - known.keys()):
+            if name in steps:
+                why = f"it uses data of the step {steps[name]}, which no call passes"
+                return f"{why}; let the step set a variable (N), and use that in its place"
             return f"it uses {name}, which is no variable of the block"
         sections = {kind: VariableSection(kind=kind) for kind in (SectionKind.INPUT, SectionKind.IN_OUT)}
         for name, (section, variable) in known.items():

@@ -10,6 +10,7 @@ from plcopen_sfc.languages.declarations.declaration_comments import comment_line
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.declarations.type_names import (
     SECTION_KEYWORDS,
+    declared_name,
     is_quoted_in_scl,
     written_elementary,
     written_name,
@@ -149,7 +150,7 @@ def write_variable(variable: t.Variable, dialect: Dialect = Dialect.IEC, indent:
     texts = kept(variable.extension_data)
     scl = dialect is Dialect.SCL
     attributes = _attributes(variable, texts) if scl else ""
-    name = written_name(variable.name, dialect) if variable.name or variable.address is None else ""
+    name = declared_name(variable.name, dialect) if variable.name or variable.address is None else ""
     address = f" AT {_address(variable.address, dialect)}" if variable.address is not None else ""
     edge = f" {texts['edge']}" if "edge" in texts else ""
     initial = write_value(variable.initial, dialect) if variable.initial is not None else ""

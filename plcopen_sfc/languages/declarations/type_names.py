@@ -6,6 +6,7 @@ import re
 
 from plcopen_sfc.languages.st.declaration_nodes import KEYWORDS
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
+from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import Elementary
 from plcopen_sfc.model.variables import SectionKind
@@ -97,6 +98,15 @@ def written_name(name: str, dialect: Dialect) -> str:
         return '"' + re.sub(r'["\r\n]', "_", name) + '"'
     plain = re.sub(r"\W", "_", name) or "_"
     return f"_{plain}" if plain[0].isdigit() else plain if is_identifier(plain) else f"{plain}_"
+
+
+def declared_name(name: str, dialect: Dialect) -> str:
+    """Return the name of a variable as its declaration has it: in quotes in SCL if it has them in use, unlike types."""
+    return (
+        f'"{name}"'
+        if dialect is Dialect.SCL and is_identifier(name) and needs_quotes(name)
+        else written_name(name, dialect)
+    )
 
 
 def written_elementary(name: Elementary, dialect: Dialect) -> str:

@@ -422,3 +422,14 @@ def test_inputs_of_blocks_without_an_instance_stay_inputs() -> None:
 
     report = sfc.convert(project_of(build), "simaticml", partial=True).report
     assert any("it writes the input g" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
+
+
+def test_an_action_that_uses_a_step_names_it() -> None:
+    def build(rig: Rig) -> None:
+        rig.action("Go", m.StBody(text="IF Done.x THEN q := NOT q; END_IF;"))
+        rig.act("Work", "Go")
+
+    items = sfc.convert(project_of(build), "simaticml", limit=0, partial=True).report.items
+    (why,) = [item.why for item in items if "Done" in item.why and item.outcome is Outcome.NOT_EXECUTED]
+    assert "it uses data of the step Done, which no call passes" in why
+    assert why.endswith("let the step set a variable (N), and use that in its place")
