@@ -127,6 +127,8 @@ def report_running(
             _note_proven(report, there.report_path, ORDER_OF_ACTIONS, "which executes actions in another order")
         if verdict.counterexample is not None:
             why = _refused(verdict.counterexample, tool)
+            if any(i.what == ORDER_OF_ACTIONS and i.path == there.report_path for i in report.losses):
+                why += "; a cause is the order of actions, which the report names"
             times = _times_among(verdict.inputs, there)
             held = compared(delay="auto", limit=left, fixed=times) if times else verdict
             if held.equal:
