@@ -312,3 +312,13 @@ def test_without_a_run_the_result_says_so(cli, fixtures, tmp_path):
     assert told in cli("convert", source, target, "--to", "plcopen-2.01", "--limit", 0, "--strict").err
     assert told in cli("convert", source, target, "--to", "plcopen-2.01", "--no-verify", "--strict").err
     assert told not in cli("convert", source, target, "--to", "plcopen-2.01", "--limit", 20, "--strict").err
+
+
+def test_a_single_file_for_tia_portal_names_the_folder_form(cli: Any, fixtures: Path, tmp_path: Path) -> None:
+    arguments = ("--to", "simaticml", "--limit", "0")
+    outcome = cli("convert", BELT, tmp_path / "belt.xml", "--partial", *arguments)
+    assert "for the import into TIA Portal write a folder (belt/ --to simaticml)" in " ".join(
+        f"{outcome.out} {outcome.err}".split()
+    )
+    outcome = cli("convert", BELT, f"{tmp_path}/belt/", "--partial", *arguments)
+    assert "for the import" not in outcome.out + outcome.err

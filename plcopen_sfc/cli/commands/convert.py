@@ -149,6 +149,9 @@ def _show_written(screen: Screen, target: str, report: ConversionReport) -> None
     """Print what is new on the disk: the file, or how many files of a folder."""
     if not folder_exists(target):
         screen.line("written: ", (target, "bold"))
+        if report.target_format.startswith("simaticml") and not report.source_format.startswith("simaticml"):
+            form = f"{Path(target).stem}/ --to simaticml"
+            screen.note(f"all objects are in this file: for the import into TIA Portal write a folder ({form})")
         return
     screen.line("written: ", (target, "bold"), f", {len(report.written)} files")
     for name in report.removed:
