@@ -96,9 +96,7 @@ class Memory(ABC):
         return n.Member(timer, n.Name("Q"))
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """Return the value as a variable, which it may be already, to be used several times."""
-        if isinstance(value, n.Name) and value.identifier.casefold() in self._code.own_names:
-            return value
+        """Return the value as a variable, to be used several times."""
         flag = self._code.declare(wanted)
         into.append(assignment(flag, value))
         return flag
@@ -182,9 +180,9 @@ class BitMemory(Memory):
         return FALSE
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """Return the value as a variable, or as the output of a timer."""
-        timer = value.base if isinstance(value, n.Member) else None
-        if isinstance(timer, n.Name) and timer.identifier.casefold() in self._code.own_names:
+        """Return the value as a variable, which it may be already, or as the output of a timer."""
+        variable = value.base if isinstance(value, n.Member) else value
+        if isinstance(variable, n.Name) and variable.identifier.casefold() in self._code.own_names:
             return value
         return super().named(wanted, value, into)
 
