@@ -109,8 +109,13 @@ class Part:
 
 
 def plain_name(name: str) -> str:
-    """A name as all tools could spell it: they know different quotes and signs in names."""
-    return _SIGNS.sub("_", name.replace('"', "").removeprefix("#")).casefold()
+    """A name to compare, as all tools could spell it: they know different quotes and signs in names."""
+    return shown_name(name).casefold()
+
+
+def shown_name(name: str) -> str:
+    """The same name with its upper and lower case."""
+    return _SIGNS.sub("_", name.replace('"', "").removeprefix("#"))
 
 
 _SIGNS = re.compile(r"(?:[^\w.]|_)+")

@@ -24,6 +24,7 @@ from plcopen_sfc.conversion.executed_parts import (
     Part,
     duration_meaning,
     plain_name,
+    shown_name,
 )
 from plcopen_sfc.conversion.meaning import (
     Meaning,
@@ -276,7 +277,7 @@ class _Reader:
             return ArrayType(dimensions=kind.dimensions, base=self._plain_type(kind.base, depth + 1))
         if isinstance(kind, StructType):
             members = [
-                Variable(name=plain_name(member.name), type=self._plain_type(member.type, depth + 1))
+                Variable(name=shown_name(member.name), type=self._plain_type(member.type, depth + 1))
                 for member in kind.members
             ]
             return StructType(members=members)
