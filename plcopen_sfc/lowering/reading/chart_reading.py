@@ -113,7 +113,8 @@ class _Reader(TextReader):
             self.refuse("permanent operations are not lowered yet", "")
         self._check_profile()
         for step in self._net.steps:
-            if step.step.name.casefold() in self._types:
+            kind = self._types.get(step.step.name.casefold())
+            if isinstance(kind, ElementaryType) and kind.name is Elementary.BOOL:  # it would be the flag of the step
                 self.refuse(f"a variable of the POU is called {step.step.name}, too: rename it or the step", step.path)
         logic = self.logic()
         conditions = [self._transition(transition) for transition in self._net.transitions]
