@@ -535,11 +535,11 @@ def _report_refused(report: ConversionReport, project: Project, source: FileSour
     Paths have names, which edits change: it is the number of mistakes of a kind that tells whether one is new.
     """
     edited = [pou for number, pou in enumerate(project.pous) if not is_from(pou, number, source.content)]
-    found = _refused(edited) if kind.tool else []
+    found = _refused(edited, kind) if kind.tool else []
     if not found:
         return
-    before = _refused(kind.codec(source.version).read(source.content).project.pous)
-    more = Counter(each.code for each in _refused(project.pous)) - Counter(each.code for each in before)
+    before = _refused(kind.codec(source.version).read(source.content).project.pous, kind)
+    more = Counter(each.code for each in _refused(project.pous, kind)) - Counter(each.code for each in before)
     known = {(each.location.path, each.message) for each in before}
     for each in found:
         path = each.location.path or ""
@@ -547,11 +547,14 @@ def _report_refused(report: ConversionReport, project: Project, source: FileSour
             report.add(Outcome.NOT_EXECUTED, "chart", path, f"{kind.tool} does not compile it: {each.message}")
 
 
-def _refused(pous: Iterable[Pou]) -> list[Diagnostic]:
+def _refused(pous: Iterable[Pou], kind: Format) -> list[Diagnostic]:
     """Return what no tool compiles in the charts of these POUs."""
     from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # most edits are in no chart
+    from plcopen_sfc.semantics.profile import profile_of_format  # noqa: PLC0415
 
-    found = [each for pou in pous if _charts_of(pou) for each in check_charts(pou, select=_NEVER_COMPILED)]
+    profile = profile_of_format(kind.name)  # that of the project would read all its charts
+    charts = (pou for pou in pous if _charts_of(pou))
+    found = [each for pou in charts for each in check_charts(pou, profile=profile, select=_NEVER_COMPILED)]
     return sorted((each for each in found if each.severity is Severity.ERROR), key=str)
 
 
