@@ -18,13 +18,11 @@ from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.documents.file_documents import (
     encode,
-    names_in_the_source,
     normalized,
     read_document,
     refuse_losses,
     refuse_reading_errors,
     report_behaviour,
-    verify,
 )
 from plcopen_sfc.documents.folder_documents import (
     PROJECT_DOCUMENT,
@@ -35,6 +33,8 @@ from plcopen_sfc.documents.folder_documents import (
     shared_fields,
     without_objects,
 )
+from plcopen_sfc.documents.reading_back import verify
+from plcopen_sfc.documents.source_names import names_in_the_source
 from plcopen_sfc.documents.sources import FileSource, FolderSource, SourceDocument, with_objects
 from plcopen_sfc.errors import (
     FileAccessError,

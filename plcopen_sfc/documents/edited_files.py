@@ -1,0 +1,342 @@
+"""Files with the edits of their projects in them: only the places that changed are written."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple, cast
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.documents.reading_back import read_back, report_reading_errors, verify
+from plcopen_sfc.documents.sources import FileSource
+from plcopen_sfc.errors import FormatError
+from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
+from plcopen_sfc.formats.provenance import is_from
+from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
+
+if TYPE_CHECKING:
+    from lxml import etree
+
+    from plcopen_sfc.drawing import DrawingStyle
+    from plcopen_sfc.formats.format_interface import TextCodec
+    from plcopen_sfc.formats.xml.xml_codec import XmlCodec
+
+
+def patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
+    """Return the file that was read with the edits in it. What has no edits is neither read nor drawn nor written."""
+    _report_refused(report, project, source, kind)
+    from plcopen_sfc.conversion.adaptation import (  # noqa: PLC0415
+        has_rewritten_charts,
+        is_rewritten_throughout,
+        rewrite_project,
+    )
+    from plcopen_sfc.drawing import prepare  # noqa: PLC0415
+
+    codec = cast("XmlCodec", kind.codec())
+    throughout = is_rewritten_throughout(project, source.content, kind)
+    is_other = throughout or has_rewritten_charts(project, kind)
+    excerpt = None if throughout else _Excerpt.of(project, source, codec)
+    if excerpt is not None:
+        notes = ConversionReport(report.source_format, report.target_format)
+        merged = _merged(excerpt.project, source, kind, notes, is_other=is_other, excerpt=excerpt)
+        whole = excerpt.filled(merged.data) if merged is not None else None
+        if merged is not None and whole is not None:
+            report.items += notes.items
+            if not merged.is_same_to_tool:
+                _report_edits(report, excerpt.project, source, (excerpt.content, merged.data), kind)
+            return whole
+    merged = _merged(project, source, kind, report, is_other=is_other)
+    meant = project
+    if merged is not None:
+        data = merged.data
+    else:
+        # rather a large diff than a lost edit
+        report.add(
+            Outcome.APPROXIMATED,
+            "file",
+            source.path or "",
+            "the edits did not fit into its text; written from the model",
+        )
+        before = codec.read(source.content).project
+        options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
+        if is_other:
+            project, marks = rewrite_project(project, kind, options, ConversionReport())
+            options = replace(options, marks=marks)
+        prepare(project, _drawing_style(kind), positions=kind.positions)
+        data = codec.write(project, options, report)
+    if merged is None or not merged.is_same_to_tool:
+        _report_edits(report, meant, source, (source.content, data), kind)
+    return data
+
+
+def _report_edits(
+    report: ConversionReport,
+    project: Project,
+    source: FileSource,
+    contents: tuple[bytes, bytes],
+    kind: Format,
+    *,
+    back: Project | None = None,
+) -> None:
+    """Report where the tool executes something else in the POUs that were edited than `project`.
+
+    `contents`: the file before and after. What the tool did not read before either is nothing that the edits have lost.
+    `back` is the project in the file after, if it was read.
+    """
+    same = {pou.report_path for number, pou in enumerate(project.pous) if is_from(pou, number, source.content)}
+    if not kind.tool or len(same) == len(project.pous):
+        return
+    from plcopen_sfc.conversion import compare, executed, report_execution  # noqa: PLC0415
+    from plcopen_sfc.semantics.profile import default_profile  # noqa: PLC0415  # loading needs no interpreter
+
+    codec, rules = kind.codec(source.version), default_profile(project)
+
+    def notes(meant: Project, content: bytes, told: Sequence[Item], known: Project | None = None) -> ConversionReport:
+        shown = codec.as_tool_sees(content)
+        seen = known if known is not None and shown == content else codec.read(shown).project
+        both = [
+            each.model_copy(update={"pous": [pou for pou in each.pous if pou.report_path not in same]})
+            for each in (meant, seen)
+        ]
+        behaviour = executed(both[0], rules)
+        found = ConversionReport(report.source_format, report.target_format, list(told))
+        report_execution(found, compare(behaviour, executed(both[1], rules, compared_with=behaviour)), kind.tool, {})
+        return found
+
+    before, after = contents
+    found = notes(project, after, report.items, back)
+    if found.losses != report.losses:
+        _pass_known_losses(found, notes(codec.read(before).project, before, []))
+        report.items = found.items
+
+
+def _report_refused(report: ConversionReport, project: Project, source: FileSource, kind: Format) -> None:
+    """Report charts that no tool compiles since they were edited; before an edit that is the matter of `check`.
+
+    Paths have names, which edits change: it is the number of mistakes of a kind that tells whether one is new.
+    """
+    edited = [pou for number, pou in enumerate(project.pous) if not is_from(pou, number, source.content)]
+    found = _refused(edited, kind) if kind.tool else []
+    if not found:
+        return
+    before = _refused(kind.codec(source.version).read(source.content).project.pous, kind)
+    more = Counter(each.code for each in _refused(project.pous, kind)) - Counter(each.code for each in before)
+    known = {(each.location.path, each.message) for each in before}
+    for each in found:
+        path = each.location.path or ""
+        if more[each.code] and (path, each.message) not in known:
+            report.add(Outcome.NOT_EXECUTED, "chart", path, f"{kind.tool} does not compile it: {each.message}")
+
+
+def _refused(pous: Iterable[Pou], kind: Format) -> list[Diagnostic]:
+    """Return what no tool compiles in the charts of these POUs."""
+    from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # most edits are in no chart
+    from plcopen_sfc.semantics.profile import profile_of_format  # noqa: PLC0415
+
+    profile = profile_of_format(kind.name)  # that of the project would read all its charts
+    charts = (pou for pou in pous if any(isinstance(each.body, SfcBody) for each in pou.named_bodies()))
+    found = [each for pou in charts for each in check_charts(pou, profile=profile, select=_NEVER_COMPILED)]
+    return sorted((each for each in found if each.severity is Severity.ERROR), key=str)
+
+
+_NEVER_COMPILED = ("STR02", "STR12", "CND01")
+"""Rules on what is a chart for no tool: no initial step, several, a transition without a condition."""
+
+
+def _drawing_style(kind: Format) -> DrawingStyle:
+    from plcopen_sfc.drawing import DrawingStyle  # noqa: PLC0415
+
+    return DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
+
+
+@dataclass(frozen=True)
+class _Excerpt:
+    """A file with its untouched POUs emptied, and what it holds before an edit and after.
+
+    An edit of one POU of many then costs what that POU costs. `content` is the file, `before` the project in it and
+    `project` that with the edits; both have the emptied POUs. `contents` are what these have in the file, by their
+    numbers among all POUs.
+    """
+
+    content: bytes
+    before: Project
+    project: Project
+    tag: str
+    contents: Mapping[int, str]
+
+    @classmethod
+    def of(cls, project: Project, source: FileSource, codec: XmlCodec) -> _Excerpt | None:
+        """Return the excerpt with all that was edited; None where the file has nothing to leave out."""
+        from plcopen_sfc.formats.xml.source_tree import outermost_elements  # noqa: PLC0415
+        from plcopen_sfc.formats.xml.xml_parsing import decode_xml  # noqa: PLC0415
+
+        same = [number for number, pou in enumerate(project.pous) if is_from(pou, number, source.content)]
+        if not same or not codec.pou_tag:
+            return None
+        text, encoding = decode_xml(source.content)
+        spans = outermost_elements(text, codec.pou_tag)
+        if len(spans) != len(project.pous) or encoding.encode(text) != source.content:
+            return None
+        contents = {number: text[spans[number].open_end : spans[number].close_start] for number in same}
+        edits = [Edit(spans[number].open_end, spans[number].close_start, "") for number in same]
+        content = encoding.encode(apply_edits(text, edits))
+        before = codec.read(content).project
+        if len(before.pous) != len(project.pous):
+            return None
+        pous = list(project.pous)
+        for number in same:
+            emptied = before.pous[number]
+            if emptied.name != pous[number].name or emptied.interface or emptied.bodies or emptied.actions:
+                return None  # the tool lists its POUs in another order
+            pous[number] = emptied
+        return cls(content, before, project.model_copy(update={"pous": pous}), codec.pou_tag, contents)
+
+    def filled(self, data: bytes) -> bytes | None:
+        """Return the edited excerpt `data` with what was left out; None where an edit changed an emptied POU."""
+        from plcopen_sfc.formats.xml.source_tree import outermost_elements  # noqa: PLC0415
+        from plcopen_sfc.formats.xml.xml_parsing import decode_xml  # noqa: PLC0415
+
+        old, _ = decode_xml(self.content)
+        new, encoding = decode_xml(data)
+        were, are = outermost_elements(old, self.tag), outermost_elements(new, self.tag)
+        edits: list[Edit] = []
+        for number, content in self.contents.items() if len(were) == len(are) else ():
+            was, now = were[number], are[number]
+            if old[was.start : was.end] != new[now.start : now.end]:
+                return None
+            edits.append(Edit(now.open_end, now.open_end, content))
+        return encoding.encode(apply_edits(new, edits)) if len(were) == len(are) else None
+
+
+class _Merged(NamedTuple):
+    """A file with the edits in it. `is_same_to_tool`: the tool reads from it the very project that was to be saved."""
+
+    data: bytes
+    is_same_to_tool: bool
+
+
+def _merged(
+    project: Project,
+    source: FileSource,
+    kind: Format,
+    report: ConversionReport,
+    *,
+    is_other: bool = False,
+    excerpt: _Excerpt | None = None,
+) -> _Merged | None:
+    """Return the file, or an excerpt of it, with the edits in it; None where reading it again does not give them.
+
+    `is_other`: what is written is not what the project has.
+    """
+    from plcopen_sfc.conversion.adaptation import rewrite_project  # noqa: PLC0415
+    from plcopen_sfc.drawing import prepare_body  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.source_patch import patch_xml  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.xml_codec import canonical  # noqa: PLC0415
+
+    style = _drawing_style(kind)
+    codec = cast("XmlCodec", kind.codec())
+    content = source.content if excerpt is None else excerpt.content
+    touched, untouched = set(), set()
+    for name, _, body in project.bodies():
+        if isinstance(body, SfcBody) and is_from(body.chart, name, source.content):
+            untouched.add(name)
+        else:
+            touched.add(name)
+            if not is_other:  # what is written has another drawing
+                prepare_body(body, style, positions=False)
+    before = codec.read(content).project if excerpt is None else excerpt.before
+    options = WriteOptions(source.version, same=True, source=content, untouched=frozenset(untouched - touched))
+    if is_other:
+        options = replace(options, untouched=frozenset())
+
+    def tree(edited: Project, baseline: Project | None, notes: ConversionReport) -> etree._Element:
+        """Return the tree of a project, in the terms of the tool where the file has or needs them."""
+        written = replace(options, baseline=baseline)
+        if options.untouched or not is_other:
+            return codec.to_tree(edited, written, notes)
+        copy, marks = rewrite_project(edited, kind, written, notes)
+        for _, _, body in copy.bodies():
+            if isinstance(body, SfcBody):
+                prepare_body(body, style, positions=False)
+        return codec.to_tree(copy, replace(written, marks=marks, rewritten=edited), notes)
+
+    after, known = tree(project, before, report), ConversionReport()
+    data = patch_xml(content, tree(before, None, known), after)
+    _pass_known_losses(report, known)
+    try:
+        back = codec.read(data).project
+        if back == project:
+            return _Merged(data, not is_other and codec.as_tool_sees(data) is data)
+        # equal to the tool, if not in the order of its drawing; comments carry ids in TC6 1.01, which may be others now
+        is_same = canonical(tree(back, None, ConversionReport())) == canonical(after)
+    except FormatError:  # references by position that lead elsewhere now
+        return None
+    return _Merged(data, is_same_to_tool=False) if is_same else None
+
+
+def _pass_known_losses(report: ConversionReport, known: ConversionReport) -> None:
+    """Let an edit of a file in its own format lose nothing that the file could not say before: it keeps that beside.
+
+    `known` is the report on the file as it was. Where names are others now, losses of one kind are counted.
+    """
+    left = [item for item in known.items if item.outcome in LOSSES]
+    kinds: tuple[Callable[[Item], Hashable], ...]
+    kinds = (lambda item: (item.outcome, item.what, item.path), lambda item: (item.outcome, item.what))
+    for same in kinds:
+        counts = Counter(map(same, left))
+        for place, item in enumerate(report.items):
+            if item.outcome in LOSSES and counts[same(item)] > 0:
+                counts[same(item)] -= 1
+                left.remove(next(each for each in left if same(each) == same(item)))
+                report.items[place] = replace(item, outcome=Outcome.EXTENSION_DATA)
+
+
+def _read_as(project: Project, data: bytes, kind: Format, version: str) -> Project | None:
+    """Return the project in `data`; None where it is another one than `project`."""
+    back = read_back(data, kind, version)
+    if not kind.ids:
+        number_in_order(back)
+    return back if next(differences(project, back), None) is None else None
+
+
+def patched_text(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
+    """Return the text that was read with the edits in it."""
+    _report_refused(report, project, source, kind)
+    from plcopen_sfc.formats.text_patch import patch_text  # noqa: PLC0415  # only to save edits
+
+    codec = cast("TextCodec", kind.codec(source.version))
+    before, text, spans = codec.located(source.content)
+    options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
+    after, known = codec.to_blocks(project, options, report), ConversionReport()
+    old = codec.to_blocks(before, options, known)
+    _pass_known_losses(report, known)
+    meant = project if kind.ids else numbered_in_order(project)
+    back: Project | None = None
+    for by_words in (True, False):  # a word may stand for two things: `a, b : INT; (* comment *)`
+        if back is None:
+            data, recoded = text.encode(patch_text(text, spans, old, after, by_words=by_words))
+            back = _read_as(meant, data, kind, source.version)
+    if recoded:
+        why = f"{text.encoding} does not have all of its characters; the file is in UTF-8 now"
+        report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)
+    if back is None:
+        # rather a large diff than a lost edit
+        report.add(
+            Outcome.APPROXIMATED,
+            "file",
+            source.path or "",
+            "the edits did not fit into its text; written from the model",
+        )
+        report_reading_errors(project, report)
+        data = codec.write(project, options, ConversionReport())
+        back = read_back(data, kind, source.version)
+        verify(project, kind, back, report)
+    _report_edits(report, project, source, (source.content, data), kind, back=back)
+    return data

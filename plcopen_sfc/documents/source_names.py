@@ -1,0 +1,87 @@
+"""Names of a source where what was written has others: steps, transitions, variables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.types import DerivedType, StructType, Variable
+
+if TYPE_CHECKING:
+    pass
+
+
+def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
+    """Return the paths in the source of what has another name in the `copy` that was written."""
+    called = {new.report_path: old.report_path for old, new in zip(project.pous, copy.pous, strict=True)}
+    pairs = [
+        (old, new)
+        for a, b in zip(project.pous, copy.pous, strict=True)
+        for old, new in zip(_charts_of(a), _charts_of(b), strict=False)  # a writer may have none in actions
+    ]
+    for old, new in pairs:
+        steps = {step.id: step for step in old.chart.steps}
+        labels, earlier = new.chart.labels(), old.chart.labels()
+        for step in new.chart.steps:  # a writer may add steps
+            if step.id in steps:
+                called[f"{new.report_path} / step {step.name}"] = f"{old.report_path} / step {steps[step.id].name}"
+        for transition in new.chart.transitions:
+            if transition.id in earlier:
+                path = f"{new.report_path} / transition {labels[transition.id]}"
+                called[path] = f"{old.report_path} / transition {earlier[transition.id]}"
+    called |= _renamed_variables(project, copy)
+    return {path: old for path, old in called.items() if path != old}
+
+
+def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:
+    """Return the paths in the source of variables whose names the dialect of the other side does not take.
+
+    Those of members of structures are as in programs: ``POU Main / motor.is_on``, ``global variable Data.is_on``.
+    """
+    from plcopen_sfc.languages.translation.renames import NameScope, kept_names  # noqa: PLC0415  # brings the parser
+
+    from_s7, to_s7 = kept_names(copy), kept_names(project)
+    if not (len(from_s7) or len(to_s7)):
+        return {}
+
+    def old_name(scope: NameScope, name: str) -> str:
+        return from_s7.old_name(scope, name) or to_s7.new_name(scope, name) or name
+
+    def paths(variables: Iterable[Variable], scope: NameScope, depth: int = 0) -> Iterator[tuple[str, str]]:
+        for variable in variables:
+            before = old_name(scope, variable.name)
+            yield variable.name, before
+            kind = types.get(variable.type.name.casefold()) if isinstance(variable.type, DerivedType) else variable.type
+            members = kind.members if isinstance(kind, StructType) and depth < _DEEPEST else ()
+            for inner, old in paths(members, NameScope.MEMBER, depth + 1):
+                yield f"{variable.name}.{inner}", f"{before}.{old}"
+
+    types = {each.name.casefold(): each.type for each in copy.data_types}
+    found = {}
+    for old_pou, pou in zip(project.pous, copy.pous, strict=True):
+        known = {variable.name.casefold(): variable.name for variable in old_pou.variables()}
+        for name, before in paths(pou.variables(), NameScope.LOCAL):
+            first, dot, rest = before.partition(".")
+            if first.casefold() in known:
+                found[f"{pou.report_path} / {name}"] = f"{old_pou.report_path} / {known[first.casefold()]}{dot}{rest}"
+    lists = {block.name for block in project.data_blocks} | {each.name or "" for each in project.global_sections()}
+    declared = [(section.name or "", section.variables) for section in copy.global_sections()]
+    declared += [(b.name, b.interface.variables()) for b in copy.data_blocks if b.interface and b.type_name is None]
+    for name, variables in declared:
+        own = old_name(NameScope.GLOBAL, name)
+        is_listed = own in lists  # tags are in no list
+        for inner, before in paths(variables, NameScope.MEMBER if is_listed else NameScope.GLOBAL):
+            old = f"global variable {own}.{before}" if is_listed else f"global variable {before}"
+            found |= {f"global variable {name}.{inner}": old} | ({} if is_listed else {f"global variable {inner}": old})
+    return found
+
+
+_DEEPEST = 8
+"""Structures in structures that are looked into: a damaged type may contain itself."""
+
+
+def _charts_of(pou: Pou) -> list[Chart]:
+    return [Chart(name, pou, body.chart) for name, _, body in pou.named_bodies() if isinstance(body, SfcBody)]
