@@ -14,6 +14,8 @@ from typing import NamedTuple
 
 from plcopen_sfc.conversion.meaning import Meaning, literal_meaning
 from plcopen_sfc.languages.binding.symbols import NamedObject
+from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS
+from plcopen_sfc.model.sfc import SfcFlag
 
 UNDECLARED = "undeclared name"
 """The kind of parts that are names which nothing declares."""
@@ -32,6 +34,13 @@ UNUSED_INPUT = "unused operating input"
 RESTING_INPUT = "operating input at rest"
 """The kind of those that are at rest, as the user says."""
 OPERATING_KINDS = frozenset({OPERATING_INPUT, UNUSED_INPUT, RESTING_INPUT})
+
+
+def told_flag(flag: SfcFlag) -> tuple[str, str]:
+    """Return the subject and the place, below the chart, of items about an SFC flag."""
+    return (OPERATING_INPUT, flag.variable) if flag in OPERATING_FLAGS else (flag.variable, "")
+
+
 UNDECLARED_TYPE = "undeclared type"
 """The kind of parts that are names of types which nothing declares."""
 PROGRAM_CALL = "call of a program"
@@ -42,7 +51,7 @@ class Detail(IntEnum):
     """Detail in which a tree tells of a project."""
 
     EXECUTED = 0
-    """A part that a controller executes, by what it does: conversions are compared by that."""
+    """The parts that a controller executes, by what they do: conversions are compared by that."""
     MEANT = 1
     """Also what people and tools look at: comments, excluded elements, times of alarms, all types."""
     WRITTEN = 2

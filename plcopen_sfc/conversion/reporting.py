@@ -44,7 +44,7 @@ from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
 
 if TYPE_CHECKING:
-    from plcopen_sfc.analysis.verdict import Counterexample
+    from plcopen_sfc.analysis.verdict import Counterexample, Verdict
 
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
@@ -129,11 +129,9 @@ def report_running(
             why = _refused(verdict.counterexample, tool)
             if any(i.what == ORDER_OF_ACTIONS and i.path == there.report_path for i in report.losses):
                 why += "; a cause is the order of actions, which the report names"
-            times = _times_among(verdict.inputs, there)
-            held = compared(delay="auto", limit=left, fixed=times) if times else verdict
-            if held.equal:
-                why += f"; while {_listed(times)}, both are {str(held).splitlines()[0]}: tools differ in when they take"
-                why += " up a new time of an action that runs"
+            times, left = _times_among(verdict.inputs, there), end - time.monotonic()
+            if times and left > 0:
+                why += _told_while_held(compared(delay="auto", limit=left, fixed=times), times)
             report.add(Outcome.APPROXIMATED, "chart", there.report_path, why)
         elif not as_run.equal:
             example = as_run.counterexample
@@ -149,8 +147,13 @@ def _times_among(inputs: Iterable[str], chart: Chart) -> dict[str, str]:
     return {name: (each.text if isinstance(each, SimpleValue) else None) or "T#1s" for name, each in initial.items()}
 
 
-def _listed(values: Mapping[str, str]) -> str:
-    return " and ".join(f"`{name}` stays {value}" for name, value in values.items())
+def _told_while_held(verdict: Verdict, times: Mapping[str, str]) -> str:
+    """Return that both do the same while the times of actions keep their values; empty where they do not."""
+    if not verdict.equal:
+        return ""
+    held = " and ".join(f"`{name}` stays {value}" for name, value in times.items())
+    why = "tools differ in when they take up a new time of an action that runs"
+    return f"; while {held}, both are {str(verdict).splitlines()[0]}: {why}"
 
 
 def _lasts(chart: Chart, project: Project, inputs: Iterable[str], *, has_other_inputs: bool) -> bool:

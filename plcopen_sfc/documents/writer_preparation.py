@@ -28,7 +28,7 @@ from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.net import Net
-from plcopen_sfc.semantics.profile import PROFILES, StepVariables, default_profile, profile_of_format
+from plcopen_sfc.semantics.profile import PROFILES, Profile, StepVariables, default_profile, profile_of_format
 
 
 class Prepared(NamedTuple):
@@ -73,13 +73,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if of_grafcet:
         _put_into_sfc(copy, kind, report)
         profile = PROFILES["iec"]  # the words of the copy
-    options = replace(
-        options,
-        of_graph=profile.graph_parameters,
-        of_codesys=bool(profile.flags),
-        of_matiec=profile.for_asks_ahead,
-        final_scan=profile.final_scan,
-    )
+    options = _from(options, profile)
     if profile.graph_parameters and kind.name != TIA_FORMAT:
         _mark_first_steps(copy, kind, report)
     if kind.xml and not options.same:
@@ -128,6 +122,17 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if kind.charts is None and meant is not copy:  # the source of a chart has the numbers and names of the others
         kind.codec().adapt(meant, options, ConversionReport())
     return Prepared(copy, meant, options, behaviour)
+
+
+def _from(options: WriteOptions, profile: Profile) -> WriteOptions:
+    """Return the options for a source that is executed under a profile."""
+    return replace(
+        options,
+        of_graph=profile.graph_parameters,
+        of_codesys=bool(profile.flags),
+        of_matiec=profile.for_asks_ahead,
+        final_scan=profile.final_scan,
+    )
 
 
 def is_put_into_sfc(project: Project, kind: Format) -> bool:

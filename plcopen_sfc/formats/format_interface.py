@@ -244,8 +244,9 @@ class Format:
     ids of steps, transitions and elements of networks. `positions`: they keep positions. `networks` is the form of
     networks in its files, `one_sheet`: all networks of a body are on one. `il_conditions`, `il_bodies`: the conditions
     of its charts, and bodies, may be in IL. `used_first`: its files have each block behind those that it names, so that
-    the order of blocks and types is not kept. `charts` has the abilities of its charts, where other charts are put into
-    their terms. `standard` is what its versions are of.
+    the order of blocks and types is not kept. `flags_as_conditions`: its charts have no SFC flags, and get conditions
+    that obey them. `charts` has the abilities of its charts, where other charts are put into their terms. `standard`
+    is what its versions are of.
     """
 
     name: str
@@ -271,6 +272,7 @@ class Format:
     il_conditions: bool = True
     il_bodies: bool = True
     used_first: bool = False
+    flags_as_conditions: bool = False
     charts: ChartHost | None = None
     standard: str = ""
 

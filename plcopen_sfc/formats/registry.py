@@ -178,6 +178,7 @@ FORMATS: tuple[Format, ...] = (
             "tags",
         ),
         versions=("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21"),
+        flags_as_conditions=True,
         xml=True,
         drawing=DrawingNeed.PLAIN,
         dialect=Dialect.SCL,

@@ -28,7 +28,7 @@ from plcopen_sfc.conversion.adaptation.step_rewriting import (
     StepRewriter,
     has_special_rows,
 )
-from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
+from plcopen_sfc.conversion.executed_parts import told_flag
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import (
     REWRITTEN_FIELD,
@@ -43,7 +43,7 @@ from plcopen_sfc.languages.networks import (
     is_empty_network,
     kept_conditions,
 )
-from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS, flags_at_rest, named_flags
+from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.model.actions import Qualifier
@@ -261,7 +261,7 @@ class _ChartRewriter:
         chart = self._chart
         used = self._rewriting.flags
         for flag in sorted(each for each in used if each.variable.upper() not in self._rewriting.options.at_rest):
-            what, place = (OPERATING_INPUT, flag.variable) if flag in OPERATING_FLAGS else (flag.variable, "")
+            what, place = told_flag(flag)
             self._note(Outcome.NOT_EXECUTED, what, place, f"the flag has no effect in {self._host.title}")
         if SfcFlag.ERROR in used:
             for step in (step for step in chart.steps if step.max_time):

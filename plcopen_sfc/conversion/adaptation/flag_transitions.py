@@ -11,17 +11,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable
-from functools import cached_property
 from itertools import chain
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
-from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
+from plcopen_sfc.conversion.executed_parts import told_flag
 from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
-from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.binding import Effects, Names, bind
 from plcopen_sfc.languages.networks import condition_reader
-from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS, WATCHING_FLAGS, flags_at_rest, named_flags
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, named_flags
+from plcopen_sfc.languages.st import parse_expression, print_node
+from plcopen_sfc.languages.st.effects import may_change, path_of
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
@@ -96,6 +96,8 @@ class _FlagRewriter:
         """The flags that end actions which networks behind the sequence control."""
         self.lines: list[str] = []
         """The statements for behind the sequence, which set the memories."""
+        self._bodies = [bind(body, Dialect.SCL) for _, _, body in chart.pou.named_bodies()]
+        """The texts of the POU before its chart is changed."""
         read = condition_reader(chart.chart, Dialect.SCL, transitions=chart.pou.transitions)
         self._texts: dict[int, str | None] = {}
         for transition in chart.chart.transitions:
@@ -109,7 +111,7 @@ class _FlagRewriter:
         refused = {flag: self._refusal(flag) for flag in sorted(flags)}
         executed = [flag for flag, why in refused.items() if why is None]
         for flag, why in refused.items():
-            what, place = (OPERATING_INPUT, flag.variable) if flag in OPERATING_FLAGS else (flag.variable, "")
+            what, place = told_flag(flag)
             if why is None:
                 self._note(Outcome.TRANSLATED, what, place, "the conditions of transitions obey it")
             elif flag not in self._resting:
@@ -177,12 +179,11 @@ class _FlagRewriter:
         return {key: name for key, name in found.items() if key not in self._controlled()}
 
     def _is_written(self, names: Iterable[str]) -> bool:
-        """True if a text of the POU may write one of these operands."""
-        return any(re.search(rf"{re.escape(_bare(name))}\"?\s*:=", self._all_texts, re.IGNORECASE) for name in names)
-
-    @cached_property
-    def _all_texts(self) -> str:
-        return str(self._place.pou.model_dump(include={"bodies", "actions", "transitions", "methods"}))
+        """True if code of the POU may write one of these operands, as code that cannot be read may."""
+        operands = frozenset(path_of(parse_expression(name, Dialect.SCL).tree) for name in names)
+        written = Effects.all(body.code for body in self._bodies).writes
+        is_unknown = any(body.unknown for body in self._bodies)
+        return bool(operands) and (is_unknown or may_change(operands, written, frozenset()))
 
     def _refused_pause(self) -> str | None:
         for step, row in self._chart.associations():
@@ -336,10 +337,11 @@ class _FlagRewriter:
             self._note(Outcome.APPROXIMATED, "step flag", f"step {initial.name}", why)
 
     def _is_read(self, step: Step, member: str) -> bool:
-        """True if a text of the POU may read data of a step."""
-        if member == "t" and step.min_time:
-            return True
-        return re.search(rf"\b{re.escape(step.name)}\"?\.{member}\b", self._all_texts, re.IGNORECASE) is not None
+        """True if a text of the POU names data of a step, or its minimum time asks for its time."""
+        path = (step.name.casefold(),)
+        named = (each for body in self._bodies for each in body.uses if each.name.casefold() == member)
+        is_named = any(each.base is not None and path_of(each.base) == path for each in named)
+        return is_named or (member == "t" and step.min_time is not None)
 
     def _note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
         path = self._place.report_path

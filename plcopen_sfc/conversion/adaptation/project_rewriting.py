@@ -28,7 +28,6 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     SourceMarks,
 )
 from plcopen_sfc.formats.provenance import is_untouched
-from plcopen_sfc.formats.registry import TIA_FORMAT
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
 from plcopen_sfc.languages.s7_globals import by_retention
 from plcopen_sfc.languages.s7_programs import is_void
@@ -55,7 +54,7 @@ def rewrite_project(
     """
     host = kind.charts
     if host is None:
-        return _with_flags(project, options, report) if kind.name == TIA_FORMAT else (project, {})
+        return _with_flags(project, options, report) if kind.flags_as_conditions else (project, {})
     adaptation = ProjectAdaptation(project, project, host, options, report)
     for rule in RULES:
         if not rule.keeps_source and rule.applies(adaptation):

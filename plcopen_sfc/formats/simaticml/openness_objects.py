@@ -158,14 +158,7 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
     ctx.action_controls = None
     if chart is not None and _may_have_controls(ctx):
-        alone = are_rows_alone(ctx.options)
-        flags = ctx.options.marks.get(id(chart.chart), {})
-        more, ends = flags.get("lines", ()), flags.get("ends", ())
-        controls = action_controls(ctx.project, pou, chart.chart, functions, alone=alone, more=more, ends=ends)
-        ctx.action_controls = controls
-        if told := told_late_actions(pou, chart.chart, controls, ctx.options):
-            ctx.note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, why=told)
-        added += controls.variables
+        added += _planned_controls(ctx, pou, chart.chart, functions)
         ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
     mark = ctx.options.marks.get(id(pou), {})
     added += mark.get("variables", [])
@@ -208,6 +201,18 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
         _without_graph(writer.values)
     ctx.place.pop()
+
+
+def _planned_controls(ctx: DocumentWriting, pou: Pou, chart: SfcNetwork, functions: ActionFunctions) -> list[Variable]:
+    """Plan the networks that control actions, and return the variables that they add to the block."""
+    flags = ctx.options.marks.get(id(chart), {})
+    more, ends = flags.get("lines", ()), flags.get("ends", ())
+    alone = are_rows_alone(ctx.options)
+    controls = action_controls(ctx.project, pou, chart, functions, alone=alone, more=more, ends=ends)
+    ctx.action_controls = controls
+    if told := told_late_actions(pou, chart, controls, ctx.options):
+        ctx.note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, why=told)
+    return controls.variables
 
 
 def _without(interface: Interface, added: Collection[Variable]) -> Interface:
