@@ -10,6 +10,8 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.analysis.pairing import Delay
+from plcopen_sfc.languages.networks import draw_ld
+from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import default_profile
 from tests.conversion.matrix import same_behaviour
@@ -130,6 +132,19 @@ def test_flags_without_a_counterpart_are_refused(flag: str, fields: dict[str, st
     assert item.what == "operating input"
     rested = sfc.convert(chart_with(flag, **fields), "simaticml", partial=True, at_rest=[flag])[1]
     assert not [item for item in rested.losses if item.path.endswith(flag)]
+
+
+@pytest.mark.parametrize("language", ["ST", "LD", "IL"])
+def test_no_flag_ends_what_code_writes_too(language: str) -> None:
+    """A coil and an instruction write a stored operand as an assignment does."""
+    source = chart_with("SFCInit", work="q(S);", actions="ACTION Act: q := g; END_ACTION")
+    action = source.pou("Main").actions[0]
+    if language == "LD":
+        action.body = draw_ld(parse_statements("q := g;").tree.statements).body
+    if language == "IL":
+        action.body = m.IlBody(text="LD g\nST q")
+    _, report = converted(source)
+    assert any("stored or delayed" in each.why for each in report.losses if "SFCInit" in each.path), report.losses
 
 
 def test_the_source_comes_back_and_an_edit_is_written_in_its_terms() -> None:
