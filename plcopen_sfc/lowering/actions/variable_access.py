@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterable
 from functools import cached_property
 
+from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.effects import ANYTHING, Path, calls, may_change, path_of, reads, writes
@@ -28,19 +28,19 @@ class UntouchedVariables:
         self.own = frozenset(own)
         self.private = {*own, *local}
         self.blocks = standard_instances(source)
-        self._pou = source.pou
+        self._pou, self._dialect = source.pou, source.dialect
 
     @cached_property
     def _bodies(self) -> dict[str, set[str]]:
-        """Words in the bodies of actions and methods, by their names."""
+        """Names in the bodies of actions and methods, by those of these."""
         return {
-            name.rpartition(".")[2].casefold(): set(_WORD.findall(body.model_dump_json().casefold()))
+            name.rpartition(".")[2].casefold(): names_in(body, self._dialect)
             for name, _, body in self._pou.named_bodies()
             if "." in name
         }
 
     def called(self, name: str) -> set[str]:
-        """Return the words in all that a call of this name executes in the POU."""
+        """Return the names in all that a call of this name executes in the POU."""
         found: set[str] = set()
         waiting = [name]
         while waiting:
@@ -51,7 +51,6 @@ class UntouchedVariables:
 
 
 _LOCAL = (SectionKind.LOCAL, SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.TEMP)
-_WORD = re.compile(r"\w+")
 
 
 class Effect:
