@@ -5,6 +5,6 @@
 * `file_recognition`: `recognise`, and formats that are recognised but not read.
 * `xml` and `text_patch`: common parts of XML and text formats; `provenance`: what was edited since it was read.
 * The formats: `plcopen` and `codesys` (PLCopen XML), `codesys_export` and `twincat` (objects as `archives` reads them),
-  `codesys23`, `simaticml`, `scl`, `iectext`, `grafcet`, `steplist` (XLSX and CSV), `json_codec`. `matiec` adapts
-  projects to its compiler.
+  `codesys23`, `simaticml`, `scl`, `iectext`, `grafcet`, `steplist` (XLSX and CSV), `symboltable` (SDF),
+  `json_codec`. `matiec` adapts projects to its compiler.
 """

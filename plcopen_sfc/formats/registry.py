@@ -42,8 +42,11 @@ _TEXT_UNIT = re.compile(
 _TEXT_PART = re.compile(r"\b(?:END_[A-Z_]+|VAR|VAR_[A-Z_]+|INITIAL_STEP)\b", re.IGNORECASE)
 
 
+_OWN_TEXT = re.compile(r"\s*\{\s*plcopen_sfc\s+format\b")
+
+
 def _is_iec_text(head: FileHead) -> bool:
-    if re.match(r"\s*\{\s*plcopen_sfc\s+format\b", head.text):
+    if _OWN_TEXT.match(head.text):
         return True
     return _TEXT_UNIT.match(head.text) is not None and _TEXT_PART.search(head.text) is not None
 
@@ -65,6 +68,12 @@ _EXPORT = re.compile(
     r"\s*\(\* @(?:NESTEDCOMMENTS|GLOBAL_VARIABLE_LIST|PATH|OBJECTFLAGS|SYMFILEFLAGS|END_DECLARATION)\b"
     r"|\s*(?:_ALARMCONFIG|PLC_CONFIGURATION|LIBRARY)[ \t]*\r?\n"
 )
+_IN_EXPORT = re.compile(
+    r"^[ \t]*+(?:\(\* @(?:END_DECLARATION|SFCMAXTIME|SFCMINTIME|SFCCOMMENT|TEXT_IMPLEMENTATION|OBJECT_END)\b"
+    r"|_(?:CFC|FBD|LD)_BODY[ \t]*$)",
+    re.MULTILINE,
+)
+"""Lines inside of objects, for files from which somebody took the pragmas before them."""
 
 
 CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp1253", "cp1254", "cp1257", "cp932", "cp936", "cp949", "cp950")
@@ -72,7 +81,11 @@ CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp1253", "cp1254", "cp1257", "cp932
 
 
 def _is_export_of_codesys23(head: FileHead) -> bool:
-    return _EXPORT.match(head.text) is not None
+    if _EXPORT.match(head.text) is not None:
+        return True
+    if _OWN_TEXT.match(head.text) or _TEXT_UNIT.match(head.text) is None:
+        return False
+    return _IN_EXPORT.search(head.text.replace("\r", "")) is not None
 
 
 def _is_simaticml(head: FileHead) -> bool:
@@ -102,6 +115,18 @@ _LIST_HEADINGS = re.compile(
 
 def _is_csv_list(head: FileHead) -> bool:
     return not head.root and _LIST_HEADINGS.search(head.text) is not None
+
+
+_SYMBOL = re.compile(
+    r'^\ufeff?[ \t]*"[^"\r\n]*"[ \t]*,'
+    r'[ \t]*"(?:P?[EAIQ][BWD]?|M[BWD]?|[TZC]|S?F[BC]|[OD]B|UDT|VAT)[ \t]*\d+(?:\.\d)?[ \t]*"'
+    r'[ \t]*,[ \t]*"?[^",\r\n]*"',
+    re.IGNORECASE | re.MULTILINE,
+)
+
+
+def _is_symbol_table(head: FileHead) -> bool:
+    return not head.root and _SYMBOL.search(head.text) is not None
 
 
 FORMATS: tuple[Format, ...] = (
@@ -334,6 +359,22 @@ FORMATS: tuple[Format, ...] = (
         ids=False,
         dialect=Dialect.IEC,
         networks=NetworkForm.STATEMENTS,
+        il_conditions=False,
+        il_bodies=False,
+    ),
+    Format(
+        name="sdf",
+        title="symbol table of STEP 7 V5",
+        tool="",
+        module="plcopen_sfc.formats.symboltable.sdf_codec",
+        extensions=(".sdf",),
+        versions=("international", "german"),
+        recognises=_is_symbol_table,
+        capabilities=("tags",),
+        text=True,
+        dialect=Dialect.SCL,
+        ids=False,
+        networks=NetworkForm.COMMENTS,
         il_conditions=False,
         il_bodies=False,
     ),

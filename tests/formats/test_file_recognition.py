@@ -81,13 +81,23 @@ def test_a_format_that_is_named_is_tried_all_the_same() -> None:
         ("renamed.txt", f"{HEADER}{UNIT}"),
         ("step7_names.EXP", f"{HEADER}FUNCTION_BLOCK FB12\nVAR\nEND_VAR\nEND_FUNCTION_BLOCK\n"),
         ("without_pragmas.exp", UNIT),
+        ("", UNIT.replace("x := 1", "(* @END_DECLARATION := '0' *)\r\nx := 1")),
+        ("", "FUNCTION_BLOCK a\r\nVAR\r\nEND_VAR\r\n_LD_BODY\r\n_NETWORKS : 0\r\nEND_FUNCTION_BLOCK\r\n"),
+        ("a.txt", "PROGRAM a\nVAR\nEND_VAR\nINITIAL_STEP b:\nEND_STEP\n(* @SFCMAXTIME := '' *)\nEND_PROGRAM\n"),
         ("libraries.EXP", "\nLIBRARY\nStandard.lib 5.12.05 12:20:58\nEND_LIBRARY\n"),
     ],
 )
 def test_exports_of_codesys_2_3_are_no_iec_text(name: str, text: str) -> None:
-    source = sfc.loads(text.encode(), path=name).source
+    source = sfc.loads(text.encode(), path=name or None).source
     assert source is not None
     assert source.format == "codesys23"
+
+
+def test_a_pragma_of_an_export_in_a_text_is_no_export() -> None:
+    quoted = UNIT.replace("x := 1", "(* such as (* @END_DECLARATION := '0' *) *)\n  x := 1")
+    source = sfc.loads(quoted.encode()).source
+    assert source is not None
+    assert source.format == "iec-text"
 
 
 def test_a_folder_of_another_tool_is_refused_as_its_files_are(tmp_path: Path) -> None:

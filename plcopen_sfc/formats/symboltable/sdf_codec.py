@@ -1,0 +1,200 @@
+"""Symbol tables of STEP 7 V5 (``sdf``, the system data format of its symbol editor) as tables of TIA tags.
+
+Each line is a symbol: its name, address, type and comment, in quotation marks with commas between. STEP 7 fills the
+cells up with blanks. Symbols of blocks and of the periphery are no tags in TIA Portal; their lines are kept.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import Location
+from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
+from plcopen_sfc.formats.symboltable.operands import is_german, is_operand, operand, tag_address, with_mnemonics
+from plcopen_sfc.formats.text_patch import (
+    BlockSpan,
+    Place,
+    SourceText,
+    WrittenBlock,
+    block_span,
+    decode_text,
+    numbered_blocks,
+)
+from plcopen_sfc.languages.declarations import write_type
+from plcopen_sfc.languages.declarations.kept_texts import keep, kept
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.project import Project, Tag, TagTable
+from plcopen_sfc.model.text import plain
+from plcopen_sfc.report import ConversionReport, Outcome
+
+LINE = re.compile(
+    r'[ \t]*"(?P<symbol>[^"\r\n]*)"[ \t]*,[ \t]*"?(?P<address>[^",\r\n]*)"[ \t]*,'
+    r'[ \t]*"?(?P<type>[^",\r\n]*)"(?:[ \t]*,[ \t]*"(?P<comment>[^\r\n]*)")?[ \t]*(?:\Z|(?=[\r\n]))'
+)
+"""A symbol. The manual has an example that lacks an opening quotation mark."""
+TABLE = "Symbols"
+"""Name of the table that a file is: it has none itself."""
+_WIDTHS = (24, 12, 10, 80)
+"""So wide the cells are in files of STEP 7."""
+_TYPES = {
+    word.upper(): word
+    for word in (
+        *("Bool", "Byte", "Word", "DWord", "Int", "DInt", "Real", "Char", "Time", "S5Time", "Date", "Time_Of_Day"),
+        *("Timer", "Counter"),
+    )
+}
+_NO_PLACE = "a symbol table has symbols with an address, and no program"
+
+
+@dataclass
+class _Found:
+    """A file that was read: its table, the places of its lines, and findings."""
+
+    table: TagTable = field(default_factory=lambda: TagTable(name=TABLE))
+    places: list[Place] = field(default_factory=list)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+
+
+def _read(source: SourceText, file: str | None = None) -> _Found:
+    found, others = _Found(), dict[str, str]()
+    if source.guessed:
+        message = f"the file has no byte order mark and is not in UTF-8; taken as {source.encoding}, which is a guess"
+        found.diagnostics.append(Diagnostic("SDF201", Severity.INFO, message, Location(file, 1)))
+    for number, line in enumerate(re.finditer(r"[^\r\n]+", source.text), 1):
+        if not line.group().strip("\ufeff \t\x1a"):
+            continue
+        symbol = LINE.fullmatch(line.group().removeprefix("\ufeff"))
+        start = line.start() + line.group().startswith("\ufeff")
+        address = symbol["address"].strip() if symbol is not None else ""
+        if symbol is None or (symbol["symbol"].strip() and not is_operand(address)):
+            message = f"{line.group()[:60]!r} is no symbol" if symbol is None else f"{address!r} is no address"
+            found.diagnostics.append(Diagnostic("SDF101", Severity.ERROR, message, Location(file, number)))
+        located = tag_address(address)
+        if symbol is None or located is None:
+            name = f"line{len(others) + 1}"
+            others[name] = line.group().removeprefix("\ufeff")
+            found.places.append((("other", name), (start, line.end()), ()))
+            continue
+        word = symbol["type"].strip()
+        comment = (symbol["comment"] or "").rstrip() or None
+        tag = Tag(name=symbol["symbol"].strip(), type=_TYPES.get(word.upper(), word), address=located, comment=comment)
+        found.table.tags.append(tag)
+        found.places.append((("tag", tag.name), (start, line.end()), ()))
+    found.table.extension_data = keep(others)
+    return found
+
+
+class SdfCodec(TextCodec):
+    """Symbol tables; `german`: new addresses are in German mnemonics."""
+
+    def __init__(self, *, german: bool = False) -> None:
+        self._german = german
+
+    def for_version(self, version: str) -> SdfCodec:
+        """Return the codec for mnemonics that were asked for."""
+        return SdfCodec(german=version == "german")
+
+    def decode(self, content: bytes) -> SourceText:
+        """Return the text of a file, and its encoding."""
+        return decode_text(content)
+
+    def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
+        """Read a file. A line that is no symbol is kept and reported."""
+        found = _read(self.decode(data), file)
+        version = "german" if self._is_german(data) else "international"
+        return ReadResult(Project(dialect=Dialect.SCL, tag_tables=[found.table]), found.diagnostics, version)
+
+    def _is_german(self, data: bytes) -> bool:
+        lines = LINE.finditer(self.decode(data).text)
+        return any(is_german(line["address"].strip()) for line in lines if tag_address(line["address"].strip()))
+
+    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+        """Write a whole file in the code page of Windows, with CRLF."""
+        text = self.to_blocks(project, options, report).whole()
+        return f"{text}\n".replace("\n", "\r\n").encode("cp1252", errors="replace")
+
+    def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
+        """Return the lines of a project, each a block that an edit replaces."""
+        blocks = [*_Writer(project, report, german=self._german).blocks()]
+        return WrittenBlock(("file", ""), blocks=numbered_blocks(blocks))
+
+    def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
+        """Return the project in a file, its text, and the place of each symbol in that."""
+        source = self.decode(content)
+        found = _read(source)
+        spans = block_span(("file", ""), (0, len(source.text)), found.places)
+        return Project(dialect=Dialect.SCL, tag_tables=[found.table]), source, spans
+
+
+class _Writer:
+    def __init__(self, project: Project, report: ConversionReport, *, german: bool) -> None:
+        self._project, self._report, self._german = project, report, german
+        self._written: dict[str, str] = {}
+
+    def blocks(self) -> Iterator[WrittenBlock]:
+        for thing in self._project.objects():
+            if isinstance(thing, TagTable):
+                self._report.add(Outcome.KEPT, "tag table", thing.report_path)
+                for constant in thing.constants:
+                    self._lost("constant", f"{thing.report_path} / constant {constant.name}", "it is no symbol")
+            else:
+                self._report.add(Outcome.NOT_EXECUTED, thing.kind_in_reports, thing.report_path, _NO_PLACE)
+        for tag, path in self._tags():
+            line = self._line(tag, path)
+            if line is not None:
+                yield WrittenBlock(("tag", tag.name), line, verbatim=True)
+        for table in self._project.tag_tables:
+            for name, text in kept(table.extension_data).items():
+                symbol = LINE.fullmatch(text)
+                start, end = symbol.span("address") if symbol is not None else (0, 0)
+                line = text[:start] + with_mnemonics(text[start:end], german=self._german) + text[end:]
+                yield WrittenBlock(("other", name), line, verbatim=True)
+
+    def _tags(self) -> Iterator[tuple[Tag, str]]:
+        """Yield the tags, then the variables with an address, with their paths."""
+        for table in self._project.tag_tables:
+            yield from ((tag, f"{table.report_path} / tag {tag.name}") for tag in table.tags)
+        variables = [(f"{pou.report_path} / {v.name}", v) for pou in self._project.pous for v in pou.variables()]
+        for section in self._project.global_sections():
+            path = f"global variable {section.name}." if section.name else "global variable "
+            variables += [(f"{path}{v.name}", v) for v in section.variables]
+            for variable in section.variables:
+                if not variable.address:
+                    self._lost("variable", f"{path}{variable.name}", "a symbol has an address")
+        for place, variable in variables:
+            if variable.address:
+                word = write_type(variable.type, Dialect.SCL)
+                yield Tag(name=variable.name, type=word, address=variable.address, comment=variable.comment), place
+
+    def _line(self, tag: Tag, path: str) -> str | None:
+        """Return the line of a tag; None where STEP 7 V5 has no such symbol."""
+        address = operand(tag.address or "", german=self._german)
+        word = tag.type.strip('"').upper()
+        known = self._written.get(tag.name.casefold())
+        why = ""
+        if address is None:
+            why = f"{tag.address or 'no address'} is no address of a symbol in STEP 7 V5"
+        elif word not in _TYPES:
+            why = f"STEP 7 V5 has no type {tag.type}"
+        elif known not in (None, address):
+            why = f"the symbol {tag.name} is {known} already"
+        if why:
+            self._lost("tag", path, why)
+        if address is None or why or known is not None:
+            return None
+        self._written[tag.name.casefold()] = address
+        if len(tag.name) > _WIDTHS[0]:
+            why = f"a symbol of STEP 7 V5 has up to {_WIDTHS[0]} characters"
+            self._report.add(Outcome.APPROXIMATED, "tag", path, why)
+        comment = " ".join(plain(tag.comment).split())
+        cells = (tag.name, address, word, comment.replace('"', "'"))
+        return ",".join(f'"{cell:<{width}}"' for cell, width in zip(cells, _WIDTHS, strict=True))
+
+    def _lost(self, what: str, path: str, why: str) -> None:
+        self._report.add(Outcome.NOT_EXECUTED, what, path, why)
+
+
+CODEC = SdfCodec()
