@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.languages.binding.name_uses import find_uses
 from plcopen_sfc.languages.networks.exported_networks import network_statements
 from plcopen_sfc.model.body import OpaqueBody, StBody
 
@@ -83,3 +84,21 @@ def test_a_program_in_ladder_runs_and_is_written_for_other_tools() -> None:
     assert [item.why for item in report.items if item.what == "body"] == [
         "from networks of CoDeSys 2.3 into structured text"
     ]
+
+
+@pytest.mark.parametrize(("body", "count"), [(LD, 1), (FBD, 1)])
+def test_a_rename_reaches_into_networks_of_an_export(body: str, count: int) -> None:
+    declared = EXPORT.replace(LD, body).replace("Ready: BOOL", "Ready: BOOL; Delay: TON; Elapsed: TIME")
+    declared = declared.replace("Start, Stop", "Start: BOOL;\n\tStop")
+    project = sfc.loads(declared.encode())
+    assert [use.language for use in find_uses(project, "Main.Start")] == ["opaque"] * count
+    result = project.rename("Main.Start", "Los")
+    assert not result.undecided
+    before, after = declared.split("\n"), sfc.dumps(project).decode().split("\n")
+    changed = [(old, new) for old, new in zip(before, after, strict=True) if old != new]
+    assert changed == [("\tStart: BOOL;", "\tLos: BOOL;"), *[("Start", "Los")] * count]
+
+
+def test_networks_that_are_not_understood_are_told_in_a_rename() -> None:
+    project = sfc.loads(EXPORT.replace("_LD_OR", "_LD_XOR").encode())
+    assert [each.use.path for each in project.rename("Main.Start", "Los").undecided] == ["Main"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 from weakref import ref
@@ -15,12 +15,13 @@ from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites_in
 from plcopen_sfc.languages.il import CALLS, JUMPS, STORING, instructions
 from plcopen_sfc.languages.networks import Helper, body_statements, chart_statements, condition_reader
+from plcopen_sfc.languages.networks.exported_networks import EXPORTS, network_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.st.effects import Effects, calls, effects, path_of, targets
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Block
@@ -153,6 +154,9 @@ def _bound(body: Body, dialect: Dialect) -> BoundBody:
         unknown = tuple(UnknownPart(reason) for chart in charts for reason in chart.unknown)
         helpers = tuple(helper for chart in charts for helper in chart.helpers)
         return BoundBody(body, dialect, (), trees, unknown, helpers, charts=charts)
+    text = network_statements(body.content) if body.source == EXPORTS else None
+    if text is not None:
+        return replace(_bound(StBody(text=text), dialect), body=body)
     return BoundBody(body, dialect, unknown=(UnknownPart(f"a body in the form of {body.source} cannot be read"),))
 
 
@@ -280,7 +284,7 @@ class BoundText:
     def trees(self) -> Sequence[n.Expression | n.Statement]:
         """The expressions and statements of a program text; what cannot be read is `Unreadable` among them."""
         text_site = self.text_site
-        if isinstance(text_site.holder, StBody | IlBody):
+        if isinstance(text_site.holder, StBody | IlBody | OpaqueBody):
             return bind(text_site.holder, self.dialect).trees
         if text_site.reading is SiteKind.STATEMENTS:
             return parse_statements(text_site.text, self.dialect).tree.statements

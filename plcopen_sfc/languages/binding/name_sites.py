@@ -10,6 +10,7 @@ from typing import Any
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE, program_parts
 from plcopen_sfc.languages.il import CALLS, JUMPS, instructions
+from plcopen_sfc.languages.networks.exported_networks import network_operands
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.st import declaration_nodes as d
 from plcopen_sfc.languages.st import nodes as n
@@ -190,6 +191,15 @@ def in_instructions(text: str, dialect: Dialect) -> Iterator[Reference]:
         for operand in instruction.operands:
             tree = operand.parsed.tree
             yield from moved(in_tree(n.CallStatement(tree) if calls else tree, dialect), operand.start)
+
+
+def in_networks(text: str, dialect: Dialect) -> Iterator[Reference]:
+    """Yield every name in networks of an export of CoDeSys 2.3; all words of those that are not understood."""
+    operands = network_operands(text)
+    if operands is None:
+        yield from unread(text, 0, "it is in networks that are not understood")
+    for start, tree in operands or ():
+        yield from moved(in_tree(tree, dialect), start)
 
 
 def unread(text: str, start: int, reason: str, dialect: Dialect | None = None) -> Iterator[Reference]:

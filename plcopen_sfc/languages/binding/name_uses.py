@@ -15,6 +15,7 @@ from plcopen_sfc.languages.binding.name_sites import (
     in_declarations,
     in_expression,
     in_instructions,
+    in_networks,
     in_repeated_list,
     in_statements,
     unread,
@@ -47,6 +48,8 @@ def references(text_site: TextSite, dialect: Dialect) -> Iterator[Reference]:
         yield from in_declarations(text, dialect)
     elif text_site.reading is SiteKind.REPEATED:
         yield from in_repeated_list(text, dialect)
+    elif text_site.reading is SiteKind.NETWORKS:
+        yield from in_networks(text, dialect)
     elif text_site.reading is SiteKind.NAME:
         yield Reference(text, (0, len(text)), text_site.role)
     else:

@@ -12,6 +12,7 @@ from enum import StrEnum
 from typing import Any
 
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
+from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.model import body as b
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model import sfc as s
@@ -36,7 +37,7 @@ from plcopen_sfc.model.variables import AccessVariable, ConfigVariable, Interfac
 
 
 class SiteKind(StrEnum):
-    """Kind of a text: how it is read."""
+    """Kind of a text: how it is read. NETWORKS: drawn ones as exports of CoDeSys 2.3 have them."""
 
     STATEMENTS = "statements"
     EXPRESSION = "expression"
@@ -45,6 +46,7 @@ class SiteKind(StrEnum):
     NAME = "name"
     FOREIGN = "foreign"
     REPEATED = "repeated"
+    NETWORKS = "networks"
 
 
 class Role(StrEnum):
@@ -332,6 +334,8 @@ def _named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _Wher
             return
     elif isinstance(holder, ForeignData) and isinstance(owner, VariableSection) and holder.name.endswith(_PARTS):
         reading = SiteKind.REPEATED
+    elif isinstance(holder, b.OpaqueBody) and holder.source == EXPORTS:
+        reading = SiteKind.NETWORKS
     elif isinstance(holder, PouInstance) and key == "name" and holder.type_name:
         return  # a name of its own
     elif isinstance(holder, TreeNode):

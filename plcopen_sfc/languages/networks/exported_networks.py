@@ -27,7 +27,7 @@ with anything else, such as a jump, is not understood, and kept as it is.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -59,6 +59,16 @@ def network_statements(content: str) -> str | None:
         return None
 
 
+def network_operands(content: str) -> Sequence[tuple[int, n.Expression]] | None:
+    """Return the operands with the offsets where they begin; None where the networks are not understood."""
+    networks = _Networks(content)
+    try:
+        networks.statements()
+    except _UnknownWordError:
+        return None
+    return networks.operands
+
+
 @dataclass(frozen=True, slots=True)
 class _Output:
     target: n.Expression
@@ -68,9 +78,12 @@ class _Output:
 
 class _Networks:
     def __init__(self, content: str) -> None:
-        self._words = [line.strip() for line in content.splitlines() if line.strip()]
+        found = [*re.finditer(r"\S(?:[^\r\n]*\S)?", content)]
+        self._words = [word.group() for word in found]
+        self._starts = [word.start() for word in found]
         self._place = 0
         self._done: list[n.Statement] = []
+        self.operands: list[tuple[int, n.Expression]] = []
 
     def statements(self) -> str:
         """Return the statements of all networks."""
@@ -109,6 +122,7 @@ class _Networks:
         parsed = parse_expression(self._word(), Dialect.CODESYS)
         if parsed.problems:
             raise _UnknownWordError
+        self.operands.append((self._starts[self._place - 1], parsed.tree))
         return parsed.tree
 
     def _is_negated(self) -> bool:
