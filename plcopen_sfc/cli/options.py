@@ -244,7 +244,7 @@ Vcd = Annotated[Path | None, _option("--vcd", "Save a wave file for GTKWave.", "
 Construction = Annotated[str, _option("--as", "Make flipflop (fup), case, regions, bits, or what fits: auto.", "FORM")]
 Style = Annotated[str, _option("--style", "Make exact code, or classic as in textbooks.", "STYLE")]
 Language = Annotated[
-    str | None, _option("--language", "Write ST, FBD or LD. The default is FBD for flip-flops, ST in text.", "LANG")
+    str | None, _option("--language", "Write ST, FBD, LD or IL. The default is FBD for flip-flops, ST in text.", "LANG")
 ]
 Init = Annotated[
     str | None, _option("--init", "Add an input of this name that restarts the sequence; classic has Init.", "NAME")
@@ -261,7 +261,9 @@ States = Annotated[
 ]
 Actions = Annotated[str, _option("--actions", "Write actions inline, or in a block of their own: block.", "PLACE")]
 FlagNames = Annotated[str, _option("--flag-names", "Call step flags like that of step 1, such as SR01.", "NAME")]
-Flags = Annotated[str, _option("--flags", "Put step flags local, to an address (M20.0), or in a data block.", "PLACE")]
+Flags = Annotated[
+    str, _option("--flags", "Put step flags local, to M20.0 (charts: G1=M20.0,G2=M24.0), or in a data block.", "PLACE")
+]
 Modes = Annotated[
     list[str] | None, _option("--mode", "Add inputs for enable, single-step, advance or select. Repeatable.", "MODE")
 ]

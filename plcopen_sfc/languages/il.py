@@ -69,25 +69,22 @@ class Operand:
 
 @dataclass(frozen=True, slots=True)
 class Instruction:
-    """One instruction. `operator` is as written and may be empty: a label can stand alone."""
+    """One instruction. `operator` is as written and may be empty: a label can stand alone.
+
+    `opens`: its operand goes on over several lines (``AND( ..``).
+    """
 
     operator: str
     operator_span: Span
     operands: tuple[Operand, ...] = ()
     label: str = ""
+    opens: bool = False
 
     @property
     def is_function(self) -> bool:
         """True if `operator` names a function."""
         word = self.operator.upper()
         return bool(word) and (word[0].isalpha() or word[0] == "_") and word not in OPERATORS
-
-
-def opens_parenthesis(text: str, instruction: Instruction) -> bool:
-    """True if the operand of an instruction of `text` goes on over several lines: ``AND( ..``."""
-    start = instruction.operands[0].start if instruction.operands else len(text)
-    between = text[instruction.operator_span[1] : start].lstrip()
-    return between.startswith("(") and not between.startswith("(*")
 
 
 def is_il(tokens: list[Token]) -> bool:
@@ -143,9 +140,10 @@ def _instruction(text: str, line: list[Token], dialect: Dialect) -> Instruction:
     if rest and first.value == "&" and rest[0].value.upper() == "N" and rest[0].span[0] == first.span[1]:
         span = (first.span[0], rest[0].span[1])
         rest = rest[1:]
-    if rest and rest[0].type == "LPAR" and not _closes(rest):
+    opens = bool(rest) and rest[0].type == "LPAR" and not _closes(rest)
+    if opens:
         rest = rest[1:]  # AND( .. up to a line with the closing parenthesis
-    return Instruction(text[span[0] : span[1]], span, tuple(_operands(text, rest, dialect)), label)
+    return Instruction(text[span[0] : span[1]], span, tuple(_operands(text, rest, dialect)), label, opens)
 
 
 def _closes(tokens: list[Token]) -> bool:
@@ -177,7 +175,7 @@ def result_expression(text: str, dialect: Dialect, *, stored_in: str = "") -> n.
     ``c AND .. OR NOT c AND ..``.
     """
     found = tuple(instructions(text, dialect))
-    return _Result(text, found, stored_in).behind(0, CurrentResult(text)) if found else None
+    return _Result(found, stored_in).behind(0, CurrentResult()) if found else None
 
 
 def statements_with_result(
@@ -191,7 +189,7 @@ def statements_with_result(
     if found and found[-1].operator.upper() == "ST" and _read_names(found[-1], stored_in):
         found.pop()
     done: list[n.Statement] = []
-    result = CurrentResult(text)
+    result = CurrentResult()
     following = _Following(result, done)
     for each in found:
         if each.label or each.operator.upper() in JUMPS | _RETURNS or not following.follow(each):
@@ -206,9 +204,9 @@ _MOST_WAYS = 32
 class _Result:
     """Result of instructions that jump forward only, as an expression."""
 
-    def __init__(self, text: str, found: tuple[Instruction, ...], stored_in: str) -> None:
-        self._text, self._instructions, self._stored_in = text, found, stored_in
-        self._jumps = _Statements(text, found, among_others=True)
+    def __init__(self, found: tuple[Instruction, ...], stored_in: str) -> None:
+        self._instructions, self._stored_in = found, stored_in
+        self._jumps = _Statements(found, among_others=True)
         self._ways = 0
 
     def behind(self, place: int, result: CurrentResult) -> n.Expression | None:
@@ -249,7 +247,7 @@ class _Result:
 
     def _arriving(self, target: int, result: CurrentResult) -> n.Expression | None:
         """Return the result of the way from a target on; at the end it is that of the jump."""
-        return result.current if self._is_behind_all(target) else self.behind(target, CurrentResult(self._text))
+        return result.current if self._is_behind_all(target) else self.behind(target, CurrentResult())
 
     def _is_behind_all(self, place: int) -> bool:
         return not any(each.operator for each in self._instructions[place:])
@@ -270,14 +268,13 @@ def _read_names(store: Instruction, name: str) -> bool:
 class CurrentResult:
     """The current result of instructions, and the operations whose operands in parentheses are not closed yet."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self) -> None:
         self.current: n.Expression | None = None
         self.waiting: list[tuple[str, n.Expression]] = []
-        self._text = text
 
     def copy(self) -> CurrentResult:
         """Return the same, to be followed on another way."""
-        found = CurrentResult(self._text)
+        found = CurrentResult()
         found.current, found.waiting = self.current, [*self.waiting]
         return found
 
@@ -302,7 +299,7 @@ class CurrentResult:
             operator, before = self.waiting.pop()
             self.current = _combined(operator, before, self.current)
         elif word in _OPERATORS or word.removesuffix("N") in LOGIC:
-            if opens_parenthesis(self._text, instruction):
+            if instruction.opens:
                 self.waiting.append((word, self.current))
                 self.current = trees[0] if trees else None
             else:
@@ -336,8 +333,8 @@ def statements(text: str, dialect: Dialect, *, among_others: bool = False) -> n.
 
     `among_others`: other statements follow, so that RET must not leave them too.
     """
-    found = _Statements(text, tuple(instructions(text, dialect)), among_others=among_others)
-    done = found.run(0, found.end, CurrentResult(text))
+    found = _Statements(tuple(instructions(text, dialect)), among_others=among_others)
+    done = found.run(0, found.end, CurrentResult())
     return n.Statements(tuple(done)) if done is not None else None
 
 
@@ -353,8 +350,8 @@ class _Statements:
     A loop is left behind its jump back only: at that jump itself (REPEAT), or by one jump before it (WHILE).
     """
 
-    def __init__(self, text: str, found: tuple[Instruction, ...], *, among_others: bool) -> None:
-        self._text, self._instructions, self._among_others = text, found, among_others
+    def __init__(self, found: tuple[Instruction, ...], *, among_others: bool) -> None:
+        self._instructions, self._among_others = found, among_others
         self.end = len(found)
         labels = {each.label.casefold(): place for place, each in enumerate(found) if each.label}
         self.targets = {place: self._target(each, labels) for place, each in enumerate(found)}
@@ -419,8 +416,8 @@ class _Statements:
             return None
         for meeting in (each for each in self._joins if target <= each <= end):
             going_on = self.run(place + 1, meeting, result.copy())
-            jumping = self.run(target, meeting, CurrentResult(self._text)) if going_on is not None else None
-            behind = CurrentResult(self._text)
+            jumping = self.run(target, meeting, CurrentResult()) if going_on is not None else None
+            behind = CurrentResult()
             rest = self.run(meeting, end, behind) if jumping is not None else None
             if going_on is None or jumping is None or rest is None:
                 continue
@@ -438,7 +435,7 @@ class _Statements:
 
     def _loop(self, first: int, back: int) -> n.Statement | None:
         """Return the instructions from `first` to a jump back to it as a loop; None if they are left otherwise."""
-        decided = CurrentResult(self._text)
+        decided = CurrentResult()
         word = self._instructions[back].operator.upper()
         if word != "JMP":
             body = self.run(first, back, decided)

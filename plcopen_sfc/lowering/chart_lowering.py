@@ -101,7 +101,7 @@ class LoweredPou:
 
     @property
     def language(self) -> str:
-        """Language of the code: ``ST``, ``FBD`` or ``LD``."""
+        """Language of the code: ``ST``, ``FBD``, ``LD`` or ``IL``."""
         return str(self.code.language) if self.code is not None else ""
 
     def __repr__(self) -> str:
@@ -446,7 +446,8 @@ def lower_project(
 
     Raises `LoweringError` where there is no chart, or an option is wrong for all of them.
     """
-    names = [pou] if pou is not None else [chart.name for chart in project.charts()]
+    charts = {chart.name: chart for chart in project.charts()}
+    names = [pou] if pou is not None else [*charts]
     if not names:
         raise LoweringError("there is no chart to be lowered")
     flags = options.get("flags", "local")
@@ -461,7 +462,7 @@ def lower_project(
             break
         left.remove(name)
         if len(names) > 1:
-            options["flags"] = flags_of_several(flags, name, following)
+            options["flags"] = flags_of_several(flags, charts[name], following)
         try:
             lowered = lower(current, construction, pou=name, target=target, verify=False, **options)
         except LoweringError as error:

@@ -242,6 +242,10 @@ class Texts:
         """Return the comment of a step's flag."""
         return f"step {path} is active"
 
+    def flag_title(self, name: str, address: str) -> str:
+        """Return the title of the network of a step whose flag has an address."""
+        return f"Step flag {name} ({address})"
+
     def described_flag(self, step: Step, path: str) -> str:
         """Return the same with the captions of the step, where it has no network of its own."""
         return ": ".join(filter(None, [self.flag_of(path), " ".join(self.remark(step).split())]))
@@ -468,6 +472,10 @@ class GermanTexts(Texts):
     def edge_name(self, operands: Sequence[str], *, rising: bool) -> str:
         """Return the variable of ``↑a`` or ``↓a``."""
         return "_".join([*operands[:3], "steigt" if rising else "faellt"])
+
+    def flag_title(self, name: str, address: str) -> str:
+        """Return the title of the network of a step whose flag has an address."""
+        return f"Schrittmerker {name} ({address})"
 
     def flag_of(self, path: str) -> str:
         """Return the comment of a step's flag."""

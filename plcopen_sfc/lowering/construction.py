@@ -42,6 +42,7 @@ from plcopen_sfc.lowering.lowering_options import (
     OperatingMode,
     States,
     Style,
+    has_instructions,
     has_networks,
     has_one_sheet,
     shows_networks,
@@ -101,14 +102,20 @@ def choose(
     if language is None:
         drawn = chosen is Construction.FLIPFLOP and shows_networks(rules.target)
         language = Language.FBD if drawn else Language.ST
-    if language is not Language.ST and not has_networks(rules.target):
+    if language is Language.IL and not has_instructions(rules.target, source.dialect):
+        raise LoweringError(
+            f"{rules.target or 'SCL'} has no bodies in instruction list", location=place, hint="Take --language ST."
+        )
+    if language.is_drawn and not has_networks(rules.target):
         raise LoweringError(
             f"{rules.target} is structured text and has no networks of {language}",
             location=place,
             hint="Flip-flops can be written as structured text too: language ST.",
         )
-    if language is not Language.ST and chosen is not Construction.FLIPFLOP:
+    if language.is_drawn and chosen is not Construction.FLIPFLOP:
         raise LoweringError(f"{chosen} is structured text, it cannot be drawn in {language}", location=place)
+    if language is Language.IL and chosen not in (Construction.FLIPFLOP, Construction.BITS):
+        raise LoweringError(f"{chosen} is structured text, it cannot be in instruction list", location=place)
     if rules.states not in (None, States.NUMBERS) and chosen not in (Construction.CASE, Construction.REGIONS):
         raise LoweringError(
             f"{chosen} has no states that could be written as {rules.states}",
@@ -329,7 +336,7 @@ def _code(
 
 
 def _memory(code: LoweredCode, language: Language) -> Memory:
-    if language is Language.ST:
+    if not language.is_drawn:
         return BitMemory(code)
     return OperandMemory(code) if code.tool is Tool.S7 else BlockMemory(code)
 

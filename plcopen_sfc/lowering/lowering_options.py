@@ -41,6 +41,12 @@ class Language(StrEnum):
     ST = "ST"
     FBD = "FBD"
     LD = "LD"
+    IL = "IL"
+
+    @property
+    def is_drawn(self) -> bool:
+        """True if bodies in it are networks."""
+        return self in (Language.FBD, Language.LD)
 
 
 class States(StrEnum):
@@ -139,6 +145,11 @@ def has_networks(target: str | None) -> bool:
 def shows_networks(target: str | None) -> bool:
     """Return True if a file of a format shows networks: textual IEC 61131-3 holds them as statements of its own."""
     return target is None or format_named(target)[0].networks is NetworkForm.DRAWN
+
+
+def has_instructions(target: str | None, dialect: Dialect) -> bool:
+    """Return True if a format holds bodies in instruction list."""
+    return format_named(target)[0].il_bodies if target is not None else dialect is not Dialect.SCL
 
 
 def without_version(target: str) -> str:

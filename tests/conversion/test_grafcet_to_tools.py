@@ -135,6 +135,20 @@ def test_a_new_name_is_one_that_is_free() -> None:
     ]
 
 
+@pytest.mark.parametrize("around", ["global", "tag"])
+def test_new_names_are_none_of_global_variables_and_tags(around: str) -> None:
+    project = sfc.loads(DIGITS.replace("1 -> 2 : 1B1", "1 -> 2 : ↑1B1").encode())
+    taken = ["_1B1", "_1B1_before", "_1B1_rises"]
+    if around == "global":
+        variables = [Variable(name=name, type=ElementaryType(name=Elementary.BOOL)) for name in taken]
+        project.global_variables.append(VariableSection(kind=SectionKind.GLOBAL, variables=variables))
+    else:
+        tags = [sfc.model.Tag(name=name, type="Bool", address=f"%M9.{bit}") for bit, name in enumerate(taken)]
+        project.tag_tables.append(sfc.model.TagTable(name="Tags", tags=tags))
+    found = sfc.loads(sfc.dumps(project, format="codesys", partial=True)).pous[0]
+    assert not {variable.name for variable in found.variables()} & set(taken)
+
+
 @pytest.mark.parametrize("form", ["codesys", "plcopen", "twincat", "iec-text", "simaticml"])
 def test_inputs_with_addresses_are_variables_of_programs_and_tags(form: str) -> None:
     data, report = sfc.convert(sfc.load("fixtures/grafcet/two_cylinders.gct"), form)

@@ -12,7 +12,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering import Construction, lower
+from plcopen_sfc.lowering import Construction, lower, lower_project
 from plcopen_sfc.semantics.simulation import simulate
 from tests.lowering.charts import boolean, pou_with, training_chain
 from tests.sweeps import examples
@@ -73,6 +73,69 @@ def test_tia_portal_gets_a_table_of_tags_with_comments() -> None:
     content = sfc.dumps(lowered, format="simaticml").decode("utf-8-sig")
     assert "<LogicalAddress>%M20.3</LogicalAddress>" in content
     assert 'Scope="GlobalVariable"' in content
+
+
+def test_networks_of_flags_with_addresses_have_the_titles_of_textbooks() -> None:
+    for lang, title in (("de", "Schrittmerker X1 (M20.0)"), ("en", "Step flag X1 (M20.0)")):
+        lowered = lower(
+            project(), "flipflop", flags="M20.0", target="simaticml", lang=lang, style="classic", verify=False
+        )
+        assert isinstance(lowered.pou.body, m.FbdBody)
+        network = next(each for each in lowered.pou.body.networks if m.plain(each.title) == title)
+        assert "Initialschritt" in m.plain(network.comment) if lang == "de" else network.comment
+    named = lower(project(), "flipflop", flags="M20.0", target="codesys", flag_names="SR01", lang="de", verify=False)
+    assert "Schrittmerker SR02 (M20.1)" in sfc.dumps(named.project, format="codesys", partial=True).decode()
+
+
+PLANS = """GRAFCET Anlage
+INPUTS
+    a
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : a
+    STEP 2
+    2 -> 1 : /a
+CHART G2
+    INITIAL STEP 10
+    10 -> 11 : a
+    STEP 11
+    11 -> 10 : /a
+"""
+
+
+@pytest.mark.parametrize(("construction", "target"), [("flipflop", "simaticml"), ("bits", "scl"), ("bits", "codesys")])
+def test_partial_charts_have_ranges_of_their_own(construction: str, target: str) -> None:
+    plan = sfc.loads(PLANS.encode())
+    lowered = lower(plan, construction, flags="G1=M20.0, G2=M24.0", target=target)
+    assert lowered.proof is not None
+    assert lowered.proof.equal
+    tags = [(t.name, t.address) for table in lowered.project.tag_tables for t in table.tags]
+    tags += [(v.name, v.address) for section in lowered.project.global_sections() for v in section.variables]
+    found = [(name, (address or "").replace("%MX", "%M")) for name, address in tags]
+    assert found == [("X1", "%M20.0"), ("X2", "%M20.1"), ("X10", "%M24.0"), ("X11", "%M24.1")]
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        ("G1=M20.0", "the flag X10 has no address"),
+        ("G1=M20.0,G3=M24.0", "no chart 'g3' for flags"),
+        ("G1=M20.0,G2=M20.1", "the address of the flag X10 belongs to X2 already"),
+        ("G1=M20.0,M24.0", "is no place for flags"),
+    ],
+)
+def test_a_range_that_does_not_fit_is_refused(flags: str, message: str) -> None:
+    with pytest.raises(LoweringError, match=message):
+        lower(sfc.loads(PLANS.encode()), "bits", flags=flags, target="scl", verify=False)
+
+
+def test_charts_of_a_project_have_ranges_by_name() -> None:
+    other = training_chain()
+    other.name = "Presse"
+    plant = m.Project(name="Anlage", pous=[training_chain(), other], dialect=m.Dialect.SCL)
+    lowered = lower_project(plant, "bits", flags="Ablauf=M20.0,Presse=M30.0", target="scl", profile="iec")
+    first = [table.tags[0].address for table in lowered.project.tag_tables]
+    assert first == ["%M20.0", "%M30.0"]
 
 
 def test_comments_of_tags_are_in_the_language_asked_for() -> None:

@@ -52,7 +52,7 @@ class Rule:
 
     `why` says what goes wrong with charts that break it, and where that is known from; `hint` what to do. `severity` is
     that of a breach, but for the profiles in `severities`; None: the rule is not for them. `example` is a chart that
-    breaks it, in textual SFC where that can say it.
+    breaks it: in textual SFC, or a GRAFCET as text, where these can say it.
     """
 
     code: str

@@ -90,7 +90,12 @@ ACT11 = Rule(
     why="An action on event writes its operand once, when the event comes while the step is active (IEC 60848:2013, "
     "4.8). A condition that is just true is no event: it would have to be written all the time, or never.",
     hint="Watch for the change: ↑a instead of a.",
-    example="an action on the event a, instead of ↑a",
+    example="""
+GRAFCET Example
+INITIAL STEP 1
+    ON EVENT a : Q1 := TRUE
+1 -> 1 : b
+""",
     check=_no_edge,
     severity=None,
     severities={"grafcet": Severity.ERROR},
@@ -102,7 +107,12 @@ ACT12 = Rule(
     why="A continuous action is assigned in stable situations, and an edge is over before: it would never be seen "
     "(IEC 60848:2013, 4.8).",
     hint="Use an action on event, or the value itself.",
-    example="a continuous action with the condition ↑a",
+    example="""
+GRAFCET Example
+INITIAL STEP 1
+    Q1 IF ↑a
+1 -> 1 : b
+""",
     check=_edge,
     severity=None,
     severities={"grafcet": Severity.ERROR},
@@ -296,7 +306,13 @@ HIE01 = Rule(
     why="The macro-step activates the entry step of its expansion and is left by its exit step (IEC 60848:2013, 7); "
     "without them the chart comes in but never out, or never in.",
     hint="Name the expansion, and give it an entry step E and an exit step S.",
-    example="a macro-step M1 for which there is no chart M1",
+    example="""
+GRAFCET Example
+INITIAL STEP 1
+1 -> M1 : a
+MACRO M1
+M1 -> 1 : b
+""",
     check=_macros,
     severity=Severity.ERROR,
 )
@@ -307,7 +323,16 @@ HIE02 = Rule(
     why="An enclosing step activates the steps of the enclosed chart that have an activation link (*), and "
     "deactivates all of them when it is left (IEC 60848:2013, 7.3).",
     hint="Correct the name of the chart or of the step, or mark the steps that shall be activated.",
-    example="a step that encloses G2, whose steps have no activation link",
+    example="""
+GRAFCET Example
+INITIAL STEP 1
+1 -> 2 : a
+STEP 2 ENCLOSES G2
+2 -> 1 : b
+ENCLOSED G2
+    STEP 10
+    10 -> 10 : c
+""",
     check=_enclosures,
     severity=Severity.ERROR,
 )
@@ -318,7 +343,14 @@ HIE03 = Rule(
     why="The start of an enclosing step is no activation: the enclosed chart starts with the steps that are initial "
     "in it (IEC 60848:2013, 7.3).",
     hint="Make a step of the enclosed chart initial.",
-    example="an initial step that encloses G2, which has no initial step",
+    example="""
+GRAFCET Example
+INITIAL STEP 1 ENCLOSES G2{10}
+1 -> 1 : a
+ENCLOSED G2
+    STEP 10
+    10 -> 10 : c
+""",
     check=_initial_enclosures,
     severity=Severity.ERROR,
 )
@@ -328,7 +360,18 @@ HIE04 = Rule(
     title="Forcing orders force what is there",
     why="The forced steps belong to the forced chart, and {INIT} needs an initial step (IEC 60848:2013, 7.1).",
     hint="Correct the name of the chart or the list of steps.",
-    example="the order G2{10} for a chart G2 without a step 10",
+    example="""
+GRAFCET Example
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : a
+    STEP 2
+        FORCE G2{10}
+    2 -> 1 : b
+CHART G2
+    INITIAL STEP 11
+    11 -> 11 : c
+""",
     check=_forced,
     severity=Severity.ERROR,
 )
@@ -339,7 +382,21 @@ HIE05 = Rule(
     why="Forcing and enclosing make a hierarchy, which is a partial order: a chart that forces one above it, or "
     "itself, has no situation (IEC 60848:2013, 7.1).",
     hint="Move the order into a chart of its own, above both.",
-    example="a step of G1 forces G2, and a step of G2 forces G1",
+    example="""
+GRAFCET Example
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : a
+    STEP 2
+        FORCE G2{INIT}
+    2 -> 1 : b
+CHART G2
+    INITIAL STEP 10
+    10 -> 11 : c
+    STEP 11
+        FORCE G1{INIT}
+    11 -> 10 : d
+""",
     check=_circles,
     severity=Severity.ERROR,
 )
@@ -350,7 +407,20 @@ HIE06 = Rule(
     why="Two orders that are given at once force a chart into two situations, and an enclosing step activates what an "
     "order holds (IEC 60848:2013, 7.1).",
     hint="Let the steps that give the orders exclude each other.",
-    example="two steps of simultaneous branches, one with G2{INIT}, the other with G2{}",
+    example="""
+GRAFCET Example
+CHART G1
+    INITIAL STEP 1
+    1 -> 2, 3 : a
+    STEP 2
+        FORCE G2{INIT}
+    STEP 3
+        FORCE G2{}
+    2, 3 -> 1 : b
+CHART G2
+    INITIAL STEP 10
+    10 -> 10 : c
+""",
     check=_at_once,
     severity=Severity.ERROR,
 )
@@ -384,7 +454,17 @@ HIE07 = Rule(
     why="A macro-step is called M and a number, entry and exit step of its expansion E and S (IEC 60848:2013, 7.4): "
     "that is how people find one from the other, and tools refuse other names.",
     hint="Rename the step.",
-    example="a macro-step with the name 3 instead of M3",
+    example="""
+GRAFCET Example
+INITIAL STEP 1
+1 -> 3 : a
+MACRO 3 EXPANDS M3
+3 -> 1 : b
+EXPANSION M3
+    STEP E3
+    E3 -> S3 : c
+    STEP S3
+""",
     check=_macro_names,
     severity=None,
     severities={"grafcet": Severity.WARNING},
@@ -396,7 +476,15 @@ HIE08 = Rule(
     why="An expansion is active through its macro-step, an enclosed chart through its enclosing step "
     "(IEC 60848:2013, 7). Without one it is dead, or the name in the step is wrong.",
     hint="Name it in a step, or remove it.",
-    example="an expansion M9 without a macro-step of this name",
+    example="""
+GRAFCET Example
+INITIAL STEP 1
+1 -> 1 : a
+EXPANSION M9
+    STEP E9
+    E9 -> S9 : b
+    STEP S9
+""",
     check=_unused,
     severity=None,
     severities={"grafcet": Severity.WARNING},

@@ -351,4 +351,5 @@ def catalogue(rules: Iterable[Rule]) -> str:
 def _example(example: str) -> list[str]:
     if "\n" not in example:
         return [f"Example: {example}."]
-    return ["```iecst", *example.strip().splitlines(), "```"]
+    language = "text" if example.lstrip().startswith("GRAFCET ") else "iecst"
+    return [f"```{language}", *example.strip().splitlines(), "```"]

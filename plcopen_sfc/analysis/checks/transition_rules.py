@@ -447,7 +447,14 @@ CND06 = Rule(
     why="In GRAFCET outputs follow from the situation: continuous actions are assigned when it is stable, and a "
     "condition that reads one of them sees the value of the situation before.",
     hint="Ask for the step (X12) instead of what it writes.",
-    example="Q1 is written by a continuous action of step 2, and a transition has the condition Q1",
+    example="""
+GRAFCET Example
+INITIAL STEP 1
+1 -> 2 : a
+STEP 2
+    Q1
+2 -> 1 : Q1 * b
+""",
     check=_reading_outputs,
     severity=None,
     severities={"grafcet": Severity.WARNING},
@@ -480,7 +487,13 @@ CND09 = Rule(
     why="A condition is a Boolean term with edges, times and predicates (IEC 60848:2013, 4.6), in one of the notations "
     "that people use for it. What is none cannot be simulated, lowered or converted.",
     hint="Write a * b, a + b, /a, ↑a, [C1>3] or 3s/X2; a AND b, a OR b, NOT a mean the same.",
-    example="the condition START 1B1 of a transition of a GRAFCET, where START * 1B1 is meant",
+    example="""
+GRAFCET Example
+INITIAL STEP 1
+1 -> 2 : START 1B1
+STEP 2
+2 -> 1 : /START
+""",
     check=_unreadable,
     severity=None,
     severities={"grafcet": Severity.ERROR},

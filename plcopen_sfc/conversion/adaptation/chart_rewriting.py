@@ -9,6 +9,7 @@ from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_section
 from plcopen_sfc.languages.networks import condition_reader, is_empty_network
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.translation.renames import identifier
+from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
 from plcopen_sfc.model.project import Chart, Project
@@ -102,7 +103,7 @@ class ChartRewriting:
 def taken_names(project: Project, chart: Chart) -> set[str]:
     """Return the names that something in the POU of a chart has, or around it, in lower case."""
     pou = chart.pou
-    names = [thing.name for thing in project.objects()]
+    names = [*names_of(project), *(thing.name for thing in project.objects())]
     for parts in (pou.actions, pou.transitions, pou.methods):
         names += [part.name for part in parts]
     names += [variable.name for variable in pou.variables()]

@@ -100,7 +100,7 @@ class _Chart:
         self._actions_first = target.order is ScanOrder.ACTIONS_FIRST
         self._tags = {tag.name.casefold() for table in project.tag_tables for tag in table.tags}
         self._globals = {name.casefold() for section in project.global_sections() for name in _named_by(section)}
-        self._taken = taken_names(project, Chart(pou.name, pou, chart)) | self._tags | self._globals
+        self._taken = taken_names(project, Chart(pou.name, pou, chart))
         self._macros: dict[str, list[Step]] = {}
         self._edges: dict[tuple[str, bool], str] = {}
         self._memories: list[str] = []

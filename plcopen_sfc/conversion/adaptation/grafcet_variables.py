@@ -14,6 +14,7 @@ from plcopen_sfc.languages.binding import Declaration
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.languages.words import is_plain
+from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
@@ -54,7 +55,7 @@ def with_declarable_variables(project: Project, kind: Format) -> tuple[Project, 
 
 def _legal_names(project: Project) -> Iterator[tuple[str, str]]:
     """Yield the path and the new name of everything whose name begins with a digit."""
-    taken = {thing.name.casefold() for thing in project.objects()}
+    taken = {thing.name.casefold() for thing in project.objects()} | names_of(project)
     for pou in project.pous:
         taken |= {variable.name.casefold() for variable in pou.variables()}
         taken |= {step.name.casefold() for chart in project.charts() if chart.pou is pou for step in chart.chart.steps}

@@ -1,14 +1,15 @@
-"""Lowered code as the body of a POU, in structured text, FBD or LD, with the interface that it needs."""
+"""Lowered code as the body of a POU, in structured text, FBD, LD or IL, with the interface that it needs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
+from plcopen_sfc.languages.il_printing import NoInstructionError, statement_instructions
 from plcopen_sfc.languages.networks import DrawingRules, DrawnFbd, DrawnLd, declared_rules, draw_fbd, draw_ld
 from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.languages.st import nodes as n
@@ -18,7 +19,7 @@ from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
 from plcopen_sfc.languages.translation.text_translation import region_marks
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, TextNetwork
 from plcopen_sfc.lowering.lowering_options import Language
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, LogicNetwork, RightPowerRail
 from plcopen_sfc.model.pou import Pou
@@ -41,6 +42,26 @@ def function_block_diagram(code: LoweredCode, dialect: Dialect, declared: list[V
 def ladder_diagram(code: LoweredCode, dialect: Dialect, declared: list[Variable], pou: str) -> LdBody:
     """Return a network of LD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
     return LdBody(networks=_drawn(code, draw_ld, _rules(code, dialect, declared), pou))
+
+
+def instruction_list(code: LoweredCode, dialect: Dialect, pou: str) -> IlBody:
+    """Return the instructions of each network of `pou`. Raises `LoweringError` for what has none."""
+    labels, parts = count(1), []
+    for network in code.networks:
+        place = Location(path=f"{pou} / network {network.title}")
+        remarks = [network.title, network.comment]
+        if isinstance(network, TextNetwork):
+            raise LoweringError("structured text is no instruction list", location=place)
+        remarks += [text for _, text in sorted(network.remarks.items())]
+        lines = [line.strip() for text in remarks for line in text.splitlines() if line.strip()]
+        try:
+            text = statement_instructions(network.statements, dialect, labels)
+        except NoInstructionError as error:
+            raise LoweringError(
+                f"instruction list has no words for {error}", location=place, hint="Structured text can hold it."
+            ) from error
+        parts.append("\n".join([*(f"(* {line.replace('*)', '* )')} *)" for line in lines), text]))
+    return IlBody(text="\n\n".join(parts))
 
 
 def _rules(code: LoweredCode, dialect: Dialect, declared: list[Variable]) -> DrawingRules:
@@ -170,6 +191,8 @@ def body_of(code: LoweredCode, dialect: Dialect, language: Language, declared: l
     """Return the code as a body in `language`; `declared` are the variables of the POU called `pou`."""
     if language is Language.ST:
         return structured_text(code, dialect)
+    if language is Language.IL:
+        return instruction_list(code, dialect, pou)
     if language is Language.FBD:
         return function_block_diagram(code, dialect, declared, pou)
     return ladder_diagram(code, dialect, declared, pou)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Container, Iterable, Iterator,
 from dataclasses import dataclass, field, replace
 from typing import NoReturn, TypeAlias
 
-from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.errors import Location, LoweringError, nearest
 from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression
@@ -18,7 +18,7 @@ from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock
-from plcopen_sfc.model.project import Configuration, Project, Tag, TagTable
+from plcopen_sfc.model.project import Chart, Configuration, Project, Tag, TagTable
 from plcopen_sfc.model.text import MultilingualText, Text
 from plcopen_sfc.model.types import (
     DataType,
@@ -101,8 +101,8 @@ _BYTE = 8
 class FlagPlaces:
     """Declarations of the flags of one chart outside of its POU: as tags or global variables, or in a data block.
 
-    `name` is that of the table, the list or the block; `tool` decides which of them. Raises `LoweringError` for a place
-    that does not exist or that is taken.
+    `name` is that of the table, the list or the block; `tool` decides which of them. Partial charts can have addresses
+    of their own (``G1=M20.0,G2=M24.0``). Raises `LoweringError` for a place that does not exist or that is taken.
     """
 
     def __init__(self, rules: LoweringRules, pou: str, project: Project, tool: Tool | None) -> None:
@@ -111,18 +111,21 @@ class FlagPlaces:
         self._pou = pou
         self._quoting = n.Quoting.GLOBAL if project.dialect is Dialect.SCL else n.Quoting.NONE
         self._surroundings = names_of(project)
-        self._bit: int | None = None
         self._taken: dict[int, str] = {}
-        first = _FIRST.fullmatch(rules.flags.strip())
-        self.in_block = first is None
-        if first is not None:
-            self._bit = int(first[1]) * _BYTE + int(first[2])
+        # the next free bit of each chart; of the empty name: of all
+        self._bits = _ranges(rules.flags)
+        self.in_block = not self._bits
+        if self._bits:
+            known = {name.casefold() for chart in project.charts() for name in _names_of(chart)}
+            unknown = next((name for name in self._bits if name and name not in known), "")
+            if unknown:
+                self._refuse(f"there is no chart {unknown!r} for flags{nearest(unknown, known)}")
             self._taken = dict(_taken_bits(project))
             self.name = self._free(f"{rules.texts.flag_list}_{pou}")
         else:
             self.name = rules.flags
             if re.fullmatch(r"[^\W\d]\w*", self.name) is None or _ADDRESS.fullmatch(self.name):
-                hint = "There are: local, an address such as M20.0, the name of a data block."
+                hint = "There are: local, an address such as M20.0 or G1=M20.0,G2=M24.0, the name of a data block."
                 self._refuse(f"{self.name!r} is no place for flags", hint)
             if self.name.casefold() in self._surroundings:
                 self._refuse(f"there is something called {self.name} already")
@@ -135,7 +138,8 @@ class FlagPlaces:
     @property
     def following(self) -> str:
         """Address behind the last flag; empty for flags without addresses."""
-        return f"M{self._bit // _BYTE}.{self._bit % _BYTE}" if self._bit is not None else ""
+        bit = self._bits.get("")
+        return f"M{bit // _BYTE}.{bit % _BYTE}" if bit is not None else ""
 
     @property
     def external(self) -> list[Variable]:
@@ -144,8 +148,13 @@ class FlagPlaces:
             return []
         return [Variable(name=variable.name, type=variable.type) for variable in self.variables]
 
-    def declare(self, wanted: str, naming: Naming, *, initial: bool, comment: Text | None) -> Expression:
-        """Declare a flag, and return the expression that reads it."""
+    def address_of(self, name: str) -> str:
+        """Return the address of a flag as people write it (``M20.0``); empty where it has none."""
+        found = next((v.address for v in self.variables if v.name == name and v.address), "")
+        return found.replace("%MX", "M").removeprefix("%")
+
+    def declare(self, wanted: str, path: str, naming: Naming, *, initial: bool, comment: Text | None) -> Expression:
+        """Declare the flag of the step `path`, and return the expression that reads it."""
         is_member = self.in_block and self.tool is not None
         name = naming.fresh(wanted)
         if not is_member:
@@ -153,8 +162,8 @@ class FlagPlaces:
         variable = Variable(name=name, type=BOOL, comment=comment)
         if initial and self.have_values:
             variable.initial = SimpleValue(text="TRUE")
-        if self._bit is not None:
-            variable.address = self._next_address(name)
+        if self._bits:
+            variable.address = self._next_address(name, path)
         self.variables.append(variable)
         if is_member:
             return n.Member(n.Name(self.name, self._quoting), n.Name(name))
@@ -182,11 +191,17 @@ class FlagPlaces:
         tags = [Tag(name=v.name, type="Bool", address=v.address, comment=v.comment) for v in self.variables]
         project.tag_tables.append(TagTable(name=self.name, tags=tags))
 
-    def _next_address(self, name: str) -> str:
-        bit = self._bit or 0
+    def _next_address(self, name: str, path: str) -> str:
+        parts = path.casefold().split(".")
+        charts = [".".join(parts[:end]) for end in range(len(parts) - 1, 0, -1)]
+        part = next((each for each in (*charts, self._pou.casefold(), "") if each in self._bits), None)
+        if part is None:
+            self._refuse(f"the flag {name} has no address: none is given for {self._pou} or a chart in it")
+        bit = self._bits[part]
         if bit in self._taken:
             self._refuse(f"the address of the flag {name} belongs to {self._taken[bit]} already")
-        self._bit = bit + 1
+        self._bits[part] = bit + 1
+        self._taken[bit] = name
         place = f"{bit // _BYTE}.{bit % _BYTE}"
         return f"%M{place}" if self.tool is Tool.S7 else f"%MX{place}"
 
@@ -199,13 +214,35 @@ class FlagPlaces:
         raise LoweringError(message, location=Location(path=self._pou), hint=hint)
 
 
-def flags_of_several(flags: str, pou: str, following: str) -> str:
+def flags_of_several(flags: str, chart: Chart, following: str) -> str:
     """Return where the flags of one of several charts go: behind those before it, or into a block of their own."""
     if flags == LOCAL:
         return flags
-    if _FIRST.fullmatch(flags.strip()) is not None:
+    ranges = _ranges(flags)
+    if "" in ranges:
         return following or flags
-    return f"{flags}_{pou.replace('.', '_')}"
+    if ranges:
+        own = {name.casefold() for name in _names_of(chart)}
+        return ",".join(each for each in flags.split(",") if each.partition("=")[0].strip().casefold() in own) or flags
+    return f"{flags}_{chart.name.replace('.', '_')}"
+
+
+def _ranges(flags: str) -> dict[str, int]:
+    """Return the first bit by the name of its chart, in lower case, the empty name for all; nothing for no address."""
+    found: dict[str, int] = {}
+    for each in flags.split(","):
+        name, _, address = each.rpartition("=")
+        first = _FIRST.fullmatch(address.strip())
+        if first is None or (not name.strip() and "," in flags):
+            return {}
+        found[name.strip().casefold()] = int(first[1]) * _BYTE + int(first[2])
+    return found
+
+
+def _names_of(chart: Chart) -> Iterator[str]:
+    """Yield the names that stand for a chart in `_ranges`: its own, those of its POU and its partial charts."""
+    yield from (chart.name, chart.pou.name)
+    yield from (partial.name for partial in chart.chart.partial_charts)
 
 
 def _taken_bits(project: Project) -> Iterator[tuple[int, str]]:
@@ -270,9 +307,9 @@ class GuardedText:
 class LoweredCode:
     """Code that a lowering has made so far. `variables` and `constants` are local, `inputs` come from outside.
 
-    `data_types` are new ones of the project. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
-    `tool`: the tool that it is for, where that matters. `for_others`: exact code for a format, not for the project.
-    `is_textbook`: code in the classic style.
+    `data_types` are new ones of the project. `drawn`: it becomes networks, all on `one_sheet` or each for itself, or
+    instructions; `tool`: the tool that it is for, where that matters. `for_others`: exact code for a format, not for
+    the project. `is_textbook`: code in the classic style.
     `culture` (``de-DE``): the language of comments, where the target has another usual one.
     `operands`: variables in which boxes of S7 keep their state, with these boxes.
     `texts`: names of variables. `at_rest`: the values of inputs with which the code does what the chart does, in scans
@@ -348,10 +385,10 @@ class LoweredCode:
             self, networks=[], variables=[], inputs=[], constants=[], data_types=[], operands={}, first_scan=None
         )
 
-    def declare_flag(self, wanted: str, *, initial: bool, comment: str) -> n.Expression:
-        """Declare the flag of a step in its place, and return the expression that reads it."""
+    def declare_flag(self, wanted: str, path: str, *, initial: bool, comment: str) -> n.Expression:
+        """Declare the flag of the step `path` in its place, and return the expression that reads it."""
         if self.flags is not None:
-            return self.flags.declare(wanted, self.naming, initial=initial, comment=self.caption(comment))
+            return self.flags.declare(wanted, path, self.naming, initial=initial, comment=self.caption(comment))
         return self.declare(wanted, initial="TRUE" if initial else None, comment=comment)
 
     def first_scan_pulse(self) -> n.Name:

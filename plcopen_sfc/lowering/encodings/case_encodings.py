@@ -78,6 +78,7 @@ class RegionEncoding(ScanSchedule):
         self._asked = {
             step: self.code.declare_flag(
                 self.texts.flag_name(self.net.steps[step].step),
+                self.net.steps[step].path,
                 initial=bool(self.net.initial & self.net.steps[step].bit),
                 comment=self.texts.flag_of(self.net.steps[step].path),
             )

@@ -48,7 +48,7 @@ class StepFlags:
         for step in net.steps:
             comment = texts.described_flag(step.step, step.path) if captioned else texts.flag_of(step.path)
             name, is_initial = texts.flag_name(step.step), bool(initial & step.bit)
-            self.flags.append(code.declare_flag(name, initial=is_initial, comment=comment))
+            self.flags.append(code.declare_flag(name, step.path, initial=is_initial, comment=comment))
 
     def declare_transitions(self) -> None:
         """Declare the bits of the transitions."""
@@ -62,6 +62,13 @@ class StepFlags:
         if isinstance(flag, n.Member):
             flag = flag.name
         return flag.identifier if isinstance(flag, n.Name) else self._texts.flag_name(self._net.steps[step].step)
+
+    def title(self, step: NetStep, *, initial: bool) -> tuple[str, str]:
+        """Return the title of the network of a step, and what the title leaves out: of a flag with an address that."""
+        usual = self._texts.step(step.step, step.path, initial=initial)
+        name = self.name(step.index)
+        address = self._code.flags.address_of(name) if self._code.flags is not None else ""
+        return (self._texts.flag_title(name, address), usual) if address else (usual, "")
 
     def before(self, step: int) -> n.Name:
         """Return a copy of a flag, to be made as `remembered` has it."""
@@ -331,5 +338,6 @@ class FlipFlopEncoding(StepFlagEncoding):
         statements: list[Statement] = [*before]
         name = f"FF_{self.texts.flag_name(step.step)}"
         self.memory.latch(name, disjunction(set_), disjunction(reset), statements, flag)
-        comment = "\n".join([*filter(None, [self.texts.remark(step.step)]), *remarks])
-        self.code.add(self.texts.step(step.step, step.path, initial=initial), statements, comment)
+        title, also = self.steps.title(step, initial=initial)
+        comment = "\n".join([*filter(None, [also, self.texts.remark(step.step)]), *remarks])
+        self.code.add(title, statements, comment)

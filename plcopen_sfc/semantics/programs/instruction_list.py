@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.il import ARITHMETIC, COMPARISONS, LOGIC, Instruction, instructions, opens_parenthesis
+from plcopen_sfc.languages.il import ARITHMETIC, COMPARISONS, LOGIC, Instruction, instructions
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.semantics.programs import types as t
@@ -43,7 +43,6 @@ class InstructionTranslator:
         self._operators = Operators(translator)
         self._result: Code | None = None
         self._open: list[_Open] = []
-        self._text = ""
         self._behind: list[Instruction] = []
         self._at_labels: dict[str, list[Code]] = {}
 
@@ -58,7 +57,6 @@ class InstructionTranslator:
             self._statements.fail(error, at_line=True)
 
     def _instructions(self, text: str) -> None:
-        self._text = text
         lines = Lines(text)
         labels: list[str] = []
         parts: list[list[Instruction]] = [[]]
@@ -106,8 +104,7 @@ class InstructionTranslator:
             self._load(self._operators.inverted(self._current()))
         elif word in _COMBINING or base in ("AND", "OR", "XOR", "&"):
             operator = word if word in _COMBINING else base
-            opens = opens_parenthesis(self._text, instruction)
-            self._combine(operator, trees, negated=operator != word, opens=opens)
+            self._combine(operator, trees, negated=operator != word, opens=instruction.opens)
         elif word == ")":
             self._close()
         elif word in ("JMP", "JMPC", "JMPCN"):

@@ -1,0 +1,45 @@
+"""Lowered code in instruction list: proven, in every format that has it, and refused where none has."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.model import IlBody
+
+FIXTURES = Path("fixtures")
+
+
+@pytest.mark.parametrize("construction", ["flipflop", "bits"])
+@pytest.mark.parametrize(
+    ("file", "pou"),
+    [("plcopen/filling_station_2.01.xml", "CapStation"), ("grafcet/two_cylinders.gct", "Zylinder")],
+)
+def test_charts_are_instructions(file: str, pou: str, construction: str) -> None:
+    lowered = sfc.lower(sfc.load(FIXTURES / file), construction, pou=pou, language="IL")
+    assert isinstance(lowered.pou.body, IlBody)
+    assert lowered.proof is not None
+    assert lowered.proof.equal
+
+
+@pytest.mark.parametrize("target", ["plcopen-2.01", "codesys", "codesys23", "iec-text"])
+def test_a_file_with_instructions_does_what_the_chart_does(target: str, tmp_path: Path) -> None:
+    chain = sfc.load(FIXTURES / "training-chain/plcopen_2.01.xml")
+    lowered = sfc.lower(chain, "flipflop", language="IL", target=target)
+    report = sfc.save(lowered, tmp_path / "chain", format=target, partial=True)
+    assert all(str(verdict).startswith("equal") for verdict in report.compared.values())
+    body = sfc.load(tmp_path / "chain").pou("Ablauf").body
+    assert isinstance(body, IlBody)
+    assert "LD X1\nAND B1\nST T1_2" in body.text.replace("\r", "")
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl", "twincat"])
+def test_a_target_without_instruction_list_is_refused(target: str) -> None:
+    chain = sfc.load(FIXTURES / "training-chain/plcopen_2.01.xml")
+    with pytest.raises(LoweringError, match=f"{target} has no bodies in instruction list"):
+        sfc.lower(chain, "flipflop", language="IL", target=target)
+    with pytest.raises(LoweringError, match="case is structured text, it cannot be in instruction list"):
+        sfc.lower(chain, "case", language="IL")
