@@ -451,6 +451,7 @@ def _draw(
     theme: o.Theme = "light",
     paper: o.Paper = None,
     to: o.PictureFormat = None,
+    fresh: o.FreshLayout = False,
 ) -> int:
     """Draw charts as pictures: SVG, PNG or PDF.
 
@@ -458,7 +459,7 @@ def _draw(
     """
     from plcopen_sfc.cli.commands import drawings
 
-    return drawings.pictures(screen, files, drawings.DrawOptions(pou, style, theme, to, paper))
+    return drawings.pictures(screen, files, drawings.DrawOptions(pou, style, theme, to, paper, fresh))
 
 
 @_command

@@ -143,6 +143,7 @@ Against = Annotated[
 ]
 AgainstLimit = Annotated[str, _option("--limit", "With --against, run the chart for no longer than this.", "TIME")]
 PageLanguage = Annotated[str, _option("--lang", "Write headings of the page in en or de.", "LANG")]
+FreshLayout = Annotated[bool, _option("--fresh", "Lay charts out, also where the file has places for them.")]
 Paper = Annotated[
     str | None,
     _option("--paper", "Divide large pictures into sheets of A4, A3 or letter: pages of a PDF, else files.", "PAPER"),

@@ -46,13 +46,14 @@ def draw(
     theme: str = Theme.LIGHT,
     format: str | None = None,
     paper: str | None = None,
+    fresh: bool = False,
 ) -> list[PictureFile]:
     """Draw the charts and the bodies in FBD and LD of a project into files, or what is called `pou` of them.
 
     `pou` is ``Main``, or of an action ``Main.Fill``; without it bodies are drawn where the project has no charts.
     `target` is a file for one picture, or a folder, which exists or ends in a slash; there each picture has the name
-    of its chart. `style` and `theme` as in `SfcNetwork.to_svg`. `format` is ``svg``, ``png`` (two pixels for one of
-    the SVG), ``pdf`` (pages of the size of the picture), or a text for a program that draws graphs, without
+    of its chart. `style`, `theme` and `fresh` as in `SfcNetwork.to_svg`. `format` is ``svg``, ``png`` (two pixels for
+    one of the SVG), ``pdf`` (pages of the size of the picture), or a text for a program that draws graphs, without
     style and theme: ``mermaid`` or ``dot``. The default is what the extension of a file says, else ``svg``. `paper` is
     ``A4``, ``A3`` or ``letter``: a picture that is larger is divided into sheets, the pages of a PDF, else
     files of their own (``Main-1``, ``Main-2`` ..). PNG and PDF need the extra ``pictures``. All pictures are written or
@@ -69,7 +70,7 @@ def draw(
     drawn = [
         (named.name, file, data)
         for named, whole in pairs
-        for file, data in _numbered(whole, _pictures(named, kind, style, theme, paper))
+        for file, data in _numbered(whole, _pictures(named, kind, style, theme, paper, fresh=fresh))
     ]
     write_all({file: data for _, file, data in drawn})
     return [PictureFile(name, file) for name, file, _ in drawn]
@@ -93,13 +94,15 @@ def _format(path: str, wanted: str | None) -> str:
     return wanted.lower()
 
 
-def _pictures(named: NamedBody, kind: str, style: str | None, theme: str, paper: str | None) -> list[bytes]:
+def _pictures(
+    named: NamedBody, kind: str, style: str | None, theme: str, paper: str | None, *, fresh: bool
+) -> list[bytes]:
     """Return a picture as the content of a file, or of several where it is on several sheets."""
     body = named.body
     if kind in _TEXTS and isinstance(body, SfcBody):
         return [_TEXTS[kind](body.chart).encode("utf-8")]
     if isinstance(body, SfcBody):
-        svg = chart_svg(body.chart, style, theme)
+        svg = chart_svg(body.chart, style, theme, fresh=fresh)
     elif isinstance(body, FbdBody | LdBody):
         svg = body_svg(body, theme, named.name)
     parts = sheets(svg, paper) if paper is not None else [svg]

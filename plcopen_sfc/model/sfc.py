@@ -539,14 +539,16 @@ class SfcNetwork(LateElement):
         result: RenameResult = provided("rename_step")(self, old, new)
         return result
 
-    def to_svg(self, *, style: str | None = None, theme: str = "light") -> str:
+    def to_svg(self, *, style: str | None = None, theme: str = "light", fresh: bool = False) -> str:
         """Draw the chart: the text of an SVG file.
 
         `style` draws it as in ``iec`` (IEC 61131-3), ``grafcet`` (IEC 60848) or ``s7graph`` (TIA Portal); the default
         is that of the standard or tool that the chart is of. `theme` is ``light``, ``dark`` or ``print`` (black on
-        white). The same chart gives the same text in every run. Raises `ModelError` for any other style or theme.
+        white). A chart that its file has drawn keeps the places that it has there; `fresh`: it gets a new layout, as
+        charts without places do. The same chart gives the same text in every run. Raises `ModelError` for any other
+        style or theme.
         """
-        picture: str = provided("chart_svg")(self, style, theme)
+        picture: str = provided("chart_svg")(self, style, theme, fresh=fresh)
         return picture
 
     def _repr_svg_(self) -> str:

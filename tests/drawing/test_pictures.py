@@ -7,23 +7,27 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
+from plcopen_sfc.drawing import DrawingStyle, draw, fits, layout
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.model import SfcNetwork
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.body import SfcBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition
+from plcopen_sfc.model.drawing import STEPS, Places
 from plcopen_sfc.model.project import Chart
 from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, Supervised
 from tests.corpus import ROOT, corpus_files, require_corpus
 from tests.drawing.nets import any_net, make, nested_net
 from tests.drawing.pictures import SVG, Picture, area, assert_tidy, links_in, points, read_picture
+from tests.sweeps import examples
 
 FIXTURES = ROOT / "fixtures"
 STYLES = ["iec", "grafcet", "s7graph"]
@@ -44,8 +48,8 @@ def fixture_charts() -> list[tuple[Path, Chart]]:
     return list(charts_in([path for path in files if path.name != "entity_bomb.xml"]))
 
 
-def drawn(chart: SfcNetwork, **options: str) -> Picture:
-    picture = read_picture(chart.to_svg(**options))
+def drawn(chart: SfcNetwork, *, style: str | None = None, fresh: bool = False) -> Picture:
+    picture = read_picture(chart.to_svg(style=style, fresh=fresh))
     assert_tidy(picture)
     return picture
 
@@ -87,6 +91,26 @@ class TestEveryChart:
         picture = drawn(chart, style=style)
         assert len(picture.by_class("step")) == len(chart.steps)
         assert len(picture.by_class("transition")) == len(chart.transitions)
+
+    @pytest.mark.slow
+    @settings(max_examples=examples(20))
+    @given(chart=nested_net())
+    def test_places_of_a_file_are_kept_and_tidy(self, chart: SfcNetwork) -> None:
+        """The order from left to right and down of symbols of one kind is that of the file, and nothing is lost."""
+        for step in chart.steps[::2]:
+            step.actions.append(ActionAssociation(id=chart.new_id(), target="ConveyorMotorForward"))
+        chart.drawing = draw(chart, DrawingStyle.PLAIN)
+        assert fits(chart)
+        layout(chart)
+        chart.drawing.places = Places.GIVEN
+        picture = drawn(chart)
+        assert links_in(picture) == links_of(chart)
+        shown = {element.get("id"): area for element, area in picture.areas}
+        assume(chart.to_svg() != chart.to_svg(fresh=True))  # laid out: its wires cross
+        at = {f"step-{symbol.id}": symbol for symbol in chart.drawing.symbols if symbol.kind in STEPS}
+        for one, other in pairwise(sorted(at, key=lambda step: at[step].position[1])):
+            if at[one].position[1] < at[other].position[1]:
+                assert shown[one][1] < shown[other][1]
 
     @pytest.mark.corpus
     def test_real_charts_are_tidy(self) -> None:

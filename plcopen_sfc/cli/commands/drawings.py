@@ -28,6 +28,7 @@ class DrawOptions:
     theme: str = "light"
     format: str | None = None
     paper: str | None = None
+    fresh: bool = False
 
 
 def pictures(screen: Screen, files: ManyFiles, how: DrawOptions) -> int:

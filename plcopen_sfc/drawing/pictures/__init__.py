@@ -2,6 +2,7 @@
 
 * `chart_picture`: a chart with the charts inside it, as the text of an SVG file
 * `chart_arrangement`: the nested branches of a chart on the page
+* `file_arrangement`: a chart as its file draws it
 * `symbol_pictures`: steps, transitions, jumps and action blocks
 * `network_picture`: networks of FBD and LD
 * `picture_sheets`: large pictures on several sheets of paper

@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.drawing.pictures.chart_arrangement import Arrangement
+from plcopen_sfc.drawing.pictures.file_arrangement import FileArrangement
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureSheet, PictureStyle
 from plcopen_sfc.drawing.wording import Wording
@@ -30,15 +31,16 @@ _NO_NAMES: Mapping[str, Mapping[str, str]] = MappingProxyType({})
 Choice = TypeVar("Choice", bound=StrEnum)
 
 
-def chart_svg(chart: SfcNetwork, style: str | None = None, theme: str = Theme.LIGHT) -> str:
+def chart_svg(chart: SfcNetwork, style: str | None = None, theme: str = Theme.LIGHT, *, fresh: bool = False) -> str:
     """Return a picture of `chart` as the text of an SVG file.
 
-    `style` is a `PictureStyle`; None: that of the standard or tool that the chart is of. `theme` is a `Theme`. The
-    text is the same for the same chart in every run. Raises `ModelError` for a style or theme that does not exist.
+    `style` is a `PictureStyle`; None: that of the standard or tool that the chart is of. `theme` is a `Theme`. A chart
+    that its file draws is shown as there; if `fresh`, it is laid out like charts of files without positions. The text
+    is the same for the same chart in every run. Raises `ModelError` for a style or theme that does not exist.
     """
     colours = chosen_theme(theme)
     look = _choice(PictureStyle, style, "style") if style is not None else usual_style(chart)
-    return _picture(chart, look, colours, "", Canvas())
+    return _picture(chart, look, colours, "", Canvas(), fresh=fresh)
 
 
 def chart_figure(
@@ -51,7 +53,9 @@ def chart_figure(
     return _picture(chart, usual_style(chart), None, prefix, Canvas(marks, names))
 
 
-def _picture(chart: SfcNetwork, look: PictureStyle, theme: Theme | None, prefix: str, canvas: Canvas) -> str:
+def _picture(
+    chart: SfcNetwork, look: PictureStyle, theme: Theme | None, prefix: str, canvas: Canvas, *, fresh: bool = False
+) -> str:
     dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
     parts = list(charts_in(chart))
     activated = {
@@ -64,7 +68,8 @@ def _picture(chart: SfcNetwork, look: PictureStyle, theme: Theme | None, prefix:
         for number, part in enumerate(parts):
             starred = activated.get(part.name, frozenset()) if number else frozenset()
             sheet = PictureSheet(part.chart, look, Wording(part.chart, dialect), prefix + part_prefix(number), starred)
-            part.arrangement = Arrangement(sheet)
+            drawn = None if fresh else FileArrangement.of(sheet)
+            part.arrangement = drawn or Arrangement(sheet)
         width, height = _place(canvas, parts, prefix)
     return canvas.document(width, height, theme, _name_of(chart), _description(chart))
 
@@ -107,7 +112,7 @@ class ChartPart:
     chart: SfcNetwork
     name: str = ""
     heading: str = ""
-    arrangement: Arrangement | None = None
+    arrangement: Arrangement | FileArrangement | None = None
 
 
 def charts_in(chart: SfcNetwork) -> Iterator[ChartPart]:
