@@ -165,9 +165,8 @@ def test_ci_runs_the_test_command_of_the_readme() -> None:
 
 def codes_in_use() -> set[str]:
     sources = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "plcopen_sfc").rglob("*.py"))
-    return set(
-        re.findall(r"[\"'`]((?:SFC|XML|CDS|XSD|JSN|IEC|IMP|SCL|EXP|CEX|GRF|LST|TWC|LNG|DIR|LOW)\d{3})[\"'`]", sources)
-    )
+    kinds = "SFC|XML|CDS|XSD|JSN|IEC|IMP|SCL|EXP|CEX|GRF|LST|TWC|LNG|DIR|LOW|SDF"
+    return set(re.findall(rf"[\"'`]((?:{kinds})\d{{3}})[\"'`]", sources))
 
 
 def documented_codes() -> set[str]:
