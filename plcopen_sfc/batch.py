@@ -310,6 +310,14 @@ def known_format(path: Path) -> Format | None:
         return None
 
 
+def is_folder_in(kind: Format, source: Path) -> bool:
+    """True if what is written of `source` in a format is a folder, where nothing else is asked for.
+
+    Tools such as TIA Portal import one object a file. So a project that comes from another tool becomes a folder.
+    """
+    return kind.folders and known_format(source) is not kind
+
+
 def _applied(script: Script | Edit, settings: Mapping[str, str], prove: bool, path: str) -> AppliedFile:
     from plcopen_sfc.comparison.project_comparison import diff  # noqa: PLC0415  # brings the interpreter
 

@@ -91,9 +91,9 @@ def _listed(name: str) -> list[str]:
 
 
 def targets(
-    files: ManyFiles, folder: str | None, beside: Callable[[Path], str], inside: Callable[[str], str]
+    files: ManyFiles, folder: str | None, beside: Callable[[Path], str], inside: Callable[[Path, str], str]
 ) -> dict[str, str]:
-    """Return what each of several files is written to: `beside` it, or by its name `inside` a folder.
+    """Return what each of several files is written to: `beside` it, or by its path and name `inside` a folder.
 
     Raises `InputError` where two would be written to one place, or one over a file that is read.
     """
@@ -101,7 +101,7 @@ def targets(
         hint = f"Name it last: {folder}/ if this is to be the folder."
         raise InputError("several files need a folder to be written into", location=Location(folder), hint=hint)
     made = {
-        path: beside(Path(path)) if folder is None else f"{folder.rstrip('/')}/{inside(name)}"
+        path: beside(Path(path)) if folder is None else f"{folder.rstrip('/')}/{inside(Path(path), name)}"
         for path, name in files.found.items()
     }
     sources = {os.path.realpath(path).casefold(): path for path in made}

@@ -146,6 +146,24 @@ def test_usual_target_stands_beside_the_source(cli, fixtures, tmp_path):
     assert source.read_bytes() == before
 
 
+def test_the_usual_target_is_a_folder_for_tools_that_import_one_object_a_file(cli, fixtures, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(fixtures / "training-chain" / "codesys.xml", "chain.xml")
+    options = ("--limit", "0")
+    assert cli("convert", "chain.xml", "--to", "twincat", *options).code == 0
+    assert cli("convert", "chain.xml", "--to", "simaticml", *options).code == 0
+    assert Path("chain.twincat", "POUs", "Ablauf.TcPOU").is_file()
+    block = Path("chain.simaticml", "Program blocks", "Ablauf.xml")
+    assert block.is_file()
+    assert cli("convert", block, "--to", "simaticml-V16", *options).code == 0  # what is one file already stays one
+    assert block.with_name("Ablauf.simaticml-V16.xml").is_file()
+    shutil.copy("chain.xml", "other.xml")
+    assert cli("convert", "chain.xml", "other.xml", "out/", "--to", "simaticml", *options).code == 0
+    assert all(Path("out", name, "Program blocks", "Ablauf.xml").is_file() for name in ("chain", "other"))
+    assert cli("lower", "chain.xml", "--to", "simaticml", "--no-verify").code == 0
+    assert Path("chain-lowered", "Program blocks", "Ablauf.xml").is_file()
+
+
 def test_usual_target_never_is_the_source(cli, fixtures, tmp_path):
     model = tmp_path / "belt.json"
     assert cli("convert", BELT, model, "--to", "json").code == 0

@@ -24,6 +24,11 @@ def test_steps_with_numbers_get_others_and_every_connection_follows(cli, tmp_pat
     assert {each["name"]: each["number"] for each in json.loads(outcome.out)["changed"]} == {
         step.name: step.number for step in after.steps
     }
+    told = {each["name"]: (each["old"], each["number"]) for each in json.loads(outcome.out)["transitions"]}
+    numbers_of = [{chart.label(each): each.number for each in chart.transitions} for chart in (before, after)]
+    assert told == {name: (old, numbers_of[1][name]) for name, old in numbers_of[0].items()}
+    shown = cli("renumber", path, "--start", "1").out
+    assert f"{len(told)} of {len(told)} transitions have other numbers" in shown
 
 
 def test_names_made_of_numbers(cli, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.api import load, save
-from plcopen_sfc.batch import known_format
+from plcopen_sfc.batch import is_folder_in, known_format
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
 from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.report_items import show_counts, show_items, show_not_executed
@@ -16,6 +16,7 @@ from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.storage import SaveOptions
 from plcopen_sfc.errors import InputError, Location, LossError
 from plcopen_sfc.files import folder_exists, refuse_empty, refuse_unwritable, write_atomic
+from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import FIELD, LOSSES, SEQUENCE, ConversionReport, Outcome
@@ -52,7 +53,8 @@ def limit_in_seconds(limit: str) -> float:
 def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | None = None) -> int:
     """Convert files to the last one that is named (none: next to each, ``-``: standard output).
 
-    From standard input (``-``) none is standard output. Several files are written into a folder.
+    From standard input (``-``) none is standard output. Several files are written into a folder. What is written
+    where no name says so is a folder for tools that import one object a file.
     """
     if how.page is not None:
         refuse_unwritable(how.page)
@@ -65,7 +67,7 @@ def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | N
         (source,) = sources.named
         if target is None:
             from_stdin = source == STANDARD_STREAM
-            target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.format, extension)
+            target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.format, kind)
         _refuse_another_source(source, target, kind.name)
         with written_to_stdout(screen, target, extension) as place:
             report = _convert(how, target, screen, source, place)
@@ -76,8 +78,8 @@ def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | N
     made = targets(
         sources,
         target,
-        lambda path: _beside(path, how.format, extension),
-        lambda name: f"{name}/" if kind.folders and not Path(name).suffix else str(Path(name).with_suffix(extension)),
+        lambda path: _beside(path, how.format, kind),
+        lambda path, name: _folder(name) if is_folder_in(kind, path) else str(Path(name).with_suffix(extension)),
     )
     work = partial(_convert_one_of_many, how)
     kept = (journal, ["convert", repr(how), target]) if journal is not None else None
@@ -162,13 +164,22 @@ def _show_written(screen: Screen, target: str, report: ConversionReport) -> None
             screen.detail(f"  {name}")
 
 
-def _beside(source: Path, format_name: str, extension: str) -> str:
+def _beside(source: Path, format_name: str, kind: Format) -> str:
     """A name next to `source` that is not its own, even where upper and lower case are the same."""
+    extension = kind.extensions[0]
     if folder_exists(source):
-        return str(source.resolve().with_name(f"{source.resolve().name}.{format_name}{extension}"))
+        place = source.resolve().with_name(f"{source.resolve().name}.{format_name}")
+        return f"{place}/" if kind.folders else f"{place}{extension}"
+    if is_folder_in(kind, source):
+        return f"{source.with_suffix(f'.{format_name}')}/"
     plain = source.with_suffix(extension)
     own = f".{format_name}" != extension or plain.name.casefold() == source.name.casefold()
     return str(source.with_suffix(f".{format_name}{extension}") if own else plain)
+
+
+def _folder(name: str) -> str:
+    """The name of a folder for the file or folder `name`."""
+    return f"{Path(name).with_suffix('')}/"
 
 
 def _show(screen: Screen, report: ConversionReport) -> None:

@@ -37,7 +37,7 @@ def pictures(screen: Screen, files: ManyFiles, how: DrawOptions) -> int:
     if sources.alone:
         screen.result(_draw(how, screen, sources.named[0], target))
         return screen.exit_code
-    made = targets(sources, target, lambda path: f"{_place(path, '-charts')}/", lambda name: f"{Path(name).stem}/")
+    made = targets(sources, target, lambda path: f"{_place(path, '-charts')}/", lambda _, name: f"{Path(name).stem}/")
     return _listed(screen, files, made, partial(_draw, how), "Drawing")
 
 
@@ -82,7 +82,7 @@ def pages(screen: Screen, files: ManyFiles, how: PageOptions) -> int:
         screen.result(_write_page(how, screen, sources.named[0], target))
         return screen.exit_code
     made = targets(
-        sources, target, lambda path: str(_page_beside(path)), lambda name: f"{Path(name).with_suffix('')}.html"
+        sources, target, lambda path: str(_page_beside(path)), lambda _, name: f"{Path(name).with_suffix('')}.html"
     )
     return _listed(screen, files, made, partial(_write_page, how), "Writing")
 

@@ -113,12 +113,21 @@ class _Renumber(_Edit):
         if not charts:
             raise ModelError("there is no chart with numbers", hint='Give names: --names "S{number}".')
         before = [(step, step.name, step.number) for chart in charts for step in chart.steps]
+        numbered = [(chart, each, each.number) for chart in charts for each in chart.transitions if each.number]
         project.edit().renumber(self.start, self.increment, charts=charts, names=self.names)
         changed = [(step, name) for step, name, number in before if (step.name, step.number) != (name, number)]
         screen.line(f"{len(changed)} of {len(before)} steps have other numbers or names")
         for step, name in changed:
             screen.line(f"  {name} -> {step.name}" + (f", number {step.number}" if step.number is not None else ""))
-        return {"changed": [{"old": name, "name": step.name, "number": step.number} for step, name in changed]}
+        others = [(chart.label(each), number, each.number) for chart, each, number in numbered if number != each.number]
+        if others:
+            screen.line(f"{len(others)} of {len(numbered)} transitions have other numbers, along the flow as the steps")
+            for label, old, new in others:
+                screen.line(f"  {label}, number {old} -> {new}")
+        return {
+            "changed": [{"old": name, "name": step.name, "number": step.number} for step, name in changed],
+            "transitions": [{"name": label, "old": old, "number": new} for label, old, new in others],
+        }
 
 
 @dataclass(frozen=True)

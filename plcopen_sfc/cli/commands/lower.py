@@ -8,7 +8,7 @@ from pathlib import Path
 
 from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import UntestedError
-from plcopen_sfc.batch import functions_of
+from plcopen_sfc.batch import functions_of, is_folder_in
 from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.report_items import show_items
 from plcopen_sfc.cli.screen import INTERRUPTED, UNREADABLE, Screen
@@ -135,8 +135,7 @@ def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: Co
 
 
 def _beside(source: Path, to: str) -> str:
-    """Return a name next to `source`: a folder for a folder, if the format has them."""
+    """Return a name next to `source`: a folder for tools that import one object a file."""
     kind = format_named(to)[0]
-    extension = "" if folder_exists(source) and kind.folders else kind.extensions[0]
     place = source.resolve() if folder_exists(source) else source
-    return str(place.with_name(f"{place.stem}-lowered{extension}"))
+    return str(place.with_name(f"{place.stem}-lowered")) + ("/" if is_folder_in(kind, source) else kind.extensions[0])
