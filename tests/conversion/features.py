@@ -533,7 +533,7 @@ def _features() -> Iterator[Feature]:
     yield Feature("condition: step time", _ALL, _condition("Work.T > T#50ms"))
     yield Feature("minimum time", ("codesys",), _minimum)
     yield Feature("maximum time with SFCError", ("codesys",), _maximum)
-    for flag in (m.SfcFlag.INIT, m.SfcFlag.RESET, m.SfcFlag.PAUSE):
+    for flag in (m.SfcFlag.INIT, m.SfcFlag.RESET, m.SfcFlag.PAUSE, m.SfcFlag.TIP, m.SfcFlag.TIP_MODE):
         yield Feature(flag.variable, ("codesys",), _flag(flag))
     yield Feature("initial value", _ALL, _initial_value)
     yield Feature("constant", _ALL, _constant)

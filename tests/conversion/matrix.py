@@ -62,7 +62,9 @@ REASONS = {
         "negated action|macro-step": "charts of CODESYS have no such element",
     },
     "plcopen-2.01": {
-        "SFCInit|SFCReset|SFCPause|maximum time": "TC6 has no SFC flags; statements for them are not written yet",
+        "SFCInit|SFCReset|SFCPause|SFCTip|maximum time": (
+            "TC6 has no SFC flags; statements for them are not written yet"
+        ),
     },
     "codesys23": {
         "qualifier P0|negated action|macro-step": "CoDeSys 2.3 has no such element",
@@ -191,7 +193,7 @@ def undeclared(source: m.Project, result: m.Project) -> set[str]:
     return kinds[1] - kinds[0]
 
 
-OPERATED = ("INIT_SQ", "OFF_SQ", "SFCInit", "SFCReset", "SFCPause")
+OPERATED = ("INIT_SQ", "OFF_SQ", "SFCInit", "SFCReset", "SFCPause", "SFCTip", "SFCTipMode")
 OUTPUTS = ("q", "r", "n", "SFCError")
 
 

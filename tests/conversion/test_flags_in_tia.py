@@ -98,6 +98,27 @@ def test_a_pause_holds_simultaneous_branches() -> None:
     assert verdict.proven, verdict
 
 
+@pytest.mark.parametrize("chart", [PLAIN, BRANCHES])
+@pytest.mark.parametrize("flags", [("SFCTipMode",), ("SFCTip",), ("SFCTip", "SFCTipMode")], ids=" ".join)
+def test_a_chart_is_stepped_through(flags: tuple[str, ...], chart: str) -> None:
+    source = chart_with(*flags, chart=chart)
+    data, report = converted(source)
+    assert losses(report) == []
+    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.proven, verdict
+
+
+@pytest.mark.parametrize("others", [("SFCInit",), ("SFCReset",), ("SFCPause",), FLAGS], ids=" ".join)
+def test_a_push_counts_where_transitions_are_tested(others: tuple[str, ...]) -> None:
+    source = chart_with("SFCTip", *others)
+    data, report = converted(source)
+    assert losses(report) == []
+    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.proven, verdict
+
+
 @pytest.mark.parametrize("work", ["q(S);", "q(SD, T#20ms);"])
 @pytest.mark.parametrize("flags", [("SFCInit",), ("SFCReset",)], ids=" ".join)
 def test_what_is_stored_ends(flags: tuple[str, ...], work: str) -> None:
@@ -122,7 +143,6 @@ def test_what_a_step_executes_at_its_end_is_told() -> None:
         ("SFCReset", {"work": "q(S);", "idle": "q(R);"}, "stored or delayed"),
         ("SFCInit", {"work": "q(SD, T#1s);", "idle": "q(SD, T#1s);"}, "stored or delayed"),
         ("SFCPause", {"work": "q(D, T#1s);"}, "the actions of the step Work go on"),
-        ("SFCTip", {}, "T_PUSH"),
     ],
 )
 def test_flags_without_a_counterpart_are_refused(flag: str, fields: dict[str, str], why: str) -> None:
@@ -132,6 +152,12 @@ def test_flags_without_a_counterpart_are_refused(flag: str, fields: dict[str, st
     assert item.what == "operating input"
     rested = sfc.convert(chart_with(flag, **fields), "simaticml", partial=True, at_rest=[flag])[1]
     assert not [item for item in rested.losses if item.path.endswith(flag)]
+
+
+def test_an_error_that_is_quitted_is_refused_with_its_reason() -> None:
+    report = converted(chart_with("SFCError", "SFCQuitError"))[1]
+    (why,) = [item.why for item in report.losses if item.path.endswith("SFCQuitError")]
+    assert why.endswith("nothing forgets an error there and lets the times of steps begin again")
 
 
 @pytest.mark.parametrize("language", ["ST", "LD", "IL"])

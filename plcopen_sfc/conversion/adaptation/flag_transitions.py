@@ -1,10 +1,11 @@
 """SFC flags of CODESYS as transitions of blocks of S7-GRAPH, which has no such variables.
 
 SFCInit holds a chart in its initial step, of which nothing is executed; SFCReset begins it again there, and keeps its
-transitions from firing; SFCPause stops it. A block of S7-GRAPH has INIT_SQ, but for its caller only. So the flags are
-conditions: of transitions that are tried before all others, to the initial step and to one that does nothing, and of
-those that the chart has (`plcopen_sfc.semantics.charts.sfc_flags`, and the tests compare both). No transition leaves
-one branch of a simultaneous sequence, so that flags of a chart with such branches have no effect.
+transitions from firing; SFCPause stops it; SFCTipMode keeps transitions from firing, and an edge of SFCTip fires those
+that are enabled. A block of S7-GRAPH has INIT_SQ and T_PUSH, but for its caller only. So the flags are conditions: of
+transitions that are tried before all others, to the initial step and to one that does nothing, and of those that the
+chart has (`plcopen_sfc.semantics.charts.sfc_flags`, and the tests compare both). No transition leaves one branch of a
+simultaneous sequence: SFCInit and SFCReset have no effect on charts with such branches.
 """
 
 from __future__ import annotations
@@ -41,11 +42,13 @@ _LASTING = _STORED | {Qualifier.N, Qualifier.NONE}
 _WITH_FINAL_SCAN = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P})
 _WITHOUT = {
     SfcFlag.QUIT_ERROR: "nothing forgets an error there and lets the times of steps begin again",
-    SfcFlag.TIP: "it has T_PUSH, which the caller of the block operates",
-    SfcFlag.TIP_MODE: "it has SW_TAP, which the caller of the block operates",
     SfcFlag.CURRENT_STEP: "it has S_NO, the number of the step",
 }
 """Why flags have no effect in a block of S7-GRAPH."""
+_TIPPING = frozenset({SfcFlag.TIP, SfcFlag.TIP_MODE})
+_ENDING = frozenset({SfcFlag.INIT, SfcFlag.RESET})
+_OBEYED = _TIPPING | _ENDING | {SfcFlag.PAUSE}
+"""The flags that conditions obey."""
 _BRANCHES = "several of its steps may be active at a time, which no transition leaves together"
 _ENDED = "actions that it ends, stored or delayed ones, go on there"
 
@@ -124,7 +127,7 @@ class _FlagRewriter:
 
     def _refusal(self, flag: SfcFlag) -> str | None:
         """Return why no condition does what a flag does; None where conditions do."""
-        if flag not in (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE):
+        if flag not in _OBEYED:
             return _WITHOUT.get(flag, "the chart neither obeys it nor sets it")
         chart = self._chart
         if not self._is_declared(flag) and (chart is not self._place.pou.chart or self._is_global(flag)):
@@ -132,12 +135,14 @@ class _FlagRewriter:
         if sum(step.initial for step in chart.steps) != 1 or any(step.macro is not None for step in chart.steps):
             return _BRANCHES
         is_one = all(len(each.sources) == 1 and len(each.targets) == 1 for each in chart.transitions)
-        if flag is not SfcFlag.PAUSE and not is_one:
+        if flag in _ENDING and not is_one:
             return _BRANCHES
         held = self._held_by(flag)
         if any(self._texts[number] is None for number in held):
             return "a condition that would obey it is no expression"
-        return self._refused_pause() if flag is SfcFlag.PAUSE else self._refused_end()
+        if flag in _ENDING:
+            return self._refused_end()
+        return self._refused_pause() if flag is SfcFlag.PAUSE else None
 
     def _is_declared(self, flag: SfcFlag) -> bool:
         return any(each.name.casefold() == flag.variable.casefold() for each in self._place.pou.variables())
@@ -149,8 +154,8 @@ class _FlagRewriter:
 
     def _held_by(self, flag: SfcFlag) -> list[int]:
         """Return the ids of the transitions that do not fire while a flag is TRUE, and that others do not precede."""
-        is_pause = flag is SfcFlag.PAUSE
-        return [each.id for each in self._chart.transitions if is_pause or self._initial.id in each.sources]
+        is_any = flag not in _ENDING
+        return [each.id for each in self._chart.transitions if is_any or self._initial.id in each.sources]
 
     @property
     def _initial(self) -> Step:
@@ -214,7 +219,7 @@ class _FlagRewriter:
                 why = "the transition of the flags to the initial step is another one"
                 self._note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", why)
             self._lead(step, initial, " OR ".join(begins))
-        self._report_ends([flag for flag in flags if flag is not SfcFlag.PAUSE], steps)
+        self._report_ends([flag for flag in flags if flag in _ENDING], steps)
 
     @property
     def _has_rest(self) -> bool:
@@ -241,11 +246,15 @@ class _FlagRewriter:
             self.lines.append(f"{stops} := {_all([_PAUSE, *others])};")
         rises = SfcFlag.INIT in flags and not self._has_rest
         init = self._memory(f"{SfcFlag.INIT.variable}_before") if rises else ""
+        tips = not _TIPPING.isdisjoint(flags)
+        pushed, watching = self._pushed(flags, stops)
         for transition in list(self._chart.transitions):
             is_first = self._initial.id in transition.sources
-            if not (stops or is_first):
+            if not (stops or is_first or tips):
                 continue
             text = self._texts[transition.id] or "TRUE"
+            text = _all([text, f"NOT {_TIP_MODE}" if SfcFlag.TIP_MODE in flags else ""])
+            text = f"({text}) OR ({pushed})" if pushed else text
             fires = [text, *(f"NOT {each}" for each in (waits, init if is_first or stops else "") if each)]
             condition = _all(fires)
             if stops:
@@ -259,13 +268,28 @@ class _FlagRewriter:
                 condition = _all([condition, *(f"NOT {text}" for text in held)])
             transition.condition = Expression(text=condition)
             place = f"transition {self._chart.label(transition)}"
-            self._note(Outcome.TRANSLATED, "condition", place, "it is not TRUE while an SFC flag holds the chart")
+            self._note(Outcome.TRANSLATED, "condition", place, "it obeys the SFC flags of the chart")
+        self.lines += watching
         if waits:
             self.lines.append(f"{waits} := {stops};")
         if init:
             self.lines.append(f"{init} := {_INIT};")
-        if self._stored() and set(flags) != {SfcFlag.PAUSE}:
+        if self._stored() and not _ENDING.isdisjoint(flags):
             self._end_stored(flags)
+
+    def _pushed(self, flags: Collection[SfcFlag], stops: str) -> tuple[str, list[str]]:
+        """Return the edge of SFCTip, empty where it is no flag, and the statements for its memory.
+
+        CODESYS looks for it where it tests transitions, which it does behind scans with actions only.
+        """
+        if SfcFlag.TIP not in flags:
+            return "", []
+        before, tests = self._memory(f"{SfcFlag.TIP.variable}_before"), self._memory("SFC_tests")
+        stopped = [f"NOT {text}" for text in (stops, _INIT if SfcFlag.INIT in flags else "") if text]
+        return f"{_TIP} AND NOT {before}", [
+            f"{before} := ({tests} AND {_TIP}) OR ({before} AND NOT {tests});",
+            f"{tests} := {_all(stopped)};",
+        ]
 
     def _end_stored(self, flags: Collection[SfcFlag]) -> None:
         """Let what actions store end where a flag ends it."""
@@ -348,7 +372,9 @@ class _FlagRewriter:
         self._report.add(outcome, what, f"{path} / {place}" if place else path, why)
 
 
-_INIT, _RESET, _PAUSE = (f"#{flag.variable}" for flag in (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE))
+_INIT, _RESET, _PAUSE, _TIP, _TIP_MODE = (
+    f"#{flag.variable}" for flag in (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.TIP, SfcFlag.TIP_MODE)
+)
 
 
 def _all(terms: Iterable[str]) -> str:
