@@ -8,6 +8,10 @@ exports)::
     #Gripper.Release(Slow := TRUE);      #Gripper.Slow := TRUE;
                                          // action Release of #Gripper
                                          #Gripper.Valve := FALSE;
+
+A method has parameters and variables of its own. It becomes a function that gets the variables of the block, too::
+
+    #n := #Gripper.Lift(height := 3);    #n := "Gripper_Lift"(Valve := #Gripper.Valve, height := 3);
 """
 
 from __future__ import annotations
@@ -29,13 +33,14 @@ from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.pou import Action, Method, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.model.types import SimpleValue, Variable
 from plcopen_sfc.model.variables import SectionKind
 
 _MOST_CHARACTERS = 100_000
+_NO_FUNCTIONS = "it is no function here"
 _INDENT = "    "
 _OPENS = re.compile(r"\b(?:THEN|ELSE|DO|OF|REPEAT)\b|:(?!=)", re.IGNORECASE)
 """Words that statements are in, where they begin in the same line."""
@@ -48,16 +53,27 @@ _UNSEEN = {
 """Variables of a block that no other block reaches."""
 
 
+@dataclass(frozen=True, slots=True)
+class MethodFunction:
+    """The function for a method: its name, the parameters of the method, and the variables of the block it gets."""
+
+    name: str
+    parameters: list[Variable]
+    outputs: frozenset[str]
+    around: list[str]
+
+
 class _NoStatementsError(Exception):
     """No statements do what a call does."""
 
 
 @dataclass(slots=True)
 class InlinedText:
-    """A text without calls of actions: `text`, the actions that it called, and why a call is still there."""
+    """A text without calls of actions and methods: `text`, those that it called, and why a call is still there."""
 
     text: str
     called: list[str] = field(default_factory=list)
+    methods: list[str] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
 
 
@@ -67,23 +83,28 @@ class ActionCalls:
     def __init__(self, project: Project) -> None:
         self.call_of_chart: Callable[[Pou, Action], str | None] = lambda _owner, _action: None
         """Returns the statement that executes the chart of an action once; None where there is none."""
+        self.function_of_method: Callable[[Pou, Method], MethodFunction | str] = lambda _owner, _method: _NO_FUNCTIONS
+        """Returns the function for a method; a reason where there is none."""
         self.reached: set[int] = set()
         """Ids of the actions whose statements are in the place of a call."""
         self._resolver = Resolver(project, Dialect.SCL)
-        self._names = frozenset(action.name.casefold() for pou in project.pous for action in pou.actions)
+        self._methods = frozenset(method.name.casefold() for pou in project.pous for method in pou.methods)
+        self._names = self._methods | {action.name.casefold() for pou in project.pous for action in pou.actions}
         programs = names_of_programs(project) if self._names else {}
-        self._programs = {
-            programs[pou.name].casefold(): pou for pou in project.pous if pou.name in programs and pou.actions
-        }
-        self._inlined: dict[tuple[int, str], InlinedText] = {}
+        called = [pou for pou in project.pous if pou.actions or pou.methods]
+        self._programs = {programs[pou.name].casefold(): pou for pou in called if pou.name in programs}
+        self._inlined: dict[tuple[int, int, str], InlinedText] = {}
 
-    def inlined(self, text: str, pou: Pou) -> InlinedText:
-        """Return a text of `pou` with statements instead of calls of actions, where there are such."""
+    def inlined(self, text: str, pou: Pou, method: Method | None = None) -> InlinedText:
+        """Return a text of `pou`, or of its `method`, without calls of actions and methods, where there are such.
+
+        Statements are in place of actions, calls of functions in place of methods.
+        """
         if not self._names:
             return InlinedText(text)
-        key = (id(pou), text)
+        key = (id(pou), id(method), text)
         if key not in self._inlined:
-            self._inlined[key] = self._inline(text, pou, ())
+            self._inlined[key] = self._inline(text, Site(pou=pou, place=pou.place, method=method), ())
         return self._inlined[key]
 
     def body(self, body: Body, pou: Pou) -> Body:
@@ -102,19 +123,22 @@ class ActionCalls:
             return False
         return not self.inlined(text_site.text, site.pou).problems
 
-    def _inline(self, text: str, pou: Pou, around: tuple[Action, ...]) -> InlinedText:
+    def _inline(self, text: str, site: Site, around: tuple[Action, ...]) -> InlinedText:
         parsed = parse_statements(text, Dialect.SCL)
         if parsed.problems:
             is_suspect = any(name in text.casefold() for name in self._names)
             return InlinedText(text, problems=["the text cannot be read"] if is_suspect else [])
-        found = InlinedText(text)
+        found = self._without_methods(text, site)
+        if found.methods:
+            text = found.text
+            parsed = parse_statements(text, Dialect.SCL)
         edits: list[Edit] = []
         for statement in walk(parsed.tree):
             if not isinstance(statement, n.CallStatement) or statement.span is None:
                 continue
             callee = statement.call.callee if isinstance(statement.call, n.Call) else statement.call
-            declaration = self._action(callee, pou)
-            if declaration is None:
+            declaration = self._declaration(callee, site)
+            if declaration is None or declaration.kind is not Kind.ACTION:
                 continue
             shown = text[slice(*callee.span)] if callee.span is not None else declaration.name
             start, end = statement.span
@@ -132,14 +156,84 @@ class ActionCalls:
             return InlinedText(text, problems=["with the statements of its actions it is too long"])
         return found
 
-    def _action(self, callee: n.Expression, pou: Pou) -> Declaration | None:
-        """Return the action that an expression names; None for anything else."""
+    def _without_methods(self, text: str, site: Site) -> InlinedText:
+        """Return a text with calls of functions in place of those of methods, the inner ones first."""
+        found = InlinedText(text)
+        while any(name in found.text.casefold() for name in self._methods) and not found.problems:
+            edits: list[Edit] = []
+            for span, call, declaration in self._innermost(found.text, site):
+                shown = found.text[slice(*(call.callee.span or span))]
+                try:
+                    edits.append(Edit(*span, self._function_call(declaration, call, found.text)))
+                except _NoStatementsError as error:
+                    found.problems.append(f"{shown}: {error}")
+                else:
+                    found.methods.append(shown)
+            if not edits:
+                break
+            found.text = apply_edits(found.text, edits)
+        return found
+
+    def _innermost(self, text: str, site: Site) -> list[tuple[tuple[int, int], n.Call, Declaration]]:
+        """Return the calls of methods in a text that have no others among their arguments, with their places."""
+        found: list[tuple[tuple[int, int], n.Call, Declaration]] = []
+        for call in walk(parse_statements(text, Dialect.SCL).tree):
+            if isinstance(call, n.Call) and call.span is not None:
+                declaration = self._declaration(call.callee, site)
+                if declaration is not None and declaration.kind is Kind.METHOD:
+                    found.append((call.span, call, declaration))
+        spans = [span for span, _, _ in found]
+        return [
+            (own, call, declaration)
+            for own, call, declaration in found
+            if not any(own[0] <= start and end <= own[1] and (start, end) != own for start, end in spans)
+        ]
+
+    def _function_call(self, declaration: Declaration, call: n.Call, text: str) -> str:
+        """Return the call of a function that does what a call of a method does."""
+        method, owner = declaration.holder, declaration.pou
+        if not isinstance(method, Method) or owner is None:
+            raise _NoStatementsError("it is no method of a block")
+        function = self.function_of_method(owner, method)
+        if isinstance(function, str):
+            raise _NoStatementsError(function)
+        path = self._path(call.callee, text)
+        passed = {
+            name.casefold(): f"{name} := {path}.{name}" if path else f"{name} := #{name}" for name in function.around
+        }
+        for place, argument in enumerate(call.arguments):
+            name = argument.name.identifier if argument.name is not None else function.parameters[place].name
+            if argument.value is None or argument.value.span is None or argument.negated:
+                raise _NoStatementsError(f"nothing is passed to {name}, or something negated")
+            sign = "=>" if name.casefold() in function.outputs else ":="
+            passed[name.casefold()] = f"{name} {sign} {text[slice(*argument.value.span)]}"
+        for parameter in function.parameters:
+            name = parameter.name
+            if name.casefold() not in passed and name.casefold() not in function.outputs:
+                if not isinstance(parameter.initial, SimpleValue) or not parameter.initial.text:
+                    raise _NoStatementsError(f"nothing is passed to {name}")
+                passed[name.casefold()] = f"{name} := {parameter.initial.text}"
+        self.reached.add(id(method))
+        return f'"{function.name}"({", ".join(passed.values())})'
+
+    def _declaration(self, callee: n.Expression, site: Site) -> Declaration | None:
+        """Return the declaration of what an expression calls; None where it is not known."""
         program = self._program(callee.base) if isinstance(callee, n.Member) else None
         if program is not None and isinstance(callee, n.Member):
-            found = self._resolver.member(program, callee.name.identifier).declaration
-        else:
-            found = self._resolver.called(callee, Site(pou=pou, place=pou.place))
-        return found if found is not None and found.kind is Kind.ACTION else None
+            return self._resolver.member(program, callee.name.identifier).declaration
+        return self._resolver.called(callee, site)
+
+    def _path(self, callee: n.Expression, text: str) -> str:
+        """Return the path of the instance whose action or method is called; empty for the block itself."""
+        for part in walk(callee):
+            if isinstance(part, n.Index) and not all(map(_stays, part.indices)):
+                raise _NoStatementsError("the index of the instance may change while its action is executed")
+        head = callee
+        while isinstance(head, n.Member):
+            head = head.base
+        if isinstance(callee, n.Member) and isinstance(head, n.Name) and self._is_type(head):
+            raise _NoStatementsError(f"{head.identifier} is a block without a data block of its own")
+        return text[slice(*callee.base.span)] if isinstance(callee, n.Member) and callee.base.span is not None else ""
 
     def _program(self, base: n.Expression) -> Pou | None:
         """Return the program whose instance data block an expression names."""
@@ -165,16 +259,8 @@ class ActionCalls:
             raise _NoStatementsError("it is no action of a block")
         if any(action is each for each in around):
             raise _NoStatementsError("it calls itself")
-        for part in walk(callee):
-            if isinstance(part, n.Index) and not all(map(_stays, part.indices)):
-                raise _NoStatementsError("the index of the instance may change while its action is executed")
-        head = callee
-        while isinstance(head, n.Member):
-            head = head.base
-        if isinstance(callee, n.Member) and isinstance(head, n.Name) and self._is_type(head):
-            raise _NoStatementsError(f"{head.identifier} is a block without a data block of its own")
-        path = text[slice(*callee.base.span)] if isinstance(callee, n.Member) and callee.base.span is not None else ""
-        inner = self._inline(self._code(action, owner), owner, (*around, action))
+        path = self._path(callee, text)
+        inner = self._inline(self._code(action, owner), Site(pou=owner, place=owner.place), (*around, action))
         if inner.problems:
             raise _NoStatementsError(inner.problems[0])
         before, after = _arguments(call, path, text)

@@ -233,7 +233,15 @@ _NOT_EXECUTED = {
     ),
     "it uses {}, which is no variable of the block": "sie benutzt {}, das keine Variable des Bausteins ist",
     "it writes what its text does not name": "sie schreibt, was ihr Text nicht nennt",
-    "it calls a method": "sie ruft eine Methode auf",
+    "it calls what nothing replaces: {}: {+}": "sie ruft auf, was nichts ersetzt: {}: {}",
+    "nothing is passed to {}": "{} wird nichts übergeben",
+    "its body is no list of statements": "ihr Rumpf ist keine Folge von Anweisungen",
+    "its tool calls it when an instance is made or goes": (
+        "ihr Werkzeug ruft sie auf, wenn eine Instanz entsteht oder endet"
+    ),
+    "{} has a method {} too, and only the running program tells which one is called": (
+        "auch {} hat eine Methode {}, und erst das laufende Programm zeigt, welche aufgerufen wird"
+    ),
     "its network is no list of statements": "ihr Netzwerk ist keine Folge von Anweisungen",
     "{+} has no program in {+}": "{} hat in {} keinen Programmcode",
     "the block is empty and does nothing: SCL has no charts; `plcopen-sfc lower --to scl` makes code of them": (
@@ -252,8 +260,8 @@ _NOT_EXECUTED = {
     "blocks of S7 have no methods: what calls it does not execute it": (
         "Bausteine von S7 haben keine Methoden: was sie aufruft, führt sie nicht aus"
     ),
-    "blocks of TIA Portal have no methods: what calls it does not execute it": (
-        "Bausteine von TIA Portal haben keine Methoden: was sie aufruft, führt sie nicht aus"
+    "blocks of TIA Portal have no methods, and no function holds it: {+}": (
+        "Bausteine von TIA Portal haben keine Methoden, und keine Funktion nimmt sie auf: {}"
     ),
     "S7 has no actions and methods to call: {}": "S7 hat keine Aktionen und Methoden, die man aufrufen kann: {}",
     "`{}` is of the type {}, and an action is a Boolean variable in {+}": (
@@ -468,6 +476,10 @@ _TRANSLATED = {
     "its statements are the function {}, which a row calls": (
         "ihre Anweisungen sind die Funktion {}, die eine Zeile aufruft"
     ),
+    "it is the function {}, with the variables of the block that it uses": (
+        "sie ist die Funktion {}, mit den Variablen des Bausteins, die sie benutzt"
+    ),
+    "functions are called in place of the methods {}": "statt der Methoden {} werden Funktionen aufgerufen",
     "a function block with the instance data block {}; no task calls it, so no organization block does": (
         "ein Funktionsbaustein mit dem Instanz-DB {}; keine Task ruft ihn auf, also auch kein Organisationsbaustein"
     ),
@@ -587,7 +599,7 @@ _TRANSLATED = {
     "the transition of the flags to the initial step is another one": (
         "die Transition der Merker zum Initialschritt ist eine andere"
     ),
-    "it is not TRUE while an SFC flag holds the chart": "sie ist nicht TRUE, während ein SFC-Merker die Kette anhält",
+    "it obeys the SFC flags of the chart": "sie gehorcht den SFC-Merkern der Kette",
     "it is active instead of the initial step, and does nothing": (
         "er ist statt des Initialschritts aktiv und tut nichts"
     ),

@@ -86,7 +86,7 @@ _NOTATIONS = {
 def translate_project(project: Project, target: Dialect, *, calls_actions: bool = False) -> list[TranslatedText]:
     """Put every body, condition and expression of `project` into `target`; gives what became of each.
 
-    `calls_actions`: calls of actions in SCL are no loss, since the writer puts the statements of the actions there.
+    `calls_actions`: calls of actions and methods in SCL are no loss, since the writer puts others in their places.
 
     What has no counterpart is left as it stands and noted. Names that only SCL can write (with blanks, umlauts) get
     others, in the declarations as well. Declarations that a file keeps as text are left out: they are written from the
@@ -399,7 +399,7 @@ class _Globals:
     """The types of a project as S7 has them, its global names, the inputs of functions, and names of lists.
 
     `tags` are variables of POUs that are tags in S7. `resolver` tells the types of variables; None: arithmetic stays as
-    it is. `calls_actions`: calls of actions are no loss.
+    it is. `calls_actions`: calls of actions and methods are no loss.
     """
 
     types: S7Types
@@ -471,9 +471,9 @@ def _with_types(
 
     def is_instance(callee: Expression) -> bool:
         found = resolver.called(callee, site)
-        if found is None or found.kind is Kind.METHOD:
+        if found is None:
             return False
-        if found.kind is Kind.ACTION:
+        if found.kind in (Kind.ACTION, Kind.METHOD):
             return calls_actions
         return isinstance(resolver.type_of(callee, site), Pou)
 
@@ -552,7 +552,7 @@ def _interfaces(site: Site) -> Iterator[Interface]:
 
 
 def _locals(site: Site) -> list[str]:
-    """All that the POU around has itself: its variables and its result, steps and actions.
+    """All that the POU around has itself: its variables and its result, steps, actions and methods.
 
     External variables are global: S7 has no declaration that brings them in.
     """
@@ -562,8 +562,10 @@ def _locals(site: Site) -> list[str]:
     names = [v.name for section in sections if section.kind is not SectionKind.EXTERNAL for v in section.variables]
     if site.pou.interface is not None and site.pou.interface.return_type is not None:
         names.append(site.pou.name)
+    if site.method is not None and site.method.interface is not None and site.method.interface.return_type is not None:
+        names.append(site.method.name)
     names += [step.name for chart in _charts(site) for step in chart.steps]
-    return [*names, *(action.name for action in site.pou.actions)]
+    return [*names, *_parts_of(site.pou)]
 
 
 def _charts(site: Site) -> Iterator[SfcNetwork]:

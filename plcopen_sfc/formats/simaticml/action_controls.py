@@ -434,8 +434,8 @@ class _Planner:
         if drawn.problems or drawn.negated:
             raise _ImpossibleError
         pins = [BlockVariable(name="EN", input=InputPin(connections=list(drawn.outputs)))]
-        names = [variable.name for variable in called.variables()]
-        pins += [BlockVariable(name=name, input=InputPin(expression=f"#{name}")) for name in names]
+        passed = self._functions.arguments(called)
+        pins += [BlockVariable(name=name, input=InputPin(expression=value)) for name, value in passed.items()]
         outputs = [BlockVariable(name="ENO", output=OutputPin())]
         parameters = BlockParameters(inputs=pins, outputs=outputs)
         number = max(node.id for node in drawn.network.nodes) + 1

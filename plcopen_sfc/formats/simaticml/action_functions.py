@@ -2,7 +2,8 @@
 
 A function of S7 keeps nothing and sees no variable of the block that calls it. So it gets each local variable that its
 statements name under the same name: as input if they only read it, else as in-out parameter. A row that calls it
-passes the variables. The statements stay as they are.
+passes the variables. The statements stay as they are, but for data of steps, which are inputs too: `#Clamp_T` in the
+place of `#Clamp.T`.
 
 Instances of function blocks are in-out parameters: TIA Portal documents them as parameter instances, from V14 on, for
 the S7-1500 and the S7-1200. No sample shows how it exports them.
@@ -18,29 +19,46 @@ from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites, text_sites_in
+from plcopen_sfc.languages.declarations.kept_texts import inheritance
+from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.networks import body_statements
-from plcopen_sfc.languages.s7_actions import ActionCalls
+from plcopen_sfc.languages.s7_actions import ActionCalls, MethodFunction
 from plcopen_sfc.languages.s7_globals import global_names
-from plcopen_sfc.languages.s7_programs import s7_programs
+from plcopen_sfc.languages.s7_programs import renamed_local, s7_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, walk
 from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path, effects, path_of
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, StandardBlock, standard_block
+from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import BlockVariable, Coil, OutputPin, OutputVariable
-from plcopen_sfc.model.pou import Action, Pou, PouKind
+from plcopen_sfc.model.pou import Action, Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, ElementaryType, StringType, Variable
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataType,
+    DerivedType,
+    Elementary,
+    ElementaryType,
+    StringType,
+    Variable,
+)
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 _LONGEST = 120
 """Most characters of a name: TIA Portal takes 125, and a number may follow."""
 _INSTANCES = {own: block for block, own in S7_INSTANCES.items()}
 _LOCAL = (n.Quoting.LOCAL, n.Quoting.LOCAL_QUOTED)
+_NO_TEXT = "its network is no list of statements"
+_PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
+_IMPLICIT_METHODS = frozenset({"fb_init", "fb_reinit", "fb_exit"})
+"""Methods that CODESYS calls by itself."""
+_STEP_DATA = {"X": Elementary.BOOL, "T": Elementary.TIME}
+"""The data of steps that calls pass, with their types."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,12 +102,15 @@ class ActionFunctions:
         self.made: list[Pou] = []
         self.calls = calls
         calls.call_of_chart = self._call_of_chart
+        calls.function_of_method = self.method
         self.told: set[int] = set()
         """Ids of the actions that rows execute, or that a step is told not to execute."""
         self.charts: dict[str, ActionChart] = {}
         """Blocks for charts of actions, by their names in lower case."""
         self._of_actions: dict[int, ActionChart | str] = {}
+        self._of_methods: dict[int, MethodFunction | str] = {}
         self._found: dict[tuple[str, str, str], Pou | str] = {}
+        self._step_data: dict[str, dict[str, str]] = {}
         self._is_of_folder = (
             project.source is not None and project.source.format == "simaticml" and project.source.is_folder
         )
@@ -105,16 +126,12 @@ class ActionFunctions:
 
     def function(self, pou: Pou, label: str, body: Body) -> Pou | str:
         """Return the function for the body of an action of `pou`; a reason where there is none."""
-        if isinstance(body, FbdBody | LdBody):
-            drawn = body_statements(body, Dialect.SCL)
-            if drawn.obstacles or drawn.helpers or drawn.open_ends:
-                return "its network is no list of statements"
-            body = StBody(text=print_node(drawn.tree, Dialect.SCL))
-        if not isinstance(body, StBody):
-            return f"it is a body in {body.language}"
-        calls = self.calls.inlined(body.text, pou)
+        text = _text(body)
+        if text is None:
+            return _NO_TEXT if isinstance(body, FbdBody | LdBody) else f"it is a body in {body.language}"
+        calls = self.calls.inlined(text, pou)
         if calls.problems:
-            return f"it calls an action that no statements replace: {calls.problems[0]}"
+            return f"it calls what nothing replaces: {calls.problems[0]}"
         body = StBody(text=calls.text)
         if self._is_of_folder:
             return "the function for it is a file of its own, which an edit of the folder does not write"
@@ -138,6 +155,23 @@ class ActionFunctions:
                 self.made.append(found.block)
                 self.charts[found.block.name.casefold()] = found
         return found
+
+    def method(self, owner: Pou, method: Method) -> MethodFunction | str:
+        """Return the function for a method of `owner`; a reason where there is none."""
+        if id(method) not in self._of_methods:
+            self._of_methods[id(method)] = "it calls itself"
+            self._of_methods[id(method)] = self._make_method(owner, method)
+        return self._of_methods[id(method)]
+
+    def arguments(self, called: Pou) -> dict[str, str]:
+        """Return what a call passes to the parameters of a function, or of the block for a chart, by their names."""
+        passed = {variable.name: f"#{variable.name}" for variable in called.variables()}
+        return passed | self._step_data.get(called.name, {})
+
+    def call(self, function: Pou) -> str:
+        """Return the statement of a row that calls a function with the variables of the block."""
+        passed = ", ".join(f"{name} := {value}" for name, value in self.arguments(function).items())
+        return f'"{function.name}"({passed});'
 
     def instances(self, pou: Pou) -> list[Variable]:
         """Return the instances of the blocks for charts of the actions of `pou`."""
@@ -203,6 +237,48 @@ class ActionFunctions:
         )
         return ActionChart(owner, action, block, Variable(name=name, type=DerivedType(name=block.name)))
 
+    def _make_method(self, owner: Pou, method: Method) -> MethodFunction | str:
+        """Make the function for a method, with the parameters of that and the variables of the block that it uses."""
+        if self._is_of_folder:
+            return "the function for it is a file of its own, which an edit of the folder does not write"
+        if method.name.casefold() in _IMPLICIT_METHODS:
+            return "its tool calls it when an instance is made or goes"
+        heirs = [each.name for each in self._pous.values() if _overrides(each, owner, method)]
+        if heirs:
+            return f"{heirs[0]} has a method {method.name} too, and only the running program tells which one is called"
+        text = _text(method.body) if method.body is not None else ""
+        if text is None:
+            return "its body is no list of statements"
+        calls = self.calls.inlined(text, owner, method)
+        parsed = parse_statements(calls.text, Dialect.SCL)
+        if calls.problems or parsed.problems:
+            return calls.problems[0] if calls.problems else "its text cannot be read"
+        interface = method.interface or Interface()
+        own = {variable.name.casefold() for variable in interface.variables()} | {method.name.casefold()}
+        found = self.effects(owner, parsed.tree)
+        if ANYTHING in found.writes:
+            return "it writes what its text does not name"
+        used = {
+            each.identifier.casefold()
+            for each in walk(parsed.tree)
+            if isinstance(each, n.Name) and each.quoting in _LOCAL
+        }
+        filled = self._parameters(owner, used - own, {path[0] for path in found.writes if path} - own)
+        if isinstance(filled, str):
+            return filled
+        name = self._free(f"{owner.name}_{method.name}"[:_LONGEST])
+        around = [variable.name for variable in filled.variables()]
+        text = renamed_local(calls.text, method.name, name)
+        sections = [section.model_copy(deep=True) for section in interface.sections if section.variables]
+        parameters = [v for s in interface.sections if s.kind in _PARAMETERS for v in s.variables]
+        for variable in (v for section in sections if section.kind in _PARAMETERS for v in section.variables):
+            variable.initial = None  # each call passes it
+        filled.sections += sections
+        filled.return_type = interface.return_type
+        self.made.append(Pou(name=name, kind=PouKind.FUNCTION, interface=filled, bodies=[StBody(text=text)]))
+        outputs = frozenset(v.name.casefold() for s in sections if s.kind is SectionKind.OUTPUT for v in s.variables)
+        return MethodFunction(name, parameters, outputs, around)
+
     def _parameters(self, pou: Pou, used: Set[str], written: Set[str]) -> Interface | str:
         """Return the parameters of a block that uses variables of `pou`; a reason where they cannot be parameters."""
         known = {v.name.casefold(): (s, v) for s in _sections(pou) for v in s.variables}
@@ -241,7 +317,9 @@ class ActionFunctions:
     def _called(self, pou: Pou, tree: n.Statements) -> dict[Path, Pou | StandardBlock]:
         """Return the functions and the instances that statements of `pou` call, by their paths."""
         found: dict[Path, Pou | StandardBlock] = {
-            (name,): each for name, each in self._pous.items() if each.kind is PouKind.FUNCTION
+            (each.name.casefold(),): each
+            for each in (*self._pous.values(), *self.made)
+            if each.kind is PouKind.FUNCTION
         }
         for call in walk(tree):
             path = path_of(call.callee) if isinstance(call, n.Call) else None
@@ -258,23 +336,53 @@ class ActionFunctions:
         parsed = parse_statements(body.text, Dialect.SCL)
         if parsed.problems:
             return "its text cannot be read"
-        tree = parsed.tree
+        text, data = self._with_step_data(pou, body.text, parsed.tree)
+        if data:
+            body, parsed = StBody(text=text), parse_statements(text, Dialect.SCL)
+        tree, inputs = parsed.tree, {variable.name.casefold() for variable, _ in data}
         used = {
             each.identifier.casefold() for each in walk(tree) if isinstance(each, n.Name) and each.quoting in _LOCAL
         }
         found = self.effects(pou, tree)
         written = {path[0] for path in found.writes if path}
-        own = {method.name.casefold() for method in pou.methods}
-        if not own.isdisjoint(path[0] for path in found.calls if path):
-            return "it calls a method"
         if ANYTHING in found.writes:
             return "it writes what its text does not name"
-        filled = self._parameters(pou, used, written)
+        if not written.isdisjoint(inputs):
+            return "it writes data of a step"
+        filled = self._parameters(pou, used - inputs, written)
         if isinstance(filled, str):
             return filled
-        return Pou(
+        if data:
+            of_steps = VariableSection(kind=SectionKind.INPUT, variables=[variable for variable, _ in data])
+            filled.sections.insert(0, of_steps)
+        function = Pou(
             name=self._free(f"{pou.name}_{label}"[:_LONGEST]), kind=PouKind.FUNCTION, interface=filled, bodies=[body]
         )
+        self._step_data[function.name] = {variable.name: value for variable, value in data}
+        return function
+
+    def _with_step_data(self, pou: Pou, text: str, tree: n.Statements) -> tuple[str, list[tuple[Variable, str]]]:
+        """Return a text with variables in place of data of steps, and each of them with the data that it stands for."""
+        charts = [body.chart for body in pou.bodies if isinstance(body, SfcBody)]
+        steps = {step.name.casefold(): step.name for chart in charts for step in chart.steps}
+        taken = {variable.name.casefold() for variable in pou.variables()} | steps.keys()
+        found: dict[tuple[str, str], tuple[Variable, str]] = {}
+        edits: list[Edit] = []
+        for node in walk(tree):
+            if not isinstance(node, n.Member) or not isinstance(node.base, n.Name) or node.span is None:
+                continue
+            step, member = steps.get(node.base.identifier.casefold()), node.name.identifier.upper()
+            if step is None or node.base.quoting not in _LOCAL or member not in _STEP_DATA:
+                continue
+            if (step, member) not in found:
+                name = identifier(f"{step}_{member}")
+                while name.casefold() in taken:
+                    name += "_"
+                taken.add(name.casefold())
+                variable = Variable(name=name, type=ElementaryType(name=_STEP_DATA[member]))
+                found[step, member] = (variable, text[slice(*node.span)])
+            edits.append(Edit(*node.span, f"#{found[step, member][0].name}"))
+        return apply_edits(text, edits), list(found.values())
 
     def _block(self, type_: DataType) -> Pou | StandardBlock | None:
         """Return the function block that a variable of this type is an instance of; None for other types."""
@@ -378,6 +486,22 @@ class _Uses:
                 self.names |= {name} - actions
 
 
+def _text(body: Body) -> str | None:
+    """Return a body as statements; None where it is none."""
+    if isinstance(body, FbdBody | LdBody):
+        drawn = body_statements(body, Dialect.SCL)
+        return None if drawn.obstacles or drawn.helpers or drawn.open_ends else print_node(drawn.tree, Dialect.SCL)
+    return body.text if isinstance(body, StBody) else None
+
+
+def _overrides(pou: Pou, owner: Pou, method: Method) -> bool:
+    """True if a block that extends `owner` has a method of this name of its own."""
+    extended = {name.rpartition(".")[2].casefold() for name in inheritance(pou.interface).extends}
+    return owner.name.casefold() in extended and any(
+        each.name.casefold() == method.name.casefold() for each in pou.methods
+    )
+
+
 def _passed_inputs(project: Project) -> Iterator[str]:
     """Yield the names, in lower case, of all arguments and connected pins in a project."""
     for text_site in text_sites(project):
@@ -412,10 +536,3 @@ def _passed_in_out(tree: n.Node, called: Mapping[Path, Pou | StandardBlock]) -> 
             is_changed = argument.name is None or argument.name.identifier.casefold() in changed
             if changed and is_changed and argument.value is not None and (path := path_of(argument.value)):
                 yield path[0]
-
-
-def call_of(function: Pou) -> str:
-    """Return the statement of a row that calls a function with the variables of the block."""
-    names = [variable.name for variable in function.variables()]
-    passed = ", ".join(f"{name} := #{name}" for name in names)
-    return f'"{function.name}"({passed});'

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.action_controls import action_controls
-from plcopen_sfc.formats.simaticml.action_functions import ActionControls, ActionFunctions, call_of
+from plcopen_sfc.formats.simaticml.action_functions import ActionControls, ActionFunctions
 from plcopen_sfc.formats.simaticml.added_elements import mark_added
 from plcopen_sfc.formats.simaticml.element_reader import ASSOCIATION
 from plcopen_sfc.formats.simaticml.element_writer import (
@@ -128,7 +128,7 @@ class RowPlanner:
         function = self._functions.function(self._pou, _OTHER.sub("_", label.removeprefix("#").strip('"')), body)
         if isinstance(function, str):
             return PlannedRows(why=f"{rows.why}, and no function holds them: {function}")
-        row = ActionAssociation(id=0, qualifier=Qualifier.CALL, body=StBody(text=call_of(function)))
+        row = ActionAssociation(id=0, qualifier=Qualifier.CALL, body=StBody(text=self._functions.call(function)))
         return PlannedRows(
             (row,), Outcome.TRANSLATED, f"its statements are the function {function.name}, which a row calls"
         )
@@ -456,6 +456,9 @@ def _still_means(kept: etree._Element, action: ActionAssociation) -> bool:
 def action_functions(project: Project, calls: ActionCalls) -> ActionFunctions:
     """Return the functions of all actions of `project` that the rows of its charts call."""
     functions = ActionFunctions(project, calls)
+    for pou in project.pous:
+        for method in pou.methods:
+            functions.method(pou, method)
     for _, pou, body in project.bodies():
         if isinstance(body, StBody) and any(body is each for each in pou.bodies):
             calls.inlined(body.text, pou)

@@ -113,6 +113,9 @@ def _without_calls(ctx: DocumentWriting, body: StBody) -> StBody:
     if found.called:
         why = f"the statements of actions are in place of the calls of {', '.join(dict.fromkeys(found.called))}"
         ctx.note(Outcome.TRANSLATED, "code", why=why)
+    if found.methods:
+        why = f"functions are called in place of the methods {', '.join(dict.fromkeys(found.methods))}"
+        ctx.note(Outcome.TRANSLATED, "code", why=why)
     for problem in found.problems:
         why = f"a call stays that TIA Portal does not have, as blocks have no actions there: {problem}"
         ctx.note(Outcome.NOT_EXECUTED, "code", why=why)

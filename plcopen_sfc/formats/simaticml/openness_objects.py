@@ -54,7 +54,7 @@ from plcopen_sfc.languages.s7_globals import UNCALLED, local_tags
 from plcopen_sfc.languages.s7_programs import report_program
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.pou import Action, DataBlock, DataBlockKind, Pou, PouKind
+from plcopen_sfc.model.pou import Action, DataBlock, DataBlockKind, Method, Pou, PouKind
 from plcopen_sfc.model.project import Tag, TagTable
 from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, SimpleValue, StructType, Variable
@@ -193,8 +193,7 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
         if action.body is not None:
             _note_action(ctx, functions, action)
     for method in pou.methods:
-        why = "blocks of TIA Portal have no methods: what calls it does not execute it"
-        ctx.note(Outcome.NOT_EXECUTED, "method", f"method {method.name}", why)
+        _note_method(ctx, functions, pou, method)
     if "actions" in mark:  # the charts of some are others than in the source
         writer.thing = pou.model_copy(update={"actions": mark["actions"]})
     writer.finish(frozenset(native), reported=frozenset({"kind", "actions", "methods"}))
@@ -234,6 +233,19 @@ def _note_action(ctx: DocumentWriting, functions: ActionFunctions, action: Actio
     elif id(action) in ctx.called_actions:
         outcome, why = Outcome.NOT_EXECUTED, "what calls it is not executed"
     ctx.note(outcome, "POU action", f"action {action.name}", why)
+
+
+def _note_method(ctx: DocumentWriting, functions: ActionFunctions, pou: Pou, method: Method) -> None:
+    """Report what becomes of a method of the block that is written."""
+    made = functions.method(pou, method)
+    if isinstance(made, str):
+        outcome, why = Outcome.NOT_EXECUTED, f"blocks of TIA Portal have no methods, and no function holds it: {made}"
+    else:
+        outcome, why = (
+            Outcome.TRANSLATED,
+            f"it is the function {made.name}, with the variables of the block that it uses",
+        )
+    ctx.note(outcome, "method", f"method {method.name}", why)
 
 
 def _may_have_controls(ctx: DocumentWriting) -> bool:

@@ -74,7 +74,34 @@ def of_instances(rig: Rig) -> None:
     rig.act("Done", "Halt")
 
 
-@pytest.mark.parametrize("build", [own, of_instances])
+def method(name: str, text: str, *inputs: m.Variable, result: str | None = None) -> m.Method:
+    """A method with a variable of its own."""
+    sections = [
+        m.VariableSection(kind=m.SectionKind.INPUT, variables=[*inputs]),
+        m.VariableSection(kind=m.SectionKind.LOCAL, variables=[variable("old", "INT")]),
+    ]
+    type_ = m.ElementaryType(name=m.Elementary(result)) if result is not None else None
+    return m.Method(name=name, interface=m.Interface(return_type=type_, sections=sections), body=m.StBody(text=text))
+
+
+def methods(rig: Rig) -> None:
+    """Methods that call each other, in expressions and among the arguments, and one of an instance in another one."""
+    of_instances(rig)
+    more = variable("more", "INT", initial=m.SimpleValue(text="1"))
+    rig.pou.methods = [
+        method(
+            "Next", "old := n;\nn := n + more;\nNext := old;\nIF n > 9 THEN THIS^.Clear(); END_IF;", more, result="INT"
+        ),
+        method("Clear", "n := 0;\nr := NOT r;"),
+    ]
+    rig.project.pous[1].methods = [method("Toggle", "run := NOT run AND NOT slow;\nToggle := run;", result="BOOL")]
+    rig.action("Up", m.StBody(text="n := Next(more := 2) + Next();\nIF Next(Next(1)) > 5 THEN Clear(); END_IF;"))
+    rig.action("Turn", m.StBody(text="q := axis.motor.Toggle();\naxis.motor.Toggle();"))
+    rig.act("Work", "Up")
+    rig.act("Done", "Turn")
+
+
+@pytest.mark.parametrize("build", [own, of_instances, methods])
 def test_charts_with_calls_of_actions_do_the_same(build: object) -> None:
     converted = sfc.convert(project_of(build), "simaticml", strict=True, limit=8)
     assert not converted.report.losses
@@ -82,7 +109,7 @@ def test_charts_with_calls_of_actions_do_the_same(build: object) -> None:
     assert not converted.report.untested
 
 
-@pytest.mark.parametrize("build", [own, of_instances])
+@pytest.mark.parametrize("build", [own, of_instances, methods])
 def test_the_calls_come_back(build: object) -> None:
     source = project_of(build)
     back = sfc.loads(sfc.dumps(sfc.loads(sfc.dumps(source, format="simaticml")), format="codesys"))
@@ -424,12 +451,55 @@ def test_inputs_of_blocks_without_an_instance_stay_inputs() -> None:
     assert any("it writes the input g" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
 
 
-def test_an_action_that_uses_a_step_names_it() -> None:
+@pytest.mark.parametrize("qualifier", ["N", "S", "P1"])
+def test_an_action_that_uses_data_of_steps_gets_them_passed(qualifier: str) -> None:
     def build(rig: Rig) -> None:
-        rig.action("Go", m.StBody(text="IF Done.x THEN q := NOT q; END_IF;"))
+        rig.declare(m.SectionKind.LOCAL, variable("Done_X"))
+        rig.action("Go", m.StBody(text="IF Done.x THEN q := NOT q; END_IF;\nDone_X := NOT Work.x AND Work.t > T#1h;"))
+        rig.act("Work", "Go", qualifier)
+
+    data = sfc.convert(project_of(build), "simaticml", strict=True, limit=8).data
+    function = sfc.loads(data, as_tool=True).pou("Main_Go")
+    assert [variable.name for variable in function.variables(m.SectionKind.INPUT)] == ["Done_X_", "Work_X", "Work_T"]
+    assert "#Done.X THEN" in sfc.loads(data).pou("Main").find_action("Go").body.text
+
+
+def test_a_method_is_a_function_with_the_variables_that_it_uses() -> None:
+    data, report = sfc.convert(project_of(methods), "simaticml")
+    told = {item.path: item.why for item in report.items if item.what == "method"}
+    assert told["POU Motor / method Toggle"].startswith("it is the function Motor_Toggle,")
+    tool = sfc.loads(data, as_tool=True)
+    interface = tool.pou("Motor_Toggle").interface
+    assert interface is not None
+    sections = {section.kind.name: [v.name for v in section.variables] for section in interface.sections}
+    assert sections == {"INPUT": ["slow"], "IN_OUT": ["run"], "TEMP": ["old"], "RETURN": ["Ret_Val"]}
+    back = sfc.loads(data)
+    assert [each.name for each in back.pou("Main").methods] == ["Next", "Clear"]
+    assert back.pou("Main").find_action("Turn").body.text == "#q := #axis.motor.Toggle();\n#axis.motor.Toggle();"
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (lambda method: setattr(method, "name", "FB_Init"), "its tool calls it when an instance is made or goes"),
+        (lambda method: setattr(method, "body", m.StBody(text="run := THIS^.Toggle();")), "it calls itself"),
+    ],
+)
+def test_a_method_that_no_function_holds_says_why(change: object, why: str) -> None:
+    project = project_of(methods)
+    change(project.pous[1].methods[0])  # type: ignore[operator]
+    report = sfc.convert(project, "simaticml", partial=True).report
+    (item,) = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "method"]
+    assert why in item.why
+
+
+def test_a_method_that_uses_a_step_names_it() -> None:
+    def build(rig: Rig) -> None:
+        rig.pou.methods = [method("Look", "q := Done.x;")]
+        rig.action("Go", m.StBody(text="Look();"))
         rig.act("Work", "Go")
 
-    items = sfc.convert(project_of(build), "simaticml", limit=0, partial=True).report.items
-    (why,) = [item.why for item in items if "Done" in item.why and item.outcome is Outcome.NOT_EXECUTED]
-    assert "it uses data of the step Done, which no call passes" in why
-    assert why.endswith("let the step set a variable (N), and use that in its place")
+    report = sfc.convert(project_of(build), "simaticml", partial=True).report
+    (item,) = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "method"]
+    assert "it uses data of the step Done, which no call passes" in item.why
+    assert item.why.endswith("let the step set a variable (N), and use that in its place")

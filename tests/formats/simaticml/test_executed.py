@@ -208,7 +208,6 @@ def test_a_qualifier_that_graph_does_not_have_is_no_other() -> None:
     "fields",
     [
         {"target": None, "body": {"language": "ST", "text": "IF b THEN a := TRUE; END_IF;"}},
-        {"target": None, "body": {"language": "ST", "text": "q := Run.X AND a;"}},
         {"value": "a AND b"},
         {"kind": "onEvent"},
     ],
@@ -243,10 +242,10 @@ def test_actions_of_instances_are_their_statements() -> None:
 def test_actions_and_methods_that_no_step_has_are_told() -> None:
     project = project_with(action("N", "Choose"))
     project.pous.append(m.Pou(name="Caller", kind=m.PouKind.PROGRAM, bodies=[m.StBody(text="seq.Sum(); seq.Set();")]))
-    project.pous[0].methods = [m.Method(name="Home", body=m.StBody(text="q := FALSE;"))]
+    project.pous[0].methods = [m.Method(name="FB_Init", body=m.StBody(text="q := FALSE;"))]
     _, report = converted(project)
     told = {item.path for item in report.with_outcome(Outcome.NOT_EXECUTED)}
-    assert {"POU Seq / method Home", "POU Seq / action Sum", "POU Seq / action Set"} <= told
+    assert {"POU Seq / method FB_Init", "POU Seq / action Sum", "POU Seq / action Set"} <= told
     assert "POU Seq / action Choose" not in told, "the step with it is told"
 
 
