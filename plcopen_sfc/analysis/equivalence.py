@@ -160,7 +160,7 @@ def equivalent(
         step_flags = step_flags if step_flags is not None else b.step_flags or None
         fixed = {**b.at_rest, **(fixed or {})}
         left_out = left_out or b.left_out
-    profiles = _profiles(profile, subjects[0].project)
+    profiles = _profiles(profile, subjects)
     if not isinstance(b, SfcNetwork | Pou | Project | Subject):
         subjects = with_commands(*subjects, profiles[0])
     subjects = as_executed(subjects[0], profiles[0]), as_executed(subjects[1], profiles[1])
@@ -222,12 +222,14 @@ def _subject(given: Comparable | ChartCode) -> Subject:
 
 
 def _profiles(
-    given: str | Profile | tuple[str | Profile, str | Profile] | None, project: Project
+    given: str | Profile | tuple[str | Profile, str | Profile] | None, subjects: tuple[Subject, Subject]
 ) -> tuple[Profile, Profile]:
     if isinstance(given, tuple):
         return profile_named(given[0]), profile_named(given[1])
-    chosen = default_profile(project) if given is None else profile_named(given)
-    return chosen, chosen
+    if given is not None:
+        return profile_named(given), profile_named(given)
+    chosen, other = (default_profile(each.project) for each in subjects)
+    return chosen, other if other.name == chosen.name else chosen  # a converted file may have steps in other notation
 
 
 class _Tries(NamedTuple):

@@ -13,6 +13,7 @@ from plcopen_sfc.analysis.product import Explored, compare, end_of, failure_of
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.verdict import Counterexample, Difference
 from plcopen_sfc.errors import ModelError, SfcError
+from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.types import MOST_ELEMENTS
@@ -32,6 +33,13 @@ _SEEDS = 64
 def never(_: int) -> str:
     """Time is never over."""
     return ""
+
+
+def _names_of_one_tool(left: ProgramSystem, right: ProgramSystem) -> frozenset[str]:
+    """Return the variables, in upper case, that only one of two tools has, or whose values are in its language."""
+    dialects = {each.subject.project.dialect for each in (left, right)}
+    texts = {SfcFlag.ERROR_ANALYZATION.variable.upper()} if len(dialects) > 1 else set()
+    return frozenset((operating_names(left.profile) ^ operating_names(right.profile)) | texts)
 
 
 class Comparison:
@@ -54,7 +62,7 @@ class Comparison:
             pairs = _named_pairs(left, right, outputs)
         else:
             pairs = output_pairs(left, right, names, delayed=delay.queued != 0)
-            own = operating_names(left.profile) ^ operating_names(right.profile)
+            own = _names_of_one_tool(left, right)
             pairs = [each for each in pairs if each[0].upper().rpartition(".")[2] not in own]
         steps = step_observations(left, right, step_flags)
         given = {*left.inputs, *right.inputs}  # what VAR_IN_OUT are before and after a scan has two names
@@ -89,7 +97,7 @@ class Comparison:
 
         `lonely`: outputs that only the first has.
         """
-        own = operating_names(self.left.profile) ^ operating_names(self.right.profile)
+        own = _names_of_one_tool(self.left, self.right)
         is_whole = self.left.subject.name == self.left.subject.pou.name  # else the POU has texts that are not executed
         written = [
             each

@@ -254,7 +254,7 @@ class ExecutedChartReader:
             stored = _STORED.get(association.qualifier)
             if name is None or stored is None or not plain_row or association.interlock or association.exclude:
                 continue
-            if association.duration or self.pou.find_action(name.removeprefix("#")) is not None:
+            if association.duration or self.pou.find_action(name) is not None:
                 continue
             aspect = f"{STORED}{plain_name(self.owner.target(name))}"
             before = part.aspects.get(aspect)
@@ -264,7 +264,7 @@ class ExecutedChartReader:
     def _code_of(self, action: str | Body | None, body: Body | None = None) -> tuple[str, Meaning | None]:
         """Name of an action, and its program; none for a variable."""
         if isinstance(action, str):
-            found = self.pou.find_action(action.removeprefix("#"))
+            found = self.pou.find_action(action)
             if found is None:
                 return self.owner.target(action), self.owner.code(body)
             self.called.add(found.name.casefold())

@@ -118,7 +118,7 @@ class _Reader:
         self.names = Names(project)
         self.dialect = project.dialect
         self.source = source
-        of_twincat = source.source is not None and source.source.tool_format == "twincat"
+        of_twincat = source.tool_format == "twincat"
         self.addresses = Dialect.TWINCAT if of_twincat else source.dialect
         self.whole = Part("")
         self.lists = {s.name.casefold() for s in self.project.global_sections() if s.name}
@@ -485,7 +485,7 @@ class _Reader:
 
     @property
     def _is_codesys_file(self) -> bool:
-        return self.source.source is not None and self.source.source.tool_format == "codesys"
+        return self.source.tool_format == "codesys"
 
     def _instances(self) -> Iterator[PouInstance]:
         for resource in self.source.resources():

@@ -94,9 +94,10 @@ def _report_edits(
     if not kind.tool or len(same) == len(project.pous):
         return
     from plcopen_sfc.conversion import compare, executed, report_execution  # noqa: PLC0415
-    from plcopen_sfc.semantics.profile import default_profile  # noqa: PLC0415  # loading needs no interpreter
+    from plcopen_sfc.semantics.profile import default_profile, profile_of_format  # noqa: PLC0415  # no interpreter
 
     codec, rules = kind.codec(source.version), default_profile(project)
+    its = rules if project.origin is None else profile_of_format(kind.name)
 
     def notes(meant: Project, content: bytes, told: Sequence[Item], known: Project | None = None) -> ConversionReport:
         shown = codec.as_tool_sees(content)
@@ -107,7 +108,7 @@ def _report_edits(
         ]
         behaviour = executed(both[0], rules)
         found = ConversionReport(report.source_format, report.target_format, list(told))
-        report_execution(found, compare(behaviour, executed(both[1], rules, compared_with=behaviour)), kind.tool, {})
+        report_execution(found, compare(behaviour, executed(both[1], its, compared_with=behaviour)), kind.tool, {})
         return found
 
     before, after = contents

@@ -62,9 +62,7 @@ def read_document(data: bytes, *, format: str | None, path: str | None, as_tool:
                 for number, thing in enumerate(things):
                     remember_object(thing, Origin(number, data, mark))
             digest = fingerprint(project)
-    project.source = FileSource(
-        kind.name, reading.version, data, digest, path, reading.diagnostics, origin=reading.origin
-    )
+    project.source = FileSource(kind.name, reading.version, data, digest, path, reading.diagnostics)
     return project
 
 

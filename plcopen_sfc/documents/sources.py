@@ -25,8 +25,7 @@ class FileSource:
     """The file that a project was read from; what saving needs to write only the edits.
 
     `fingerprint` is that of the project as it was read. `path` is None for bytes without a name. `errors_accepted`:
-    see `Project.accept_errors`. `saved`: what was written to the path since. `origin` is the format of the file that
-    was saved as this one, where it keeps all of the model (JSON).
+    see `Project.accept_errors`. `saved`: what was written to the path since.
     """
 
     format: str
@@ -37,16 +36,10 @@ class FileSource:
     diagnostics: list[Diagnostic]
     errors_accepted: bool = False
     saved: bytes | None = None
-    origin: str = ""
 
     def __repr__(self) -> str:
         place = f"{self.path}, " if self.path else ""
         return f"FileSource({place}{self.format} {self.version}, {len(self.content):,} bytes)"
-
-    @property
-    def tool_format(self) -> str:
-        """See `Source`."""
-        return self.origin or self.format
 
     @property
     def is_folder(self) -> bool:
@@ -97,11 +90,6 @@ class FolderSource:
 
     def __repr__(self) -> str:
         return f"FolderSource({self.path}, {self.format} {self.version}, {len(self.documents)} documents)"
-
-    @property
-    def tool_format(self) -> str:
-        """See `Source`."""
-        return self.format
 
     @property
     def is_folder(self) -> bool:

@@ -28,7 +28,15 @@ from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.net import Net
-from plcopen_sfc.semantics.profile import PROFILES, Profile, StepVariables, default_profile, profile_of_format
+from plcopen_sfc.semantics.profile import (
+    PROFILES,
+    Profile,
+    StepVariables,
+    default_profile,
+    format_of_profile,
+    profile_as,
+    profile_of_format,
+)
 
 
 class Prepared(NamedTuple):
@@ -59,13 +67,16 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
     of_grafcet = not options.same and is_put_into_sfc(project, kind)
+    origin = project.origin if options.same else _origin(project, kind, options, of_grafcet=of_grafcet)
     as_it_is = same_dialect and lacks_nothing and not options.flavour and not results and not of_grafcet
     if kind.drawing is DrawingNeed.NONE and as_it_is:
         behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None
-        return Prepared(project, project, options, behaviour)
+        same = project if origin == project.origin else project.model_copy(update={"origin": origin})
+        return Prepared(same, same, options, behaviour)
     from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
 
     copy = project.model_copy(deep=True)
+    copy.origin = origin
     if results:
         name_results(copy, report)
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
@@ -122,6 +133,29 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if kind.charts is None and meant is not copy:  # the source of a chart has the numbers and names of the others
         kind.codec().adapt(meant, options, ConversionReport())
     return Prepared(copy, meant, options, behaviour)
+
+
+def _origin(project: Project, kind: Format, options: WriteOptions, *, of_grafcet: bool) -> str | None:
+    """Return the format whose tool executes the charts that a file keeps; None where the file itself tells that.
+
+    Without it, what is read back would be the charts of the source under the rules of the target.
+    """
+    own = project.tool_format or _SFC
+    if kind.name == "json":
+        return own if project.source is not None and own != kind.name else project.origin
+    if options.flavour or not kind.extension_data or not any(True for _ in project.charts()):
+        return None
+    if of_grafcet:
+        return None if profile_of_format(kind.name).name == "iec" else _SFC
+    profile = default_profile(project).name
+    written = project.model_copy(update={"dialect": kind.dialect or project.dialect, "origin": own})
+    if profile_as(written, kind.name).name == profile:
+        return None
+    return own if profile_as(written, own).name == profile else format_of_profile(profile)
+
+
+_SFC = "plcopen"
+"""A format of charts of IEC 61131-3, which is what GRAFCETs become."""
 
 
 def _from(options: WriteOptions, profile: Profile) -> WriteOptions:
@@ -290,7 +324,7 @@ def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | No
 
 def _note_counted_words(project: Project, kind: Format, report: ConversionReport) -> None:
     """Report addresses of words in program text where one tool is TwinCAT, which counts bytes."""
-    of_twincat = project.source is not None and project.source.format == _TWINCAT
+    of_twincat = project.tool_format == _TWINCAT
     if of_twincat is (kind.name == _TWINCAT) or not kind.tool or (project.dialect is Dialect.SCL and not of_twincat):
         return
     for site in text_sites(project):

@@ -73,15 +73,11 @@ Marks: TypeAlias = Mapping[int, Mapping[str, Any]]
 
 
 class ReadResult(NamedTuple):
-    """A project that was read, the findings about its file, and the version of the format that it has.
-
-    `origin` is the format of the file that was saved as this one, where the file tells it.
-    """
+    """A project that was read, the findings about its file, and the version of the format that it has."""
 
     project: Project
     diagnostics: list[Diagnostic]
     version: str = ""
-    origin: str = ""
 
 
 class DrawingNeed(StrEnum):
@@ -245,8 +241,8 @@ class Format:
     networks in its files, `one_sheet`: all networks of a body are on one. `il_conditions`, `il_bodies`: the conditions
     of its charts, and bodies, may be in IL. `used_first`: its files have each block behind those that it names, so that
     the order of blocks and types is not kept. `flags_as_conditions`: its charts have no SFC flags, and get conditions
-    that obey them. `charts` has the abilities of its charts, where other charts are put into their terms. `standard`
-    is what its versions are of.
+    that obey them. `extension_data`: its files keep what only this package reads. `charts` has the abilities of its
+    charts, where other charts are put into their terms. `standard` is what its versions are of.
     """
 
     name: str
@@ -273,6 +269,7 @@ class Format:
     il_bodies: bool = True
     used_first: bool = False
     flags_as_conditions: bool = False
+    extension_data: bool = True
     charts: ChartHost | None = None
     standard: str = ""
 

@@ -45,18 +45,15 @@ class JsonCodec(Codec):
             path = ".".join(map(str, first["loc"]))
             place = Location(file, _line_of(text, ["project", *first["loc"]]), path=path)
             raise StructureError(f"{path}: {first['msg']}", location=place) from error
-        origin = content.get("origin")
-        return ReadResult(project, [], origin=origin if isinstance(origin, str) else "")
+        origin = content.get("origin")  # where it was before it was a field of the model
+        if project.origin is None and isinstance(origin, str):
+            project.origin = origin
+        return ReadResult(project, [])
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write the model."""
-        origin = project.source.tool_format if project.source is not None else ""
-        content = {
-            "format": "plcopen_sfc",
-            "version": _VERSION,
-            **({"origin": origin} if origin and origin != "json" else {}),
-            "project": project.model_dump(mode="json", exclude_none=True),
-        }
+        fields = project.model_dump(mode="json", exclude_none=True)
+        content = {"format": "plcopen_sfc", "version": _VERSION, "project": fields}
         report.add(Outcome.KEPT, "project", project.name)
         return (json.dumps(content, ensure_ascii=False, indent=1) + "\n").encode()
 

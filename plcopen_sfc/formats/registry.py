@@ -229,6 +229,7 @@ FORMATS: tuple[Format, ...] = (
         one_sheet=True,
         il_conditions=False,
         il_bodies=False,
+        extension_data=False,
         charts=ChartHost("TwinCAT", is_codesys=True),
     ),
     Format(
@@ -246,6 +247,7 @@ FORMATS: tuple[Format, ...] = (
         one_sheet=True,
         il_conditions=False,
         il_bodies=False,
+        extension_data=False,
         charts=ChartHost("CODESYS", is_codesys=True, has_tasks=False),
     ),
     Format(
@@ -344,6 +346,7 @@ FORMATS: tuple[Format, ...] = (
         xml_texts=True,
         ids=False,
         dialect=Dialect.IEC,
+        extension_data=False,
         networks=NetworkForm.STATEMENTS,
         il_conditions=False,
         il_bodies=False,
@@ -358,6 +361,7 @@ FORMATS: tuple[Format, ...] = (
         capabilities=_OF_LISTS,
         ids=False,
         dialect=Dialect.IEC,
+        extension_data=False,
         networks=NetworkForm.STATEMENTS,
         il_conditions=False,
         il_bodies=False,
@@ -377,6 +381,7 @@ FORMATS: tuple[Format, ...] = (
         networks=NetworkForm.COMMENTS,
         il_conditions=False,
         il_bodies=False,
+        extension_data=False,
     ),
     Format(
         name="iec-text",

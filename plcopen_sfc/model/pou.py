@@ -14,7 +14,7 @@ from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.owners import OwnedName
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.model.text import Text
+from plcopen_sfc.model.text import Text, local_name
 from plcopen_sfc.model.types import DataType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
@@ -164,8 +164,9 @@ class Pou(ProjectObject):
         return found
 
     def find_action(self, name: str) -> Action | None:
-        """The action of this name, or None; case does not matter."""
-        return next((a for a in self.actions if a.name.casefold() == name.casefold()), None)
+        """The action of this name, or None; case does not matter, nor do the signs of S7."""
+        wanted = local_name(name).casefold()
+        return next((a for a in self.actions if a.name.casefold() == wanted), None)
 
     def named_bodies(self) -> Iterator[NamedBody]:
         """Every body of the POU with the name of what it belongs to: ``Main``, ``Main.Fill`` (of an action)."""

@@ -188,10 +188,6 @@ class Source(Protocol):
     errors_accepted: bool
 
     @property
-    def tool_format(self) -> str:
-        """The format by whose tool the project is executed: not JSON, but that of the file which was saved as JSON."""
-
-    @property
     def is_folder(self) -> bool:
         """True if each object has a file of its own."""
 
@@ -213,7 +209,8 @@ class Project(Owned, Element):
     `applications` are resources of the project without a configuration (CODESYS and TwinCAT application
     exports). `config_variables` are outside of a configuration, as in CODESYS. POUs and data types are in one list
     each, whatever their `place` is. `content_comment` and `content_extension_data` belong to the description of the
-    content (TC6 ``contentHeader``). `dialect` is that of all structured text in it, expressions included.
+    content (TC6 ``contentHeader``). `dialect` is that of all structured text in it, expressions included. `origin` is
+    the format that the project was converted from: its file is of another tool, and keeps the charts as they were.
     """
 
     name: str = ""
@@ -237,6 +234,7 @@ class Project(Owned, Element):
     applications: list[Resource] = Field(default_factory=list)
     tree: list[TreeNode] | None = None
     dialect: Dialect = Dialect.IEC
+    origin: str | None = None
 
     OBJECTS: ClassVar[tuple[str, ...]] = ("tag_tables", "data_types", "data_blocks", "pous")
     """The fields with objects that have files of their own in some tools."""
@@ -244,6 +242,15 @@ class Project(Owned, Element):
     OWNS: ClassVar[tuple[str, ...]] = ("pous",)
 
     _source: Source | None = PrivateAttr(default=None)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal content, whatever it was read or converted from."""
+        if type(self) is not type(other):
+            return False
+        mine, its = ({**each.__dict__, "origin": None} for each in (self, other))
+        return mine == its
+
+    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
 
     @property
     def project(self) -> Project:
@@ -258,6 +265,11 @@ class Project(Owned, Element):
     @source.setter
     def source(self, source: Source | None) -> None:
         self._source = source
+
+    @property
+    def tool_format(self) -> str:
+        """The format by whose tool the project is executed: not that of a file which keeps it for the way back."""
+        return self.origin or (self.source.format if self.source is not None else "")
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:

@@ -38,3 +38,8 @@ def plain(text: Text | None, language: str = "") -> str:
 def is_direct(markup: str | None) -> bool:
     """True if the `markup` of program text is that text itself, without an element: old versions of Beremiz."""
     return bool(markup) and "<" not in str(markup)
+
+
+def local_name(name: str) -> str:
+    """Return the name of something that a POU declares without the signs of S7: ``#Count``, ``#"Fill valve"``."""
+    return name[1:].strip('"') if name.startswith("#") else name

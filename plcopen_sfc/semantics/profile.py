@@ -424,14 +424,25 @@ _BY_DIALECT = {Dialect.CODESYS: "codesys", Dialect.TWINCAT: "codesys", Dialect.S
 def default_profile(project: Project) -> Profile:
     """The profile of the tool that a project is for.
 
-    The format it was read from decides (of JSON that of the file which was saved so), then the dialect of its texts. A
-    TC6 file of Beremiz or OpenPLC Editor is one of `_is_of_beremiz`. What is left is ``iec``, but for projects whose
-    charts have partial charts or actions of IEC 60848: those are ``grafcet``.
+    The format it was read from decides, of a converted file that keeps its charts that of its origin; then the dialect
+    of its texts. A TC6 file of Beremiz or OpenPLC Editor is one of `_is_of_beremiz`. What is left is ``iec``, but for
+    projects whose charts have partial charts or actions of IEC 60848: those are ``grafcet``.
     """
-    source = project.source
-    name = _BY_FORMAT.get(source.tool_format) if source is not None else None
-    name = name or _BY_DIALECT.get(project.dialect)
-    if name is None and source is not None and source.tool_format.startswith("plcopen") and _is_of_beremiz(project):
+    found = profile_as(project, project.tool_format)
+    source, flag = project.source, StepVariables.FLAG
+    if project.origin is None or source is None or source.format == "json":  # which is all of a model
+        return found
+    notation = profile_of_format(source.format).step_variables
+    is_other = flag in (found.step_variables, notation) and not found.graph_parameters  # which needs the data of steps
+    return replace(found, step_variables=notation) if is_other else found
+
+
+def profile_as(project: Project, format: str) -> Profile:
+    """The profile of the tool that a project is for, were it read from a format and no converted file."""
+    name = _BY_FORMAT.get(format)
+    if name is None and format != project.origin:  # an origin without a tool of its own is none of the dialect
+        name = _BY_DIALECT.get(project.dialect)
+    if name is None and format.startswith("plcopen") and _is_of_beremiz(project):
         name = "beremiz"
     if name is None:
         name = "grafcet" if _has_grafcet(project) else "iec"
@@ -441,6 +452,11 @@ def default_profile(project: Project) -> Profile:
 def profile_of_format(name: str) -> Profile:
     """The profile of the tools that read files of a format, as far as its name tells."""
     return PROFILES[_BY_FORMAT.get(name, "iec")]
+
+
+def format_of_profile(name: str) -> str:
+    """The format whose files have the profile of this name by their format alone; TC6 for what has none."""
+    return next((format for format, profile in _BY_FORMAT.items() if profile == name), "plcopen")
 
 
 _UNNAMED = {"unnamed", "unbenannt"}

@@ -64,6 +64,36 @@ def test_only_orders_that_differ_and_count_are_told(qualifier: str, other: str, 
     assert report.compared["POU Main"].startswith("different" if told else "equal")
 
 
+BY_NAME = """PROGRAM Main
+VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT m : INT; END_VAR
+INITIAL_STEP Init: {first} END_STEP
+TRANSITION FROM Init TO Run := a; END_TRANSITION
+STEP Run: {second} END_STEP
+TRANSITION FROM Run TO Init := NOT a; END_TRANSITION
+ACTION Aa: m := 1; END_ACTION
+ACTION Zz: m := 2; END_ACTION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "told"),
+    [
+        ("Zz(N); Aa(N);", "", ("simaticml", "plcopen", "codesys", "twincat")),
+        ("Zz(S);", "Aa(N);", ("plcopen", "codesys", "twincat")),
+        ("Aa(N); Zz(N);", "", ()),
+        ("Zz(N);", "Aa(N);", ()),  # never in one scan but for the final one, which comes first in both
+    ],
+)
+@pytest.mark.parametrize("target", ["simaticml", "plcopen", "codesys", "twincat"])
+def test_orders_by_names_and_by_first_use_are_told_without_a_run(
+    first: str, second: str, told: tuple[str, ...], target: str
+) -> None:
+    project = sfc.loads(BY_NAME.format(first=first, second=second).encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS if target in ("plcopen", "simaticml") else m.Dialect.IEC
+    assert bool(orders(project, target)) is (target in told)
+
+
 def with_control(step: str, qualifier: str) -> m.Project:
     def build(rig: Rig) -> None:
         sections = [m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[variable("count", "INT")])]

@@ -35,7 +35,7 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     SourceMarks,
     rewritten_transition,
 )
-from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.binding import STORING, Names, Row, SharedScans, told_orders
 from plcopen_sfc.languages.networks import (
     NetworkText,
     chart_statements,
@@ -53,7 +53,7 @@ from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import ORDER_OF_ACTIONS, ConversionReport, Outcome
 
 
 def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> bool:
@@ -100,6 +100,35 @@ def _is_foreign(condition: Condition | None, host: ChartHost) -> bool:
     is_text = isinstance(body, StBody) or (isinstance(body, IlBody) and not host.il_conditions)
     wired = isinstance(condition, WiredCondition)
     return condition is not None and (condition.negated or is_network(condition) or wired or is_text)
+
+
+def report_orders(project: Project, host: ChartHost, report: ConversionReport) -> None:
+    """Report actions that one tool executes by their names (CODESYS), and the other in the order of their first use.
+
+    Rows with P1 and P0 and those of tools without final scans become step actions of CODESYS: see `StepRewriter`.
+    """
+    for place in project.charts():
+        if told := _told_order(place, host):
+            report.add(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, place.report_path, told)
+
+
+def _told_order(place: Chart, host: ChartHost) -> str:
+    others = {Qualifier.R, Qualifier.R0} | ({Qualifier.P1, Qualifier.P0} if host.is_codesys else set())
+    rows = [each for each in place.chart.associations() if each[1].qualifier not in others and not each[1].exclude]
+    named = {id(row): (row.target or f"{step.name}_action").casefold() for step, row in rows}
+    first: dict[str, int] = {}
+    for _, row in rows:
+        first.setdefault(named[id(row)], len(first))
+    scans = SharedScans(place.chart, place.pou, host.dialect)
+
+    def differ(one: Row, other: Row) -> bool:
+        names = named[id(one[1])], named[id(other[1])]
+        is_named, is_used = names[0] < names[1], first[names[0]] < first[names[1]]
+        is_stored = one[1].qualifier in STORING or other[1].qualifier in STORING
+        is_before = is_named if host.is_codesys else is_used
+        return is_named is not is_used and is_before and (is_stored or scans.are_together(one[0], other[0]))
+
+    return told_orders(scans, rows, differ, "before")
 
 
 def rewrite_charts(

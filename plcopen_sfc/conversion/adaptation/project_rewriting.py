@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 
-from plcopen_sfc.conversion.adaptation.chart_rules import CHART_RULES, needs_rewriting, rewrite_charts
+from plcopen_sfc.conversion.adaptation.chart_rules import CHART_RULES, needs_rewriting, report_orders, rewrite_charts
 from plcopen_sfc.conversion.adaptation.flag_transitions import execute_flags, has_flags
 from plcopen_sfc.conversion.adaptation.global_variables import (
     add_globals,
@@ -198,6 +198,17 @@ RULES = (
         "approximated: it controls the chart there",
         lambda this: this.host.is_codesys and not this.options.of_codesys and not this.options.same,
         lambda this: _report_flags(this.project, this.report),
+    ),
+    AdaptationRule(
+        "actions of a chart that one scan executes and that have a variable in common",
+        "all",
+        "approximated where CODESYS executes them by their names, and the other tool in the order of their first use",
+        lambda this: (
+            this.options.of_codesys is not this.host.is_codesys
+            and (this.options.of_codesys or this.options.final_scan)
+            and not (this.options.of_graph or this.options.same)
+        ),
+        lambda this: report_orders(this.project, this.host, this.report),
     ),
     AdaptationRule(
         "a list of global variables, `GVL_IO.x`",

@@ -18,7 +18,7 @@ from functools import cached_property
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
 from plcopen_sfc.conversion.adaptation.step_checks import COMPUTED, StepChecks
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, changed_element, rewritten_step
-from plcopen_sfc.languages.binding import Row, SharedScans, told_orders
+from plcopen_sfc.languages.binding import STORING, Row, SharedScans, told_orders
 from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
@@ -42,7 +42,6 @@ _MEANT = {
 _PHASES = {"entry": Qualifier.P1, "main": Qualifier.N, "exit": Qualifier.P0}
 _ORDER = (Qualifier.P0, Qualifier.P1, Qualifier.N)
 """Exit, entry and main actions as CODESYS executes them in a scan, before the actions of associations."""
-_LASTING = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 _KEPT_ONLY = ("max_time", "warning_time", "interlock", "supervision")
 """Fields of a step that are extension data only: they come back as in the source."""
 _NO_TEXT = "its network cannot be written as an expression"
@@ -333,13 +332,15 @@ class StepRewriter:
     def report_order(self) -> None:
         """Report entry, main and exit actions that CODESYS executes before others that precede them in the source."""
         acting = [row for row in self._acting if row[1].qualifier not in (Qualifier.R, Qualifier.R0)]
-        moved = [row for row in acting if id(row[1]) in self._moved]
-        if moved and (told := told_orders(self._scans, moved, acting, self._is_overtaken, "before")):
+        moved = any(id(row) in self._moved for _, row in acting)
+        if moved and (told := told_orders(self._scans, acting, self._is_overtaken, "before")):
             self._rewriting.note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, "", told)
 
     def _is_overtaken(self, moved: Row, other: Row) -> bool:
         """True if an association that became a step action is executed before another one, and not in the source."""
         (step, row), (there, second) = moved, other
+        if id(row) not in self._moved:
+            return False
         steps = [each.id for each in self._chart.steps]
         of_step = not any(second is each for _, each in self._rows)
         phase = second.qualifier if of_step else self._moved.get(id(second))
@@ -349,7 +350,7 @@ class StepRewriter:
                 return False
             return of_step or self._precedes(second, row)
         is_last = self._rewriting.options.final_scan and second.qualifier not in (Qualifier.P1, Qualifier.P0)
-        if is_last and second.qualifier in _LASTING:
+        if is_last and second.qualifier in STORING:
             return True
         if is_last and row.qualifier is Qualifier.P0:
             return self._scans.are_together(there, step)

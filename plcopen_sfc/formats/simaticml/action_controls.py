@@ -31,7 +31,7 @@ from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, control_label
 from plcopen_sfc.formats.simaticml.network_boxes import mark_call
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
 from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, GRAPH_QUALIFIERS
-from plcopen_sfc.languages.binding import Row, SharedScans, told_orders
+from plcopen_sfc.languages.binding import STORING, Row, SharedScans, told_orders
 from plcopen_sfc.languages.networks import condition_reader, draw_ld, draw_ld_expression
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.st import nodes as n
@@ -61,7 +61,6 @@ _RESETS = (Q.R, Q.R0)
 _PLAIN = (Q.N, Q.NONE)
 _IEC = frozenset({*_RESETS, *_PLAIN, Q.S, Q.L, Q.D, Q.P, Q.P1, Q.P0, Q.SD, Q.DS, Q.SL})
 _OF_ROWS = GRAPH_QUALIFIERS | AS_EVENTS.keys() | {Q.R0}
-_LASTING = frozenset({Q.S, Q.SD, Q.DS, Q.SL})
 _AT_ONCE = frozenset({Q.P1, Q.P0})
 _KINDS = frozenset({None, ActionKind.CONTINUOUS})
 
@@ -96,7 +95,7 @@ def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
 
 
 def told_late_actions(pou: Pou, chart: SfcNetwork, controls: ActionControls, options: WriteOptions) -> str:
-    """Return which actions networks execute after others that they precede in the source; empty if none."""
+    """Return which actions are executed after others that they precede in the source; empty if none."""
     if options.of_graph:
         return ""
     rows = [
@@ -114,24 +113,26 @@ def told_late_actions(pou: Pou, chart: SfcNetwork, controls: ActionControls, opt
         id(row): (id(row) in networks, used[_name(row)] if id(row) in networks else at)
         for at, (_, row) in enumerate(acting)
     }
-    late = [each for each in acting if id(each[1]) in networks]
     scans = SharedScans(chart, pou, Dialect.SCL)
 
     def is_late(one: Row, other: Row) -> bool:
         names = [_name(row) for _, row in (one, other)]
+        if id(one[1]) not in networks:  # rows are executed in their order, and in CODESYS by their names
+            is_plain = options.of_codesys and id(other[1]) not in networks and scans.are_together(one[0], other[0])
+            return is_plain and places[id(one[1])] > places[id(other[1])] and names[0] < names[1]
         if places[id(one[1])] < places[id(other[1])]:
             return False
         if (names[0] < names[1]) if options.of_codesys else (used[names[0]] < used[names[1]]):
             return True
         if not options.final_scan or one[1].qualifier in _AT_ONCE:
             return False
-        if other[1].qualifier in _LASTING:
+        if other[1].qualifier in STORING:
             return True
-        if one[1].qualifier in _LASTING:  # its final scan comes first in the source
+        if one[1].qualifier in STORING:  # its final scan comes first in the source
             return any(scans.are_together(step, other[0]) for step in ends.get(names[0], ()))
         return scans.follow(one[0], other[0])
 
-    return told_orders(scans, late, acting, is_late, "after")
+    return told_orders(scans, acting, is_late, "after") if networks or options.of_codesys else ""
 
 
 def _name(row: ActionAssociation) -> str:

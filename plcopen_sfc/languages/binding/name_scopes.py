@@ -23,6 +23,7 @@ from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource, TreeNode
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -240,20 +241,20 @@ class Scopes:
         for block in project.data_blocks:
             yield "", Declaration(Kind.DATA_BLOCK, block.name, (block,))
         for section in project.global_variables:
-            yield from (("", d) for d in _listed(section))
+            yield from (("", d) for d in _listed(section, project))
         for table in project.tag_tables:
             yield from (("", Declaration(Kind.VARIABLE, tag.name, (tag,))) for tag in table.tags)
             yield from (("", variable_of(constant, "", None)) for constant in table.constants)
         for resource in project.applications:
-            yield from _of_resource(resource, f"application/{resource.name}")
+            yield from _of_resource(resource, f"application/{resource.name}", project)
         for configuration in project.configurations:
             place = f"configuration/{configuration.name}"
             yield "", Declaration(Kind.NAMESPACE, configuration.name, (configuration,))
             for section in configuration.global_variables:
-                yield from ((place, d) for d in _listed(section))
+                yield from ((place, d) for d in _listed(section, project))
             for resource in configuration.resources:
                 yield place, Declaration(Kind.NAMESPACE, resource.name, (resource,))
-                yield from _of_resource(resource, f"{place}/resource/{resource.name}")
+                yield from _of_resource(resource, f"{place}/resource/{resource.name}", project)
 
 
 _OF_STEPS = re.compile(r"G7_(?:Step|Transition)\w*|SFCStepType", re.IGNORECASE)
@@ -277,20 +278,20 @@ def _outward(place: str) -> Iterator[str]:
         yield place.partition("/resource/")[0]
 
 
-def _of_resource(resource: Resource, place: str) -> Iterator[tuple[str, Declaration]]:
+def _of_resource(resource: Resource, place: str, project: Project) -> Iterator[tuple[str, Declaration]]:
     yield place, Declaration(Kind.NAMESPACE, resource.name, (resource,))
     for section in resource.global_variables:
-        yield from ((place, declaration) for declaration in _listed(section))
+        yield from ((place, declaration) for declaration in _listed(section, project))
     for instance in (*resource.instances, *(i for task in resource.tasks for i in task.instances)):
         if instance.type_name:
             yield place, Declaration(Kind.INSTANCE, f"{resource.name}.{instance.name}", (instance,))
 
 
-def _listed(section: VariableSection) -> Iterator[Declaration]:
-    """A list of global variables, and those of its variables that can be named without it."""
+def _listed(section: VariableSection, project: Project) -> Iterator[Declaration]:
+    """A list of global variables, and those of its variables that can be named without it: as tags all of them."""
     if section.name:
         yield Declaration(Kind.GLOBAL_LIST, section.name, (section,))  # type: ignore[arg-type]
-    if section.name and qualified_only(section):
+    if section.name and qualified_only(section) and project.dialect is not Dialect.SCL:
         return
     yield from variables_in(section)
 

@@ -14,7 +14,8 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 
 _MOST_SITUATIONS = 2_000
-_LASTING = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
+STORING = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
+"""Qualifiers of actions that go on when their step is left."""
 _LISTED = 3
 
 Row = tuple[Step, ActionAssociation]
@@ -54,16 +55,32 @@ class SharedScans:
         together = left is not entered and self.are_together(left, entered)
         return together or any(left.id in t.sources and entered.id in t.targets for t in self._chart.transitions)
 
+    @cached_property
+    def is_parallel(self) -> bool:
+        """True if two steps may be active together."""
+        starts = sum(step.initial for step in self._chart.steps)
+        return starts > 1 or any(len(transition.targets) > 1 for transition in self._chart.transitions)
+
     def are_together(self, one: Step, other: Step) -> bool:
         """True if two steps may be active together; a step is with itself."""
-        if one is other or len(self.situations) >= _MOST_SITUATIONS:
+        if one is other or not self.is_parallel:
+            return one is other
+        if len(self.situations) >= _MOST_SITUATIONS:
             return True
-        return any({one.id, other.id} <= situation for situation in self.situations)
+        return other.id in self._together.get(one.id, ())
+
+    @cached_property
+    def _together(self) -> dict[int, set[int]]:
+        found: dict[int, set[int]] = {}
+        for situation in self.situations:
+            for step in situation:
+                found.setdefault(step, set()).update(situation)
+        return found
 
     def meet(self, one: Row, other: Row) -> bool:
         """True if a scan may execute both associations, the final scan of an action included."""
         (here, first), (there, second) = one, other
-        if _LASTING & {first.qualifier, second.qualifier}:
+        if STORING & {first.qualifier, second.qualifier}:
             return True
         once = {first.qualifier, second.qualifier}
         if here is there and once == {Qualifier.P1, Qualifier.P0}:
@@ -86,6 +103,22 @@ class SharedScans:
                     return ".".join([self._names.get(named[0], named[0]), *named[1:]])
         return ""
 
+    def sharing(self, rows: Sequence[Row]) -> list[tuple[Row, Row]]:
+        """Return the pairs of rows, both ways round, of which one may write a variable that the other has, too."""
+        writers: dict[str, list[int]] = {}
+        users: dict[str, list[int]] = {}
+        for place, row in enumerate(rows):
+            effects = self._effects(row)
+            for places, paths in ((writers, effects.writes), (users, effects.reads | effects.writes)):
+                for name in {name for path in paths for name in path[:2] or ("",)}:  # GVL.x is x too, () is anything
+                    places.setdefault(name, []).append(place)
+        found: set[tuple[int, int]] = set()
+        for name, writing in writers.items():
+            others = [*users.get(name, ()), *users.get("", ())] if name else range(len(rows))
+            found.update((one, other) for one, other in product(writing, others) if one != other)
+        both = found | {(other, one) for one, other in found}
+        return [(rows[one], rows[other]) for one, other in sorted(both)]
+
     def _effects(self, row: Row) -> Effects:
         """Return what an association executes, as names tell it: a block changes its instance, a function nothing."""
         _, association = row
@@ -101,12 +134,10 @@ class SharedScans:
         return self._found[id(association)]
 
 
-def told_orders(
-    scans: SharedScans, rows: Sequence[Row], others: Sequence[Row], differ: Callable[[Row, Row], bool], word: str
-) -> str:
-    """Return which of `rows` a target executes before (`word`) or after which of `others`, and the source does not."""
+def told_orders(scans: SharedScans, rows: Sequence[Row], differ: Callable[[Row, Row], bool], word: str) -> str:
+    """Return which of `rows` a target executes before (`word`) or after which others, and the source does not."""
     found: dict[str, None] = {}
-    for one, other in product(rows, others):
+    for one, other in scans.sharing(rows):
         names = _called(one), _called(other)
         if one[1] is other[1] or names[0].casefold() == names[1].casefold() or not differ(one, other):
             continue

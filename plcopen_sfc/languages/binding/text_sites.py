@@ -218,7 +218,7 @@ NAMELESS: dict[str, frozenset[str]] = {
         FileHeader.version FileHeader.release FileHeader.created FileHeader.description ForeignData.name
         ForeignDataInfo.name ForeignDataInfo.vendor ForeignDataInfo.version ExtensionData.attributes
         GraphSettings.version GraphSettings.initial_values_acquisition GraphSettings.network_language Project.version
-        Project.modified Project.organization Project.author RuntimeLibrary.title Variable.attributes
+        Project.modified Project.organization Project.author Project.origin RuntimeLibrary.title Variable.attributes
         RuntimeLibrary.company RuntimeLibrary.version RuntimeLibrary.namespace TaskSettings.interval_unit
         TaskSettings.attributes TaskWatchdog.time TaskWatchdog.time_unit TaskWatchdog.sensitivity
         VendorElement.element_type VendorElement.attributes DataTypeDeclaration.place Pou.place ProjectObject.folder

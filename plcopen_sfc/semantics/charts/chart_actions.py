@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, Expression, Qualifier
+from plcopen_sfc.model.text import local_name
 from plcopen_sfc.semantics.charts.qualifier_control import (
     OFF,
     ON,
@@ -136,7 +137,7 @@ class Actions:
         declared = {action.name.casefold(): number for number, action in enumerate(actions)}
 
         def place(draft: _Draft) -> tuple[bool, int, str]:
-            name = draft.name.casefold()
+            name = local_name(draft.name).casefold()
             late = self._sequential and (not name or name in declared)
             if order is ActionOrder.ALPHABETIC:
                 return late, 0, name
@@ -344,9 +345,6 @@ def check_associations(owned: Sequence[tuple[Owner, ActionAssociation]], profile
             raise UnknownBehaviourError(
                 f"the profile {profile.name} does not say what the qualifier {model.qualifier} of {what} does",
                 location=where,
-                hint="If the file was converted, read it as its tool does: --as-tool, as_tool=True."
-                if profile.graph_parameters
-                else "",
             )
         if (model.kind is not None or model.forcing is not None) and not knows_grafcet:
             raise UnknownBehaviourError(

@@ -17,6 +17,7 @@ from plcopen_sfc.model import types as m
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.text import local_name
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code_generation import Linker, Writer
@@ -463,7 +464,7 @@ class TranslatedPou(Callee):
 
     def action(self, name: str) -> Callable[[Frame], None] | None:
         """Return the function of an action, its own or of a POU that it extends."""
-        found = self.actions.get(name.casefold())
+        found = self.actions.get(local_name(name).casefold())
         return found if found is not None or self.base is None else self.base.action(name)
 
     def method(self, name: str) -> TranslatedMethod | None:

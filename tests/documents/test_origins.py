@@ -1,0 +1,103 @@
+"""A converted file that keeps the charts of its source is executed by the rules of that, unless asked otherwise."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.formats.registry import FORMATS
+from plcopen_sfc.semantics.profile import default_profile
+
+KEEPING = [kind.name for kind in FORMATS if kind.extension_data and kind.name != "json"]
+
+IEC = b"""FUNCTION_BLOCK Main
+VAR_INPUT a, b : BOOL; END_VAR
+VAR_OUTPUT q, r, s : BOOL; n : INT; END_VAR
+INITIAL_STEP S1: q(N); Count(P1); END_STEP
+STEP S2: q(N); r(L, T#2s); Count(P0); Zz(N); Aa(N); END_STEP
+TRANSITION FROM S1 TO S2 := a AND NOT b; END_TRANSITION
+TRANSITION FROM S2 TO S1 := S2.T >= T#1s AND S2.X OR b; END_TRANSITION
+ACTION Count: n := (n + 1) MOD 4; END_ACTION
+ACTION Zz: s := TRUE; END_ACTION
+ACTION Aa: s := n > 2; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+FLAGS = b"""
+(* @NESTEDCOMMENTS := 'Yes' *)
+FUNCTION_BLOCK Main
+VAR_INPUT a, b : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+(* @END_DECLARATION := '0' *)
+INITIAL_STEP S1:
+END_STEP
+TRANSITION FROM S1 TO S2 := a
+END_TRANSITION
+STEP S2:
+END_STEP
+TRANSITION FROM S2 TO S1 := S2 AND b
+END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+
+
+def saved(project: sfc.Project, target: str, *, as_tool: bool = False) -> sfc.Project:
+    data = io.BytesIO()
+    sfc.save(project, data, format=target, partial=True)
+    return sfc.loads(data.getvalue(), format=target, as_tool=as_tool)
+
+
+def of_s7() -> sfc.Project:
+    project = saved(sfc.loads(IEC, format="iec-text"), "simaticml", as_tool=True)
+    (first, *_) = project.pou("Main").chart.steps
+    first.interlock = "#b"
+    first.actions[0].interlock = True
+    return project
+
+
+SOURCES = {
+    "iec": sfc.loads(IEC, format="iec-text"),
+    "codesys": saved(sfc.loads(IEC, format="iec-text"), "codesys", as_tool=True),
+    "codesys23": sfc.loads(FLAGS, format="codesys23"),
+    "s7graph": of_s7(),
+}
+
+
+@pytest.mark.parametrize("target", KEEPING)
+@pytest.mark.parametrize("name", SOURCES)
+def test_what_is_read_back_does_the_same(name: str, target: str) -> None:
+    source = SOURCES[name]
+    back = saved(source, target)
+    pou = back.pou("Main")
+    assert default_profile(back).name == default_profile(source).name == name
+    verdict = sfc.equivalent(source.pou("Main"), pou, cap=100, runs=2, scans=20, limit=2)
+    assert not verdict.different if name == "s7graph" else verdict.proven  # that has the inputs of all its modes
+    assert sfc.simulate(pou, scans=3).profile == name
+
+
+def test_a_converted_file_is_one_of_its_own_tool_where_that_is_asked_for() -> None:
+    source = SOURCES["codesys"]
+    assert default_profile(saved(source, "simaticml", as_tool=True)).name == "s7graph"
+    assert sfc.simulate(saved(source, "plcopen"), scans=1, profile="iec").profile == "iec"
+
+
+@pytest.mark.parametrize("between", KEEPING)
+def test_chains_of_conversions_keep_the_tool_of_the_first(between: str) -> None:
+    source = SOURCES["codesys"]
+    there = saved(source, between)
+    further, back = saved(there, "plcopen"), saved(there, "codesys")
+    assert (further.tool_format, back.tool_format, back.origin) == ("codesys", "codesys", None)
+    for project in (further, back, saved(back, "simaticml")):
+        assert sfc.equivalent(source.pou("Main"), project.pou("Main"), limit=2).equal
+
+
+def test_an_edit_keeps_the_origin() -> None:
+    data = io.BytesIO()
+    back = saved(SOURCES["codesys"], "simaticml")
+    back.pou("Main").chart.rename_step("S2", "Wait")
+    sfc.save(back, data)
+    edited = sfc.loads(data.getvalue())
+    assert edited.origin == "codesys"
+    assert sfc.equivalent(back.pou("Main"), edited.pou("Main"), limit=2).equal
