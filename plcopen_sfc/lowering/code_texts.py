@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from typing import Literal, TypeAlias
 
@@ -65,110 +65,225 @@ Suffix: TypeAlias = Literal[
 ]
 """Ends of the names of variables that belong to something else, in English."""
 
+_GERMAN_SUFFIXES: Mapping[Suffix, str] = {
+    "acknowledged": "quittiert",
+    "again": "neu",
+    "before": "vorher",
+    "edge": "flanke",
+    "end": "ende",
+    "entered": "erreicht",
+    "entry": "eingang",
+    "exit": "ausgang",
+    "fault": "stoerung",
+    "last": "zuletzt",
+    "late": "zu_lange",
+    "left": "verlassen",
+    "main": "aktion",
+    "mode": "art",
+    "next": "danach",
+    "old": "alt",
+    "on": "laeuft",
+    "over": "abgelaufen",
+    "pulse": "impuls",
+    "runs": "laeuft",
+    "seen": "durchlaufen",
+    "start": "start",
+    "starts": "startet",
+    "time": "zeit",
+    "timer": "zeitglied",
+}
+
+
+class Words:
+    """Text in English and in German; an object with a `language` has it in that one."""
+
+    def __init__(self, english: str, german: str) -> None:
+        self.english, self.german = english, german
+
+    def __get__(self, texts: Texts | GraphTexts, kind: object = None) -> str:
+        return self.german if texts.language.startswith("de") else self.english
+
+
+class Phrase:
+    """Words with a place ``{}`` for each argument with which they are called."""
+
+    def __init__(self, english: str, german: str) -> None:
+        self._words = Words(english, german)
+
+    def __get__(self, texts: Texts | GraphTexts, kind: object = None) -> Callable[..., str]:
+        return self._words.__get__(texts).format
+
 
 class Texts:
-    """English texts."""
+    """Texts in one `language`: ``en`` or ``de``."""
 
-    language = "en"
-    culture = ""
-    flag_pattern = ""
-    init = "Start the chain anew"
-    init_input = "Init"
-    stop = "holds the chain at its initial step"
-    restart = "Restart"
-    restart_comment = "the chain starts anew"
-    initial_steps = "First scan: initial steps"
-    flag_list = "StepFlags"
-    drive = "Actions"
-    drive_call = "Actions"
-    drive_stored = "StoredActions"
-    drive_stored_call = "Stored actions"
-    event = "event"
-    modes = "Operating modes"
-    enable = "Enable"
-    single_step = "SingleStep"
-    without_conditions = "WithoutConditions"
-    advance = "Advance"
-    select = "Select"
-    selected = "SelectedStep"
-    selecting = "Selecting"
-    selection = "Selected step"
-    free = "MayFire"
-    forced = "Forced"
-    comments: Mapping[str, str] = {
-        "Enable": "transitions may fire",
-        "SingleStep": "transitions fire by a push of Advance only",
-        "WithoutConditions": "a push of Advance leads on whatever the conditions are",
-        "Advance": "leads one step on",
-        "Select": "makes the selected step the only active one",
-        "SelectedStep": "number of the step to be selected",
-    }
-    transitions = "Transitions"
-    logic = "Logic drawn in the chart"
-    times = "Step times"
-    step_actions = "Steps that have changed: their actions"
-    main_actions = "Actions of the active steps"
-    conditions = "Conditions of actions"
-    actions_end = "Back at the initial step"
-    quit_error = "The error is quitted"
-    pause = "Pause"
-    tip = "Step by step"
-    current_step = "Active step"
-    table_row = "table_row"
-    first_scan = "End of the first scan"
-    pulse = "FirstScan"
-    condition = "Condition"
-    suffixes: Mapping[Suffix, str] = {}
-    chain = "Step sequence"
-    state = "step_number"
-    state_comment = "number of the active step"
-    next_state = "next_step_number"
-    next_state_comment = "number of the step that will be active"
-    last_state = "last_step_number"
-    last_step = "last_step"
-    step_time = "step_time"
-    entered = "step_entered"
-    entered_comment = "the active step has just become active"
-    held = "no transition fires meanwhile"
-    last_state_comment = "number of the step that was active in the scan before"
-    active_step = "active_step"
-    active_step_comment = "the active step"
-    next_step = "next_step"
-    next_step_comment = "the step that will be active"
-    moves = "Steps that become active"
-    control = "Which actions are active"
-    ended = "Actions that have ended"
-    steps_before = "Active steps, for the next scan"
-    until_joined = "until the simultaneous branches are joined"
-    step_constant = "STEP"
-    waiting_constant = "PARALLEL"
-    no_step = "NO_STEP"
-    no_step_comment = "no step"
-    enumeration = "Step"
-    actions = "Actions"
-    transition = "Transition"
-    set_action = "set action"
-    reset_action = "reset action"
-    reset_actions = "reset actions"
-    stability = "Search for a stable situation"
-    next_evolution = "NextEvolution"
-    next_evolution_title = "Next evolution, until the situation is stable"
-    first_evolution = "FirstEvolution"
-    first_evolution_ends = "End of the first evolution"
-    start = "Start"
-    terms = "Edges and times"
-    events = "Actions on events"
-    before = "Steps as they were before"
-    forcing = "Charts that others rule"
-    passed = "Steps that the scan passes"
-    stored = "Stored actions"
-    evolutions = "evolutions"
-    moving = "moving"
-    moving_comment = "a transition was cleared"
-    unstable = "unstable"
-    unstable_comment = "no stable situation was found"
-    not_compared = "Not compared with the chart."
-    read_flags = "X.. are the active steps, T.. the transitions that fire in this scan."
+    culture = Words("", "de-DE")
+    init = Words("Start the chain anew", "Kette initialisieren")
+    init_input = Words("Init", "Init")
+    stop = Words("holds the chain at its initial step", "hält die Kette im Initialschritt")
+    restart = Words("Restart", "Grundstellung")
+    restart_comment = Words("the chain starts anew", "die Kette beginnt neu")
+    initial_steps = Words("First scan: initial steps", "Richtimpuls: Initialschritte")
+    flag_list = Words("StepFlags", "Schrittmerker")
+    drive = Words("Actions", "Ansteuerung")
+    drive_call = Words("Actions", "Ansteuerung der Aktionen")
+    drive_stored = Words("StoredActions", "Speicherung")
+    drive_stored_call = Words("Stored actions", "Gespeichert wirkende Aktionen")
+    event = Words("event", "ereignis")
+    modes = Words("Operating modes", "Betriebsarten")
+    enable = Words("Enable", "Freigabe")
+    enable_comment = Words("transitions may fire", "Transitionen dürfen schalten")
+    single_step = Words("SingleStep", "Einzelschritt")
+    single_step_comment = Words(
+        "transitions fire by a push of Advance only", "Transitionen schalten nur mit Weiterschalten"
+    )
+    without_conditions = Words("WithoutConditions", "OhneBedingungen")
+    without_conditions_comment = Words(
+        "a push of Advance leads on whatever the conditions are", "Weiterschalten wirkt ohne Rücksicht auf Bedingungen"
+    )
+    advance = Words("Advance", "Weiterschalten")
+    advance_comment = Words("leads one step on", "schaltet um einen Schritt weiter")
+    select = Words("Select", "Anwahl")
+    select_comment = Words(
+        "makes the selected step the only active one", "macht den angewählten Schritt zum einzigen aktiven"
+    )
+    selected = Words("SelectedStep", "Schrittanwahl")
+    selected_comment = Words("number of the step to be selected", "Nummer des Schritts, der angewählt wird")
+    selecting = Words("Selecting", "Anwahlimpuls")
+    selection = Words("Selected step", "Angewählter Schritt")
+    free = Words("MayFire", "Schaltfreigabe")
+    forced = Words("Forced", "Zwangsweiterschaltung")
+    transitions = Words("Transitions", "Transitionen")
+    logic = Words("Logic drawn in the chart", "Logik im Ablauf")
+    times = Words("Step times", "Schrittzeiten")
+    step_actions = Words("Steps that have changed: their actions", "Aktionen bei Schrittwechsel")
+    main_actions = Words("Actions of the active steps", "Aktionen der aktiven Schritte")
+    conditions = Words("Conditions of actions", "Bedingungen der Aktionen")
+    actions_end = Words("Back at the initial step", "Zurück im Initialschritt")
+    quit_error = Words("The error is quitted", "Fehler quittieren")
+    pause = Words("Pause", "Pause")
+    tip = Words("Step by step", "Schrittweise")
+    current_step = Words("Active step", "Aktiver Schritt")
+    table_row = Words("table_row", "tabellenzeile")
+    first_scan = Words("End of the first scan", "Ende des Richtimpulses")
+    pulse = Words("FirstScan", "Richtimpuls")
+    condition = Words("Condition", "Bedingung")
+    chain = Words("Step sequence", "Schrittfolge")
+    state = Words("step_number", "schrittnummer")
+    state_comment = Words("number of the active step", "Nummer des aktiven Schritts")
+    next_state = Words("next_step_number", "neue_schrittnummer")
+    next_state_comment = Words("number of the step that will be active", "Nummer des Schritts, der aktiv wird")
+    last_state = Words("last_step_number", "letzte_schrittnummer")
+    last_step = Words("last_step", "letzter_schritt")
+    step_time = Words("step_time", "schrittzeit")
+    entered = Words("step_entered", "schritt_neu")
+    entered_comment = Words("the active step has just become active", "der aktive Schritt ist gerade aktiv geworden")
+    held = Words("no transition fires meanwhile", "solange schaltet keine Transition")
+    last_state_comment = Words(
+        "number of the step that was active in the scan before", "Nummer des Schritts, der im Zyklus davor aktiv war"
+    )
+    active_step = Words("active_step", "aktiver_schritt")
+    active_step_comment = Words("the active step", "der aktive Schritt")
+    next_step = Words("next_step", "neuer_schritt")
+    next_step_comment = Words("the step that will be active", "der Schritt, der aktiv wird")
+    moves = Words("Steps that become active", "Schritte, die aktiv werden")
+    control = Words("Which actions are active", "Welche Aktionen aktiv sind")
+    ended = Words("Actions that have ended", "Beendete Aktionen")
+    steps_before = Words("Active steps, for the next scan", "Aktive Schritte, für den nächsten Zyklus")
+    until_joined = Words(
+        "until the simultaneous branches are joined", "bis die parallelen Zweige zusammengeführt werden"
+    )
+    step_constant = Words("STEP", "SCHRITT")
+    waiting_constant = Words("PARALLEL", "PARALLEL")
+    no_step = Words("NO_STEP", "KEIN_SCHRITT")
+    no_step_comment = Words("no step", "kein Schritt")
+    enumeration = Words("Step", "Schritt")
+    actions = Words("Actions", "Aktionen")
+    transition = Words("Transition", "Transition")
+    set_action = Words("set action", "Aktion setzen")
+    reset_action = Words("reset action", "Aktion zurücksetzen")
+    reset_actions = Words("reset actions", "Aktionen zurücksetzen")
+    stability = Words("Search for a stable situation", "Suche nach einer stabilen Situation")
+    next_evolution = Words("NextEvolution", "NaechsterLauf")
+    next_evolution_title = Words(
+        "Next evolution, until the situation is stable", "Nächster Durchlauf, bis die Situation stabil ist"
+    )
+    first_evolution = Words("FirstEvolution", "ErsterLauf")
+    first_evolution_ends = Words("End of the first evolution", "Ende des ersten Durchlaufs")
+    start = Words("Start", "Start")
+    terms = Words("Edges and times", "Flanken und Zeiten")
+    events = Words("Actions on events", "Aktionen bei Ereignissen")
+    before = Words("Steps as they were before", "Schritte, wie sie zuvor waren")
+    forcing = Words("Charts that others rule", "Zwangsgesteuerte und eingeschlossene Teilpläne")
+    passed = Words("Steps that the scan passes", "Durchlaufene Schritte")
+    stored = Words("Stored actions", "Gespeichert wirkende Aktionen")
+    evolutions = Words("evolutions", "durchlaeufe")
+    moving = Words("moving", "in_bewegung")
+    moving_comment = Words("a transition was cleared", "eine Transition hat geschaltet")
+    unstable = Words("unstable", "instabil")
+    unstable_comment = Words("no stable situation was found", "es wurde keine stabile Situation gefunden")
+    not_compared = Words("Not compared with the chart.", "Nicht mit dem Ablauf verglichen.")
+    read_flags = Words(
+        "X.. are the active steps, T.. the transitions that fire in this scan.",
+        "X.. sind die aktiven Schritte, T.. die Transitionen, die in diesem Zyklus schalten.",
+    )
+
+    # -- comments and titles of parts of the chart, by their paths and names
+
+    flag_of = Phrase("step {} is active", "Schritt {} ist aktiv")
+    flag_title = Phrase("Step flag {} ({})", "Schrittmerker {} ({})")
+    transition_title = Phrase("Transition {}", "Transition {}")
+    transition_of = Phrase("transition {} fires", "Transition {} schaltet")
+    again_of = Phrase("step {} starts anew", "Schritt {} beginnt neu")
+    part = Phrase("Step sequence from {}", "Schrittfolge ab {}")
+    enumeration_of = Phrase("steps of {}", "Schritte von {}")
+    maximum_time = Phrase("Maximum time of step {}", "Höchstzeit von Schritt {}")
+    action = Phrase("Action {}", "Aktion {}")
+    set_while = Phrase("set action while {}", "Aktion setzen, solange {} aktiv")
+
+    # -- the header of code in a file
+
+    proven = Phrase(
+        "equal, proven in {} states with all inputs", "gleich, bewiesen in {} Zuständen mit allen Eingängen"
+    )
+    tested = Phrase(
+        "equal in {} directed runs of {} scans, not proven",
+        "gleich in {} gezielten Läufen mit {} Zyklen, nicht bewiesen",
+    )
+    _from = Phrase(" of {}", " aus {}")
+    _made_of = Phrase("Chart {}{}, as code by plcopen-sfc {}.", "Ablauf {}{}, als Code von plcopen-sfc {}.")
+    _state = Phrase("{} is the active step.", "{} ist der aktive Schritt.")
+    _states = Phrase(
+        "{} are the active steps, one of each part of the chart.",
+        "{} sind die aktiven Schritte, einer für jeden Teil des Ablaufs.",
+    )
+    _branches = Words(
+        "Each branch is a step with its transitions in their order; what steps do comes behind.",
+        "Jeder Zweig ist ein Schritt mit seinen Transitionen; was Schritte tun, kommt dahinter.",
+    )
+    _branches_with_actions = Words(
+        "Each branch is a step: what it does, then its transitions in their order.",
+        "Jeder Zweig ist ein Schritt: was er tut, dann seine Transitionen der Reihe nach.",
+    )
+    _compared = Phrase(
+        "Compared with the chart under the profile {}: {}{}.", "Verglichen mit dem Ablauf unter dem Profil {}: {}{}."
+    )
+    _while_one = Phrase(", while {} is FALSE", ", solange {} FALSE ist")
+    _while_some = Phrase(", while {} are FALSE", ", solange {} FALSE sind")
+    _reached = Phrase("Reached: {}.", "Erreicht: {}.")
+    _of_all = Phrase("{} of {} {}", "{} von {} {}")
+    _initial = Words("initial step", "Initialschritt")
+    _step = Phrase("Step {}", "Schritt {}")
+    _to_first = Words("jump to the first step", "Sprung zum ersten Schritt")
+    _back = Phrase("jump to step {}", "Sprung zu Schritt {}")
+    _onward = Words("go on to the next step", "In den nächsten Schritt schalten")
+    _waiting = Phrase("simultaneous branches from {}", "parallele Zweige ab {}")
+    _rises = Words("rises", "steigt")
+    _falls = Words("falls", "faellt")
+
+    def __init__(self, language: str = "en") -> None:
+        self.language = language
+        self.flag_pattern = ""
 
     def with_flags(self, pattern: str) -> Texts:
         """Return the same, in which flags of steps are called like that of step 1: ``SR01``, so ``SR12`` of step 12.
@@ -189,15 +304,11 @@ class Texts:
         """Return the title and comment of a step or transition."""
         return self.captions(element.title, element.comment)
 
-    def set_while(self, condition: str) -> str:
-        """Return the comment of an action with a condition."""
-        return f"set action while {condition}"
-
     def jump(self, step: Step, *, initial: bool, back: bool) -> str:
         """Return the comment of a change of step: to the next one, or back."""
         if initial:
-            return "jump to the first step"
-        return f"jump to step {step.name}" if back else "go on to the next step"
+            return self._to_first
+        return self._back(step.name) if back else self._onward
 
     def flag_name(self, step: Step) -> str:
         """Return the flag of a step: ``X1`` of step 1 or S1, else with its name (``X_Fill``)."""
@@ -220,11 +331,14 @@ class Texts:
             return f"T{_transition_digits(model.name) or '_' + model.name}"
         sides = transition.sources, transition.targets
         before, after = (_short(net.steps[side[0]].step) if side else "" for side in sides)
-        return f"T{before}_{after.removeprefix('_') or self.suffixes.get('end', 'end')}"
+        return f"T{before}_{after.removeprefix('_') or self._suffix('end')}"
 
     def with_suffix(self, name: str, suffix: Suffix) -> str:
         """Return the name of a variable that belongs to what `name` names: ``Push_edge``."""
-        return f"{name}_{self.suffixes.get(suffix, suffix)}"
+        return f"{name}_{self._suffix(suffix)}"
+
+    def _suffix(self, suffix: Suffix) -> str:
+        return _GERMAN_SUFFIXES[suffix] if self.language == "de" else suffix
 
     def time_name(self, step: Step) -> str:
         """Return the timer of a step."""
@@ -232,51 +346,23 @@ class Texts:
 
     def edge_name(self, operands: Sequence[str], *, rising: bool) -> str:
         """Return the variable of ``↑a`` or ``↓a``."""
-        return "_".join([*operands[:3], "rises" if rising else "falls"])
+        return "_".join([*operands[:3], self._rises if rising else self._falls])
 
     def delay_name(self, operands: Sequence[str], time: str) -> str:
         """Return the timer of ``3s/a`` or ``a/3s``."""
         return "_".join([*operands[:3], time.rpartition("#")[2]])
 
-    def flag_of(self, path: str) -> str:
-        """Return the comment of a step's flag."""
-        return f"step {path} is active"
-
-    def flag_title(self, name: str, address: str) -> str:
-        """Return the title of the network of a step whose flag has an address."""
-        return f"Step flag {name} ({address})"
-
     def described_flag(self, step: Step, path: str) -> str:
         """Return the same with the captions of the step, where it has no network of its own."""
         return ": ".join(filter(None, [self.flag_of(path), " ".join(self.remark(step).split())]))
 
-    def transition_title(self, path: str) -> str:
-        """Return the title of a transition's network."""
-        return f"Transition {path}"
-
-    def transition_of(self, path: str) -> str:
-        """Return the comment of a transition's bit."""
-        return f"transition {path} fires"
-
-    def again_of(self, path: str) -> str:
-        """Return the comment of the flag of a step that a transition leaves and enters at once."""
-        return f"step {path} starts anew"
-
-    def part(self, path: str) -> str:
-        """Return the title of the CASE of a part of the chart, which begins with a step."""
-        return f"Step sequence from {path}"
-
-    def enumeration_of(self, pou: str) -> str:
-        """Return the comment of the type that has the steps of a POU as values."""
-        return f"steps of {pou}"
-
     def waiting(self, paths: Iterable[str]) -> str:
         """Return the comment of the state that waits for the end of the branches that begin with these steps."""
-        return f"simultaneous branches from {', '.join(paths)}"
+        return self._waiting(", ".join(paths))
 
     def step(self, step: Step, path: str, *, initial: bool) -> str:
         """Return the title of a step's network."""
-        return f"Step {_numbered(step, path)}" + (" – initial step" if initial else "")
+        return self._step(_numbered(step, path)) + (f" – {self._initial}" if initial else "")
 
     def step_numbers(self, net: Net, numbers: Sequence[int]) -> str:
         """Return the comment that lists the numbers of steps; empty where their names have them."""
@@ -285,410 +371,110 @@ class Texts:
             return ""
         return "\n".join(f"{number} = {step.path}" for step, number in sorted(pairs, key=lambda pair: pair[1]))
 
-    def maximum_time(self, path: str) -> str:
-        """Return the title of the network that watches the time of a step."""
-        return f"Maximum time of step {path}"
-
-    def action(self, name: str) -> str:
-        """Return the title of an action's network."""
-        return f"Action {name}"
-
-    # -- the header of code in a file
-
     def made_of(self, chart: str, source: str, version: str) -> str:
         """Return what the code was made of, and by what."""
-        return f"Chart {chart}{f' of {source}' if source else ''}, as code by plcopen-sfc {version}."
+        return self._made_of(chart, self._from(source) if source else "", version)
 
     def read_states(self, variables: Sequence[str]) -> str:
         """Return what the variables of states mean."""
-        if len(variables) == 1:
-            return f"{variables[0]} is the active step."
-        return f"{', '.join(variables)} are the active steps, one of each part of the chart."
+        return (self._state if len(variables) == 1 else self._states)(", ".join(variables))
 
     def read_branches(self, *, actions: bool) -> str:
         """Return how a CASE is read. `actions`: its branches have what steps do."""
-        if actions:
-            return "Each branch is a step: what it does, then its transitions in their order."
-        return "Each branch is a step with its transitions in their order; what steps do comes behind."
+        return self._branches_with_actions if actions else self._branches
 
     def compared(self, profile: str, verdict: str, resting: Sequence[str]) -> str:
         """Return the verdict of the comparison, and the inputs that were FALSE in it."""
-        while_ = f", while {', '.join(resting)} {'is' if len(resting) == 1 else 'are'} FALSE" if resting else ""
-        return f"Compared with the chart under the profile {profile}: {verdict}{while_}."
-
-    def proven(self, states: int) -> str:
-        """Return the verdict of a proof."""
-        return f"equal, proven in {states} states with all inputs"
-
-    def tested(self, runs: int, scans: int) -> str:
-        """Return the verdict of directed runs."""
-        return f"equal in {runs} directed runs of {scans} scans, not proven"
+        while_ = self._while_one if len(resting) == 1 else self._while_some
+        return self._compared(profile, verdict, while_(", ".join(resting)) if resting else "")
 
     def reached(self, counts: Mapping[str, tuple[int, int]]) -> str:
         """Return how much of the chart the comparison has reached, by ``step``, ``transition`` and ``action``."""
         parts = [
-            f"{reached} of {all_} {kind}s" for kind, (reached, all_) in counts.items() if kind in _REACHED and all_
+            self._of_all(found, all_, _REACHED[kind].__get__(self))
+            for kind, (found, all_) in counts.items()
+            if kind in _REACHED and all_
         ]
-        return f"Reached: {', '.join(parts)}."
+        return self._reached(", ".join(parts))
 
 
-class GermanTexts(Texts):
-    """German texts."""
+_REACHED: Mapping[str, Words] = {
+    "step": Words("steps", "Schritten"),
+    "transition": Words("transitions", "Transitionen"),
+    "action": Words("actions", "Aktionen"),
+}
+"""Things that a header counts."""
 
-    language = "de"
-    culture = "de-DE"
-    init = "Kette initialisieren"
-    stop = "hält die Kette im Initialschritt"
-    restart = "Grundstellung"
-    restart_comment = "die Kette beginnt neu"
-    initial_steps = "Richtimpuls: Initialschritte"
-    flag_list = "Schrittmerker"
-    drive = "Ansteuerung"
-    drive_call = "Ansteuerung der Aktionen"
-    drive_stored = "Speicherung"
-    drive_stored_call = "Gespeichert wirkende Aktionen"
-    event = "ereignis"
-    modes = "Betriebsarten"
-    enable = "Freigabe"
-    single_step = "Einzelschritt"
-    without_conditions = "OhneBedingungen"
-    advance = "Weiterschalten"
-    select = "Anwahl"
-    selected = "Schrittanwahl"
-    selecting = "Anwahlimpuls"
-    selection = "Angewählter Schritt"
-    free = "Schaltfreigabe"
-    forced = "Zwangsweiterschaltung"
-    comments: Mapping[str, str] = {
-        "Freigabe": "Transitionen dürfen schalten",
-        "Einzelschritt": "Transitionen schalten nur mit Weiterschalten",
-        "OhneBedingungen": "Weiterschalten wirkt ohne Rücksicht auf Bedingungen",
-        "Weiterschalten": "schaltet um einen Schritt weiter",
-        "Anwahl": "macht den angewählten Schritt zum einzigen aktiven",
-        "Schrittanwahl": "Nummer des Schritts, der angewählt wird",
-    }
-    transitions = "Transitionen"
-    logic = "Logik im Ablauf"
-    times = "Schrittzeiten"
-    step_actions = "Aktionen bei Schrittwechsel"
-    main_actions = "Aktionen der aktiven Schritte"
-    conditions = "Bedingungen der Aktionen"
-    actions_end = "Zurück im Initialschritt"
-    quit_error = "Fehler quittieren"
-    pause = "Pause"
-    tip = "Schrittweise"
-    current_step = "Aktiver Schritt"
-    table_row = "tabellenzeile"
-    first_scan = "Ende des Richtimpulses"
-    pulse = "Richtimpuls"
-    condition = "Bedingung"
-    suffixes: Mapping[Suffix, str] = {
-        "acknowledged": "quittiert",
-        "again": "neu",
-        "before": "vorher",
-        "edge": "flanke",
-        "end": "ende",
-        "entered": "erreicht",
-        "entry": "eingang",
-        "exit": "ausgang",
-        "fault": "stoerung",
-        "last": "zuletzt",
-        "late": "zu_lange",
-        "left": "verlassen",
-        "main": "aktion",
-        "mode": "art",
-        "next": "danach",
-        "old": "alt",
-        "on": "laeuft",
-        "over": "abgelaufen",
-        "pulse": "impuls",
-        "runs": "laeuft",
-        "seen": "durchlaufen",
-        "start": "start",
-        "starts": "startet",
-        "time": "zeit",
-        "timer": "zeitglied",
-    }
-    chain = "Schrittfolge"
-    state = "schrittnummer"
-    state_comment = "Nummer des aktiven Schritts"
-    next_state = "neue_schrittnummer"
-    next_state_comment = "Nummer des Schritts, der aktiv wird"
-    last_state = "letzte_schrittnummer"
-    last_step = "letzter_schritt"
-    step_time = "schrittzeit"
-    entered = "schritt_neu"
-    entered_comment = "der aktive Schritt ist gerade aktiv geworden"
-    held = "solange schaltet keine Transition"
-    last_state_comment = "Nummer des Schritts, der im Zyklus davor aktiv war"
-    active_step = "aktiver_schritt"
-    active_step_comment = "der aktive Schritt"
-    next_step = "neuer_schritt"
-    next_step_comment = "der Schritt, der aktiv wird"
-    moves = "Schritte, die aktiv werden"
-    control = "Welche Aktionen aktiv sind"
-    ended = "Beendete Aktionen"
-    steps_before = "Aktive Schritte, für den nächsten Zyklus"
-    until_joined = "bis die parallelen Zweige zusammengeführt werden"
-    step_constant = "SCHRITT"
-    no_step = "KEIN_SCHRITT"
-    no_step_comment = "kein Schritt"
-    enumeration = "Schritt"
-    actions = "Aktionen"
-    transition = "Transition"
-    set_action = "Aktion setzen"
-    reset_action = "Aktion zurücksetzen"
-    reset_actions = "Aktionen zurücksetzen"
-    stability = "Suche nach einer stabilen Situation"
-    next_evolution = "NaechsterLauf"
-    next_evolution_title = "Nächster Durchlauf, bis die Situation stabil ist"
-    first_evolution = "ErsterLauf"
-    first_evolution_ends = "Ende des ersten Durchlaufs"
-    start = "Start"
-    terms = "Flanken und Zeiten"
-    events = "Aktionen bei Ereignissen"
-    before = "Schritte, wie sie zuvor waren"
-    forcing = "Zwangsgesteuerte und eingeschlossene Teilpläne"
-    passed = "Durchlaufene Schritte"
-    stored = "Gespeichert wirkende Aktionen"
-    evolutions = "durchlaeufe"
-    moving = "in_bewegung"
-    moving_comment = "eine Transition hat geschaltet"
-    unstable = "instabil"
-    unstable_comment = "es wurde keine stabile Situation gefunden"
-    not_compared = "Nicht mit dem Ablauf verglichen."
-    read_flags = "X.. sind die aktiven Schritte, T.. die Transitionen, die in diesem Zyklus schalten."
-
-    def set_while(self, condition: str) -> str:
-        """Return the comment of an action with a condition."""
-        return f"Aktion setzen, solange {condition} aktiv"
-
-    def jump(self, step: Step, *, initial: bool, back: bool) -> str:
-        """Return the comment of going on: to the next step, or back."""
-        if initial:
-            return "Sprung zum ersten Schritt"
-        return f"Sprung zu Schritt {step.name}" if back else "In den nächsten Schritt schalten"
-
-    def edge_name(self, operands: Sequence[str], *, rising: bool) -> str:
-        """Return the variable of ``↑a`` or ``↓a``."""
-        return "_".join([*operands[:3], "steigt" if rising else "faellt"])
-
-    def flag_title(self, name: str, address: str) -> str:
-        """Return the title of the network of a step whose flag has an address."""
-        return f"Schrittmerker {name} ({address})"
-
-    def flag_of(self, path: str) -> str:
-        """Return the comment of a step's flag."""
-        return f"Schritt {path} ist aktiv"
-
-    def transition_of(self, path: str) -> str:
-        """Return the comment of a transition's bit."""
-        return f"Transition {path} schaltet"
-
-    def again_of(self, path: str) -> str:
-        """Return the comment of the flag of a step that a transition leaves and enters at once."""
-        return f"Schritt {path} beginnt neu"
-
-    def part(self, path: str) -> str:
-        """Return the title of the CASE of a part of the chart, which begins with a step."""
-        return f"Schrittfolge ab {path}"
-
-    def enumeration_of(self, pou: str) -> str:
-        """Return the comment of the type that has the steps of a POU as values."""
-        return f"Schritte von {pou}"
-
-    def waiting(self, paths: Iterable[str]) -> str:
-        """Return the comment of the state that waits for the end of the branches that begin with these steps."""
-        return f"parallele Zweige ab {', '.join(paths)}"
-
-    def step(self, step: Step, path: str, *, initial: bool) -> str:
-        """Return the title of a step's network."""
-        return f"Schritt {_numbered(step, path)}" + (" – Initialschritt" if initial else "")
-
-    def maximum_time(self, path: str) -> str:
-        """Return the title of the network that watches the time of a step."""
-        return f"Höchstzeit von Schritt {path}"
-
-    def action(self, name: str) -> str:
-        """Return the title of an action's network."""
-        return f"Aktion {name}"
-
-    def made_of(self, chart: str, source: str, version: str) -> str:
-        """Return what the code was made of, and by what."""
-        return f"Ablauf {chart}{f' aus {source}' if source else ''}, als Code von plcopen-sfc {version}."
-
-    def read_states(self, variables: Sequence[str]) -> str:
-        """Return what the variables of states mean."""
-        if len(variables) == 1:
-            return f"{variables[0]} ist der aktive Schritt."
-        return f"{', '.join(variables)} sind die aktiven Schritte, einer für jeden Teil des Ablaufs."
-
-    def read_branches(self, *, actions: bool) -> str:
-        """Return how a CASE is read. `actions`: its branches have what steps do."""
-        if actions:
-            return "Jeder Zweig ist ein Schritt: was er tut, dann seine Transitionen der Reihe nach."
-        return "Jeder Zweig ist ein Schritt mit seinen Transitionen; was Schritte tun, kommt dahinter."
-
-    def compared(self, profile: str, verdict: str, resting: Sequence[str]) -> str:
-        """Return the verdict of the comparison, and the inputs that were FALSE in it."""
-        while_ = f", solange {', '.join(resting)} FALSE {'ist' if len(resting) == 1 else 'sind'}" if resting else ""
-        return f"Verglichen mit dem Ablauf unter dem Profil {profile}: {verdict}{while_}."
-
-    def proven(self, states: int) -> str:
-        """Return the verdict of a proof."""
-        return f"gleich, bewiesen in {states} Zuständen mit allen Eingängen"
-
-    def tested(self, runs: int, scans: int) -> str:
-        """Return the verdict of directed runs."""
-        return f"gleich in {runs} gezielten Läufen mit {scans} Zyklen, nicht bewiesen"
-
-    def reached(self, counts: Mapping[str, tuple[int, int]]) -> str:
-        """Return how much of the chart the comparison has reached, by ``step``, ``transition`` and ``action``."""
-        parts = [f"{found} von {all_} {_REACHED[k]}" for k, (found, all_) in counts.items() if k in _REACHED and all_]
-        return f"Erreicht: {', '.join(parts)}."
-
-
-_REACHED = {"step": "Schritten", "transition": "Transitionen", "action": "Aktionen"}
-"""Things that a header counts, with their German words."""
-
-TEXTS = {"en": Texts(), "de": GermanTexts()}
+TEXTS = {language: Texts(language) for language in ("en", "de")}
 """The texts by language."""
 
 
 class GraphTexts:
-    """English texts. `language` is their tag."""
+    """Texts about sequencers in one `language`: ``en-US`` or ``de-DE``."""
 
-    language = "en-US"
-    before = "Permanent operations before the sequence"
-    after = "Permanent operations after the sequence"
-    commands = "Commands and operating mode"
-    checks = "Interlocks and supervisions of the active steps"
-    checks_behind = "Interlocks and supervisions"
-    undisturbed = "Step times without disturbance"
-    manual = "Steps switched by hand"
-    start = "Start of the sequence"
-    off = "End of the sequence"
-    skips = "Steps that are skipped"
-    again = "more_skipped"
-    events = "Events of steps"
-    switched = "Steps that actions switch on and off"
-    reports = "Operating mode and errors"
-    display = "Step displayed"
-    shown_data = "Data of steps that other blocks read"
-    mode = "operating_mode"
-    mode_comment = "0: automatic, 1: manual, 2: inching, 3: automatic or step by step"
-    permitted = "satisfied_switch"
-    pushed = "all_switch"
-    shown = "displayed_step"
-    shown_comment = "number of the step displayed"
-    shown_active = "displayed_step_active"
-    any_active = "any_step_active"
-    leaving_one = "Actions of the step that was left"
-    acting_one = "Actions of the active step"
-    checks_of: Mapping[str, str] = {
-        "LS": "the interlock is satisfied",
-        "LA": "an error, the interlock is not satisfied",
-        "L1": "the interlock is not satisfied any more",
-        "L0": "the interlock is satisfied again",
-        "fault": "the supervision is satisfied now",
-        "VS": "the supervision is satisfied",
-        "VA": "a fault holds the step",
-        "V1": "the supervision becomes satisfied",
-        "V0": "the supervision is not satisfied any more",
-        "A1": "the fault is acknowledged now",
-        "acknowledged": "the fault is acknowledged",
-    }
-    timer_mode = "0: stopped, 1: extended pulse, 2: on-delay, 3: off-delay"
-    first_cycle = "the sequence has not been started yet"
+    before = Words("Permanent operations before the sequence", "Permanente Operationen vor der Kette")
+    after = Words("Permanent operations after the sequence", "Permanente Operationen nach der Kette")
+    commands = Words("Commands and operating mode", "Befehle und Betriebsart")
+    checks = Words(
+        "Interlocks and supervisions of the active steps", "Verriegelungen und Überwachungen der aktiven Schritte"
+    )
+    checks_behind = Words("Interlocks and supervisions", "Verriegelungen und Überwachungen")
+    undisturbed = Words("Step times without disturbance", "Schrittzeiten ohne Störung")
+    manual = Words("Steps switched by hand", "Von Hand geschaltete Schritte")
+    start = Words("Start of the sequence", "Start der Kette")
+    off = Words("End of the sequence", "Ende der Kette")
+    skips = Words("Steps that are skipped", "Übersprungene Schritte")
+    again = Words("more_skipped", "weitere_uebersprungen")
+    events = Words("Events of steps", "Ereignisse der Schritte")
+    switched = Words("Steps that actions switch on and off", "Schritte, die von Aktionen ein- und ausgeschaltet werden")
+    reports = Words("Operating mode and errors", "Betriebsart und Fehler")
+    display = Words("Step displayed", "Angezeigter Schritt")
+    shown_data = Words("Data of steps that other blocks read", "Schrittdaten, die andere Bausteine lesen")
+    mode = Words("operating_mode", "betriebsart")
+    mode_comment = Words(
+        "0: automatic, 1: manual, 2: inching, 3: automatic or step by step",
+        "0: Automatik, 1: Hand, 2: Tippen, 3: Automatik oder Tippen",
+    )
+    permitted = Words("satisfied_switch", "erfuellte_schalten")
+    pushed = Words("all_switch", "alle_schalten")
+    shown = Words("displayed_step", "angezeigter_schritt")
+    shown_comment = Words("number of the step displayed", "Nummer des angezeigten Schritts")
+    shown_active = Words("displayed_step_active", "angezeigter_schritt_aktiv")
+    any_active = Words("any_step_active", "ein_schritt_aktiv")
+    leaving_one = Words("Actions of the step that was left", "Aktionen des verlassenen Schritts")
+    acting_one = Words("Actions of the active step", "Aktionen des aktiven Schritts")
+    timer_mode = Words(
+        "0: stopped, 1: extended pulse, 2: on-delay, 3: off-delay",
+        "0: angehalten, 1: verlängerter Impuls, 2: Einschaltverzögerung, 3: Ausschaltverzögerung",
+    )
+    first_cycle = Words("the sequence has not been started yet", "die Kette wurde noch nicht gestartet")
 
-    def wanted_of(self, path: str) -> str:
-        """Return the comment of the bit that a step is active at the start of the next cycle."""
-        return f"step {path} is active at the start of the next cycle"
+    wanted_of = Phrase(
+        "step {} is active at the start of the next cycle", "Schritt {} ist zu Beginn des nächsten Zyklus aktiv"
+    )
+    leaving = Phrase("Step {}: actions when it is left", "Schritt {}: Aktionen beim Verlassen")
+    acting = Phrase("Step {}: actions", "Schritt {}: Aktionen")
+    timer = Phrase("Timer {}", "Zeitglied {}")
+    _check = Phrase("step {}: {}", "Schritt {}: {}")
 
-    def leaving(self, path: str) -> str:
-        """Return the title of the code of a step that was left."""
-        return f"Step {path}: actions when it is left"
-
-    def acting(self, path: str) -> str:
-        """Return the title of the code of a step."""
-        return f"Step {path}: actions"
+    def __init__(self, texts: Texts) -> None:
+        self.language = texts.culture or "en-US"
 
     def check(self, path: str, what: str) -> str:
         """Return the comment of the result of a step's check."""
-        return f"step {path}: {self.checks_of[what]}"
-
-    def timer(self, name: str) -> str:
-        """Return the title of a timer's network."""
-        return f"Timer {name}"
+        return self._check(path, _CHECKS[what].__get__(self))
 
 
-class GermanGraphTexts(GraphTexts):
-    """German texts."""
-
-    language = "de-DE"
-    before = "Permanente Operationen vor der Kette"
-    after = "Permanente Operationen nach der Kette"
-    commands = "Befehle und Betriebsart"
-    checks = "Verriegelungen und Überwachungen der aktiven Schritte"
-    checks_behind = "Verriegelungen und Überwachungen"
-    undisturbed = "Schrittzeiten ohne Störung"
-    manual = "Von Hand geschaltete Schritte"
-    start = "Start der Kette"
-    off = "Ende der Kette"
-    skips = "Übersprungene Schritte"
-    again = "weitere_uebersprungen"
-    events = "Ereignisse der Schritte"
-    switched = "Schritte, die von Aktionen ein- und ausgeschaltet werden"
-    reports = "Betriebsart und Fehler"
-    display = "Angezeigter Schritt"
-    shown_data = "Schrittdaten, die andere Bausteine lesen"
-    mode = "betriebsart"
-    mode_comment = "0: Automatik, 1: Hand, 2: Tippen, 3: Automatik oder Tippen"
-    permitted = "erfuellte_schalten"
-    pushed = "alle_schalten"
-    shown = "angezeigter_schritt"
-    shown_comment = "Nummer des angezeigten Schritts"
-    shown_active = "angezeigter_schritt_aktiv"
-    any_active = "ein_schritt_aktiv"
-    leaving_one = "Aktionen des verlassenen Schritts"
-    acting_one = "Aktionen des aktiven Schritts"
-    checks_of: Mapping[str, str] = {
-        "LS": "die Verriegelung ist erfüllt",
-        "LA": "ein Fehler, die Verriegelung ist nicht erfüllt",
-        "L1": "die Verriegelung ist nicht mehr erfüllt",
-        "L0": "die Verriegelung ist wieder erfüllt",
-        "fault": "die Überwachung ist jetzt erfüllt",
-        "VS": "die Überwachung ist erfüllt",
-        "VA": "eine Störung hält den Schritt",
-        "V1": "die Überwachung wird erfüllt",
-        "V0": "die Überwachung ist nicht mehr erfüllt",
-        "A1": "die Störung wird quittiert",
-        "acknowledged": "die Störung ist quittiert",
-    }
-    timer_mode = "0: angehalten, 1: verlängerter Impuls, 2: Einschaltverzögerung, 3: Ausschaltverzögerung"
-    first_cycle = "die Kette wurde noch nicht gestartet"
-
-    def wanted_of(self, path: str) -> str:
-        """Return the comment of the bit that a step is active at the start of the next cycle."""
-        return f"Schritt {path} ist zu Beginn des nächsten Zyklus aktiv"
-
-    def leaving(self, path: str) -> str:
-        """Return the title of the code of a step that was left."""
-        return f"Schritt {path}: Aktionen beim Verlassen"
-
-    def acting(self, path: str) -> str:
-        """Return the title of the code of a step."""
-        return f"Schritt {path}: Aktionen"
-
-    def check(self, path: str, what: str) -> str:
-        """Return the comment of the result of a step's check."""
-        return f"Schritt {path}: {self.checks_of[what]}"
-
-    def timer(self, name: str) -> str:
-        """Return the title of a timer's network."""
-        return f"Zeitglied {name}"
-
-
-def graph_texts(texts: Texts) -> GraphTexts:
-    """Return the texts in the language of `texts`."""
-    return GermanGraphTexts() if isinstance(texts, GermanTexts) else GraphTexts()
+_CHECKS: Mapping[str, Words] = {
+    "LS": Words("the interlock is satisfied", "die Verriegelung ist erfüllt"),
+    "LA": Words("an error, the interlock is not satisfied", "ein Fehler, die Verriegelung ist nicht erfüllt"),
+    "L1": Words("the interlock is not satisfied any more", "die Verriegelung ist nicht mehr erfüllt"),
+    "L0": Words("the interlock is satisfied again", "die Verriegelung ist wieder erfüllt"),
+    "fault": Words("the supervision is satisfied now", "die Überwachung ist jetzt erfüllt"),
+    "VS": Words("the supervision is satisfied", "die Überwachung ist erfüllt"),
+    "VA": Words("a fault holds the step", "eine Störung hält den Schritt"),
+    "V1": Words("the supervision becomes satisfied", "die Überwachung wird erfüllt"),
+    "V0": Words("the supervision is not satisfied any more", "die Überwachung ist nicht mehr erfüllt"),
+    "A1": Words("the fault is acknowledged now", "die Störung wird quittiert"),
+    "acknowledged": Words("the fault is acknowledged", "die Störung ist quittiert"),
+}

@@ -10,7 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import Construction, Language, Style, lower
-from plcopen_sfc.lowering.code_texts import GermanTexts
+from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model import FbdBody, StBody
@@ -20,7 +20,7 @@ from tests.corpus import CORPUS
 from tests.lowering.charts import act, boolean, pou_with, training_chain
 from tests.samples import FIXTURES
 
-RULES = LoweringRules(PROFILES["iec"], GermanTexts())
+RULES = LoweringRules(PROFILES["iec"], Texts("de"))
 
 
 def squeezed(text: str) -> list[str]:

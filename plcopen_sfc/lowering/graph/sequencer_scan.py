@@ -18,7 +18,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
-from plcopen_sfc.lowering.code_texts import graph_texts
+from plcopen_sfc.lowering.code_texts import GraphTexts
 from plcopen_sfc.lowering.graph.block_parameters import BlockCommands, add_reports
 from plcopen_sfc.lowering.graph.sequencer_actions import SequencerActions, SequencerStepCode, StepSignals
 from plcopen_sfc.lowering.graph.sequencer_reading import show
@@ -58,7 +58,7 @@ class Sequencer(ABC):
     ) -> None:
         self.source, self.code, self.memory, self.rules = source, code, memory, rules
         self.net, self.texts = source.net, rules.texts
-        self.own_texts = graph_texts(rules.texts)
+        self.own_texts = GraphTexts(rules.texts)
         code.at_rest |= dict.fromkeys(source.at_rest, False)
         self.init = declare_restart(source, code, rules, surroundings)
         code.declare_helpers(source.helpers)

@@ -187,12 +187,20 @@ class ModeInputs:
     def _declared(self, init: Expression | None) -> tuple[Expression, Expression]:
         """Return when transitions fire whose conditions are TRUE, and when all fire whose steps are active."""
         texts, modes = self._texts, self._modes
-        enable = self._input(texts.enable, at_rest=True) if OperatingMode.ENABLE in modes else TRUE
-        single = self._input(texts.single_step) if OperatingMode.SINGLE_STEP in modes else FALSE
-        always = self._input(texts.without_conditions) if OperatingMode.ADVANCE in modes else FALSE
+        enable = (
+            self._input(texts.enable, texts.enable_comment, at_rest=True) if OperatingMode.ENABLE in modes else TRUE
+        )
+        single = (
+            self._input(texts.single_step, texts.single_step_comment) if OperatingMode.SINGLE_STEP in modes else FALSE
+        )
+        always = (
+            self._input(texts.without_conditions, texts.without_conditions_comment)
+            if OperatingMode.ADVANCE in modes
+            else FALSE
+        )
         pulse: Expression = FALSE
         if modes & {OperatingMode.SINGLE_STEP, OperatingMode.ADVANCE}:
-            push = self._input(texts.advance)
+            push = self._input(texts.advance, texts.advance_comment)
             pulse = self._memory.rising(self._texts.with_suffix(push.identifier, "edge"), push, self._statements)
         if OperatingMode.SELECT in modes:
             self._declare_selection(init)
@@ -208,11 +216,9 @@ class ModeInputs:
         return usual, forced
 
     def _declare_selection(self, init: Expression | None) -> None:
-        push = self._input(self._texts.select)
+        push = self._input(self._texts.select, self._texts.select_comment)
         name = self._code.naming.fresh(self._texts.selected)
-        self.selected = self._code.declare_input(
-            name, self._texts.comments[self._texts.selected], integer(max(self._numbers))
-        )
+        self.selected = self._code.declare_input(name, self._texts.selected_comment, integer(max(self._numbers)))
         edge = self._memory.rising(self._texts.with_suffix(push.identifier, "edge"), push, self._statements)
         stronger = [negation(init)] if init is not None else []
         known = conjunction([edge, self._is_known(self.selected), *stronger])
@@ -233,6 +239,6 @@ class ModeInputs:
             ]
         )
 
-    def _input(self, wanted: str, *, at_rest: bool = False) -> n.Name:
+    def _input(self, wanted: str, comment: str, *, at_rest: bool = False) -> n.Name:
         name = self._code.naming.fresh(wanted)
-        return self._code.declare_input(name, self._texts.comments[wanted], BOOL, at_rest=at_rest)
+        return self._code.declare_input(name, comment, BOOL, at_rest=at_rest)
