@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import print_node, transform
@@ -18,21 +19,18 @@ from plcopen_sfc.lowering.code.lowered_code import LOCAL, FlagPlaces, LoweredCod
 from plcopen_sfc.lowering.code.single_use import inline_single_uses
 from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEncoding, no_regions, one_step_at_a_time
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepBitEncoding
-from plcopen_sfc.lowering.grafcet.grafcet_encodings import GrafcetCase, GrafcetFlipFlops, no_case
 from plcopen_sfc.lowering.grafcet.grafcet_reading import is_grafcet, plain_chart, read_grafcet
-from plcopen_sfc.lowering.grafcet.grafcet_scan import add_grafcet
-from plcopen_sfc.lowering.graph.sequencer_bits import BitSequencer, FlipFlopSequencer
+from plcopen_sfc.lowering.grafcet.grafcet_scan import GrafcetScan, no_case, refuse_cases
 from plcopen_sfc.lowering.graph.sequencer_cases import (
     ON_BY_HAND,
-    CaseSequencer,
-    RegionSequencer,
     on_by_hand,
     one_sequence,
+    refuse_several_steps,
     sequences,
     without_switching_by_hand,
 )
 from plcopen_sfc.lowering.graph.sequencer_reading import read_sequencer, without_step_data
-from plcopen_sfc.lowering.graph.sequencer_scan import Sequencer
+from plcopen_sfc.lowering.graph.sequencer_scan import GraphCycle
 from plcopen_sfc.lowering.graph.sequencer_source import GraphSource
 from plcopen_sfc.lowering.lowering_options import (
     ActionPlace,
@@ -52,7 +50,7 @@ from plcopen_sfc.lowering.lowering_options import (
 from plcopen_sfc.lowering.reading.chart_reading import read_chart
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
 from plcopen_sfc.lowering.schedule.added_inputs import names_in_conditions, with_usual_input
-from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together
+from plcopen_sfc.lowering.schedule.scan_schedule import firing_together
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -257,19 +255,7 @@ def construct(
     code.for_others = rules.target is not None and style is Style.EXACT
     if rules.flags != LOCAL:
         code.flags = FlagPlaces(rules, pou.name, project, code.tool)
-    maker: Sequencer | ScanSchedule
-    if isinstance(source, GraphSource):
-        maker = _SEQUENCERS[chosen](source, code, _memory(code, language), rules, surroundings)
-        _fill(maker, chosen, style)
-    else:
-        plain = plain_chart(source) if style is Style.CLASSIC else source
-        # step bits are the rule of evolution of GRAFCET already; several CASEs are refused
-        kinds = _ENCODINGS if plain.grafcet is None else _ENCODINGS | _GRAFCET_ENCODINGS
-        maker = kinds[chosen](plain, code, _memory(code, language), rules, surroundings)
-        if plain.grafcet is not None:
-            add_grafcet(maker)
-        else:
-            _fill(maker, chosen, style)
+    maker = _filled(source, code, _memory(code, language), rules, surroundings, chosen=chosen, style=style)
     if code.drawn and code.tool is Tool.S7:
         name_inputs(code, project)
     # most of a sequencer would be the text of boxes in CODESYS
@@ -278,7 +264,6 @@ def construct(
     steps = [*maker.active_steps().values(), *(maker.active(step.index) for step in source.net.steps)]
     if not code.drawn:
         inline_single_uses(code, [*steps, *filter(None, [code.left_out])])
-    drives = maker.drives if isinstance(maker, ScanSchedule) else []
     return Constructed(
         assemble(pou, code, dialect, language),
         chosen,
@@ -291,26 +276,48 @@ def construct(
         tuple(code.data_types),
         _numbers(source, maker, chosen, rules),
         code.flags,
-        tuple(drive_block(drive, dialect, language) for drive in drives),
+        tuple(drive_block(drive, dialect, language) for drive in maker.drives),
     )
 
 
-_SEQUENCERS: dict[Construction, type[Sequencer]] = {
-    Construction.FLIPFLOP: FlipFlopSequencer,
-    Construction.CASE: CaseSequencer,
-    Construction.REGIONS: RegionSequencer,
-    Construction.BITS: BitSequencer,
-}
-_ENCODINGS: dict[Construction, type[FlipFlopEncoding | RegionEncoding | StepBitEncoding]] = {
+Encoding: TypeAlias = "FlipFlopEncoding | RegionEncoding | StepBitEncoding"
+_ENCODINGS: dict[Construction, type[Encoding]] = {
     Construction.FLIPFLOP: FlipFlopEncoding,
     Construction.CASE: CaseEncoding,
     Construction.REGIONS: RegionEncoding,
     Construction.BITS: StepBitEncoding,
 }
-_GRAFCET_ENCODINGS: dict[Construction, type[FlipFlopEncoding | RegionEncoding | StepBitEncoding]] = {
-    Construction.FLIPFLOP: GrafcetFlipFlops,
-    Construction.CASE: GrafcetCase,
-}
+
+
+def _filled(
+    source: ChartSource,
+    code: LoweredCode,
+    memory: Memory,
+    rules: LoweringRules,
+    surroundings: Collection[str],
+    *,
+    chosen: Construction,
+    style: Style,
+) -> Encoding:
+    """Return the encoding of a chart whose schedule has filled `code`."""
+    source = plain_chart(source) if style is Style.CLASSIC else source
+    if isinstance(source, GraphSource):
+        code.at_rest |= dict.fromkeys(source.at_rest, False)
+        refuse_several_steps(source, chosen, rules.profile)
+    elif source.grafcet is not None:
+        refuse_cases(source, chosen, rules.profile)
+    encoding = _ENCODINGS[chosen](source, code, memory, rules, surroundings)
+    if style is Style.CLASSIC:
+        if isinstance(source, GraphSource) or not isinstance(encoding, FlipFlopEncoding | CaseEncoding):
+            raise LoweringError(f"{chosen} has no classic style")
+        encoding.classic()
+    elif isinstance(source, GraphSource):
+        GraphCycle(encoding, source).append()
+    elif source.grafcet is not None:
+        GrafcetScan(encoding).append()
+    else:
+        encoding.exact()
+    return encoding
 
 
 def _read(pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules, project: Project) -> ChartSource:
@@ -341,18 +348,7 @@ def _memory(code: LoweredCode, language: Language) -> Memory:
     return OperandMemory(code) if code.tool is Tool.S7 else BlockMemory(code)
 
 
-def _fill(maker: Sequencer | ScanSchedule, construction: Construction, style: Style) -> None:
-    if style is Style.EXACT:
-        maker.exact()
-    elif isinstance(maker, FlipFlopEncoding | CaseEncoding):
-        maker.classic()
-    else:
-        raise LoweringError(f"{construction} has no classic style")
-
-
-def _numbers(
-    source: ChartSource, maker: Sequencer | ScanSchedule, construction: Construction, rules: LoweringRules
-) -> dict[str, int]:
+def _numbers(source: ChartSource, maker: Encoding, construction: Construction, rules: LoweringRules) -> dict[str, int]:
     """Return the numbers of steps where they are states, or are selected by them."""
     if construction not in (Construction.CASE, Construction.REGIONS) and OperatingMode.SELECT not in rules.modes:
         return {}

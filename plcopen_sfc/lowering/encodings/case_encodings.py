@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
 
@@ -41,7 +41,7 @@ from plcopen_sfc.lowering.encodings.case_states import (
 )
 from plcopen_sfc.lowering.encodings.step_branches import BranchCode, StepBranches, branch_lines
 from plcopen_sfc.lowering.lowering_options import ActionPlace, OperatingMode, States
-from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
+from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource, step_numbers
 from plcopen_sfc.lowering.reading.step_variables import TimedPart
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together, refuse_classic
 from plcopen_sfc.model.actions import Qualifier
@@ -61,19 +61,28 @@ class RegionEncoding(ScanSchedule):
 
     def declare_states(self, source: ChartSource) -> None:
         """Declare a state variable for each region, at the start that of its initial step or of no step."""
-        self._refuse_firing_together(source)
+        # conditions of a GRAFCET exclude each other: the order in which they are tried makes no difference
+        if source.grafcet is None:
+            self._refuse_firing_together(source)
         self._regions = self.structure(source)
         # a step that is selected by its number needs a state of that number
-        selected = OperatingMode.SELECT in self.rules.modes
-        merged = frozenset[int]() if selected else ending_together(self._regions)
-        self.names = StateNames(source, self._regions, self.code, self.rules, self.surroundings, merged=merged)
-        self.states = StateVariables(self._regions, self.names, self.texts, source.dialect)
+        own = OperatingMode.SELECT in self.rules.modes or source.starts_off
+        merged = frozenset[int]() if own else ending_together(self._regions)
+        off = self._regions
+        if source.starts_off:
+            numbers = step_numbers(source.net)  # in whose order readers look for steps
+            regions = (replace(r, steps=tuple(sorted(r.steps, key=numbers.__getitem__))) for r in off.regions)
+            self._regions = replace(off, regions=tuple(regions))
+            off = replace(off, regions=tuple(replace(each, initial=None) for each in self._regions.regions))
+        self.names = StateNames(source, off, self.code, self.rules, self.surroundings, merged=merged)
+        self.states = StateVariables(self._regions, self.names, self.texts, source.dialect, off=source.starts_off)
         self.machines = self.states.machines
         self._bits: dict[int, n.Name] = {}
         self._again: dict[int, n.Name] = {}
         self._last: dict[int, n.Name] = {}
         self._done: dict[int, list[BranchCode]] = {}
         self._entered: n.Name | None = None
+        self.may_fire: Expression = TRUE
         # a contact in another body cannot compare
         self._asked = {
             step: self.code.declare_flag(
@@ -89,18 +98,22 @@ class RegionEncoding(ScanSchedule):
         """Return a comparison of the state of its region."""
         return self.states.active(step)
 
-    def exact(self) -> None:
-        """Append one scan, as the chart has it."""
+    @property
+    def situation(self) -> StateVariables:
+        """State variables."""
+        return self.states
+
+    def divide(self) -> None:
+        """Declare following states and bits of transitions where CASEs need each other."""
         # all CASEs look at the situation of the last scan: no order of CASEs would be right, as a divergence wants the
         # branches before and a convergence wants them behind. So states that others read change behind all CASEs
         for machine in self.machines:
-            if self._must_wait(machine):
+            if self._must_wait(machine) and not self.states.has_following(machine):
                 self.states.add_following_state(machine)
         for index in self._needing_bits(self.source):
             transition = self.net.transitions[index]
             comment = self.texts.transition_of(transition.path)
             self._bits[index] = self.code.declare(self.texts.transition_name(self.net, transition), comment=comment)
-        super().exact()
 
     def timed_part(self, step: int) -> TimedPart | None:
         """Return the region of a step. Textbook code and blocks with actions do not know the step of the last scan."""
@@ -168,9 +181,9 @@ class RegionEncoding(ScanSchedule):
             return [when(conjunction([equal(state, step), negation(equal(other, step))]), *part.statements)]
         return [when(negation(equal(state, other)), *self._selected(state, parts))]
 
-    def choose_transitions(self) -> None:
+    def choose_transitions(self, shared: Sequence[Statement] = ()) -> None:
         """Append the CASE of each region with the transitions of each step."""
-        self.code.add(self.texts.transitions, list(self._computed_bits()))
+        self.code.add(self.texts.transitions, [*shared, *self._computed_bits()])
         self._declare_again()
         self.code.add("", [assignment(flag, FALSE) for flag in self._again.values()])
         for machine in sorted(self.machines, key=self._depth, reverse=True) if self._in_sequence else self.machines:
@@ -192,7 +205,7 @@ class RegionEncoding(ScanSchedule):
         # the number does not tell its region: all regions are left, then the one with that step is entered
         ended: list[Statement] = []
         if len(self.machines) > 1:
-            ended = [assignment(self.states.following(machine), self.names.none) for machine in self.machines]
+            ended = self.ending()
         branches: list[n.CaseBranch] = []
         for machine in self.machines:
             state, numbers = self.states.following(machine), [self.modes.number(i) for i in machine.region.steps]
@@ -230,13 +243,20 @@ class RegionEncoding(ScanSchedule):
         """Append the assignments of following states, where these had to wait."""
         if self._is_announced:
             held = self.sfc_flags.held
-            back = map(self.states.set_back, self.machines)
-            self.code.add(self.texts.init, [when(held, *back)] if held != FALSE else [])
+            self.code.add(self.texts.init, [when(held, *self.starting())] if held != FALSE else [])
             return
         waiting = [machine for machine in self.machines if self.states.has_following(machine)]
         restart = [when(self.init, *map(self.states.set_back, waiting))] if self.init is not None and waiting else []
         asked = [assignment(flag, self.active(step)) for step, flag in self._asked.items()]
         self.code.add(self.texts.moves, [*restart, *self.states.following_assignments(), *asked])
+
+    def starting(self) -> list[Statement]:
+        """Return the assignments that restart all regions."""
+        return [self.states.set_back(machine) for machine in self.machines]
+
+    def ending(self, machines: Sequence[RegionState] = ()) -> list[Statement]:
+        """Return the assignments of the state of no step to some regions, or to all."""
+        return [assignment(self.states.following(machine), self.names.none) for machine in machines or self.machines]
 
     def any_fires(self) -> Expression:
         """Return an expression that is TRUE if any state will be another one, or a step is left and entered at once."""
@@ -255,14 +275,14 @@ class RegionEncoding(ScanSchedule):
 
     def structure(self, source: ChartSource) -> Regions:
         """Return the regions of the chart. Raises `LoweringError` where it is not built of them."""
-        found = regions_of(source.net)
+        found = regions_of(source.region_net)
         if isinstance(found, str):
             raise LoweringError(
                 f"the chart is not built of parts that one CASE each could hold: {found}",
                 location=Location(path=source.pou.name),
                 hint="Step bits can hold every chart.",
             )
-        return found
+        return replace(found, net=source.net)
 
     def _refuse_firing_together(self, source: ChartSource) -> None:
         other = firing_together(source, self.profile)
@@ -343,7 +363,8 @@ class RegionEncoding(ScanSchedule):
     def _guarded(self, machine: RegionState, case: list[str]) -> list[str]:
         """Return a CASE that is not executed while no transition may fire, or whose transitions do nothing then."""
         if not self.blocking:
-            return case
+            idle = is_constant(self.may_fire, TRUE) or not case
+            return case if idle else [f"IF {self.text(self.may_fire)} THEN", *indented(case), "END_IF;"]
         blocked = disjunction(self.blocking)
         if self._done:  # meanwhile the initial step is active
             back = f"{INDENT}{self.text(self.states.set_back(machine))}"
@@ -362,6 +383,13 @@ class RegionEncoding(ScanSchedule):
     def _needing_bits(self, source: ChartSource) -> list[int]:
         """Return joins with competing transitions, with these, and joins whose condition needs statements before it."""
         found = self.states.competing_joins()
+        if source.evaluates_all and any(source.preparations):
+            # a statement in one CASE would come behind the transitions of the CASE before it
+            if len(self.machines) > 1:
+                return list(range(len(self.net.transitions)))
+            for leaving in self.net.leaving:
+                if any(source.preparations[t] for t in leaving[1:]):
+                    found.update(leaving)
         for block in self._regions.blocks:
             # where all branches are one state with the wait there is no CASE in between that could end one of them
             branches = [i for join in block.joins for i in self.net.transitions[join].sources]
@@ -378,7 +406,7 @@ class RegionEncoding(ScanSchedule):
             free = [negation(self._bits[other]) for other in transition.competing if other in self._bits]
             free += [negation(each) for each in self.blocking]
             enabled = self._enabled(transition)
-            yield from self.prepared(index, conjunction([enabled, *free]))
+            yield from self.prepared(index, enabled, free)
             yield assignment(bit, conjunction([enabled, self.source.conditions[index], *free]))
 
     def _enabled(self, transition: NetTransition) -> Expression:
@@ -415,7 +443,7 @@ class RegionEncoding(ScanSchedule):
 
     def _try(self, machine: RegionState, transition: NetTransition) -> TriedTransition:
         before = self.source.preparations[transition.index]
-        evaluated = self.sfc_flags.is_asked()
+        evaluated = self.asked()
         if before and not is_constant(evaluated, TRUE):
             before = (when(evaluated, *before),)
         # the state stays the same number, so that nothing else shows that the step was left and entered
@@ -479,6 +507,7 @@ class CaseEncoding(RegionEncoding):
         """
         # outputs in the branches are what textbooks do; the gap of one scan between two steps that both drive an output
         # is one of the faults that are reported
+        self.resolve_steps()
         self._check_classic()
         self.begin_classic()
         self._initialise(*self._stored())

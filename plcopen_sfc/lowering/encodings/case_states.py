@@ -361,6 +361,10 @@ class StateVariables:
         """Return an expression that is TRUE if a step is active: a comparison of the state of its region."""
         return equal(self.machine_of(step).state, self.state_of(step))
 
+    def name(self, step: int) -> str:
+        """Return the beginning of the names of a step's variables."""
+        return self._texts.flag_name(self._net.steps[step].step)
+
     def state_before(self, machine: RegionState) -> n.Name:
         """Return a copy of the state of a region, to be made as `remembered` has it."""
         index = machine.region.index

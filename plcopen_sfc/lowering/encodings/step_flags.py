@@ -116,7 +116,10 @@ class StepFlags:
         return found
 
     def set_and_reset(
-        self, step: int, both_fire: Callable[[NetTransition, NetTransition], bool]
+        self,
+        step: int,
+        both_fire: Callable[[NetTransition, NetTransition], bool],
+        held: Mapping[int, Expression] = MappingProxyType({}),
     ) -> tuple[list[Expression], list[Expression]]:
         """Return what sets and what resets the flip-flop of a step, so that it does the same as `next_situation`.
 
@@ -133,7 +136,36 @@ class StepFlags:
             if transition not in entering:
                 lock = tuple(negation(self.fired[t.index]) for t in entering if both_fire(transition, t))
                 by_lock.setdefault(lock, []).append(self.fired[transition.index])
-        return sets, [conjunction([disjunction(resets), *lock]) for lock, resets in by_lock.items()]
+        resets = [conjunction([disjunction(fired), *lock]) for lock, fired in by_lock.items()]
+        if step in held:
+            flag = self.flags[step]
+            sets.append(conjunction([held[step], negation(flag)]))
+            resets.append(conjunction([flag, negation(held[step]), *(negation(self.fired[t.index]) for t in entering)]))
+        return sets, resets
+
+
+class Imposed(NamedTuple):
+    """Situation that steps get while a condition is TRUE, whatever transitions want; None: a step stays as it is.
+
+    `locks`: transitions may want another one at the same time.
+    """
+
+    when: Expression
+    situation: Mapping[int, Expression | None]
+    locks: bool = True
+
+    def onto(
+        self, step: int, sets: Sequence[Expression], resets: Sequence[Expression]
+    ) -> tuple[list[Expression], list[Expression]]:
+        """Return what sets and what resets the flip-flop of a step, which do so without it; reset dominates."""
+        if step not in self.situation:
+            return [*sets], [*resets]
+        value, free = self.situation[step], negation(self.when)
+        if value is None:
+            return [conjunction([disjunction(sets), free])], [conjunction([disjunction(resets), free])]
+        if self.locks and not is_constant(value, FALSE):
+            resets = [conjunction([disjunction(resets), free])]
+        return [*sets, conjunction([self.when, value])], [*resets, conjunction([self.when, negation(value)])]
 
 
 class FiringTransition(NamedTuple):
@@ -149,21 +181,49 @@ def is_safe(source: ChartSource, profile: Profile) -> bool:
 
 
 class StepFlagEncoding(ScanSchedule):
-    """A flag for each step, and a bit for each transition that fires."""
+    """A flag for each step, and a bit for each transition that fires.
+
+    `held`: what counts as active at the beginning of a scan instead of a flag.
+    """
 
     captioned = False
 
     def declare_states(self, source: ChartSource) -> None:
         """Declare the flags, those of initial steps TRUE at the start, and the bits of transitions."""
-        initial = source.net.initial
+        initial = 0 if source.starts_off else source.net.initial
         self.steps = StepFlags(source.net, self.code, self.texts, initial=initial, captioned=self.captioned)
         self.flags, self.fired = self.steps.flags, self.steps.fired
-        if self.code.flags is not None and not self.code.flags.have_values:
+        self.held: Mapping[int, Expression] = {}
+        if self.code.flags is not None and not self.code.flags.have_values and not source.starts_off:
             # addresses of S7 have no start values: the first scan sets them
-            values = [TRUE if initial & step.bit else FALSE for step in source.net.steps]
-            start = [assignment(flag, value) for flag, value in zip(self.flags, values, strict=True)]
-            self.code.add(self.texts.initial_steps, self.memory.conditional("", self.code.first_scan_pulse(), start))
+            start = self.memory.conditional("", self.code.first_scan_pulse(), self.starting())
+            self.code.add(self.texts.initial_steps, start)
         self.steps.declare_transitions()
+
+    @property
+    def situation(self) -> StepFlags:
+        """Flags."""
+        return self.steps
+
+    @property
+    def initial_situation(self) -> Mapping[int, Expression]:
+        """TRUE for initial steps, FALSE for all others."""
+        return {step.index: TRUE if self.net.initial & step.bit else FALSE for step in self.net.steps}
+
+    def imposing(self, situation: Mapping[int, Expression | None]) -> list[Statement]:
+        """Return the assignments of the flags that impose a situation."""
+        return [
+            assignment(self.flags[step], value if value is not None else self.steps.before(step))
+            for step, value in situation.items()
+        ]
+
+    def starting(self) -> list[Statement]:
+        """Return the assignments of the initial situation."""
+        return self.imposing(self.initial_situation)
+
+    def ending(self) -> list[Statement]:
+        """Return the assignments that make all steps inactive."""
+        return self.imposing(dict.fromkeys(self.initial_situation, FALSE))
 
     def active(self, step: int) -> Expression:
         """Return the flag of a step."""
@@ -171,7 +231,7 @@ class StepFlagEncoding(ScanSchedule):
 
     def enabled(self, transition: NetTransition) -> Expression:
         """Return the condition that all steps before a transition are active."""
-        return conjunction(self.flags[i] for i in transition.sources)
+        return conjunction(self.held.get(i, self.flags[i]) for i in transition.sources)
 
     def alternatives(self) -> Alternative | None:
         """Return the flags of each region: one step of it is active at a time.
@@ -187,7 +247,7 @@ class StepFlagEncoding(ScanSchedule):
     def select(self) -> None:
         """Append nothing: `change_situation` does it."""
 
-    def choose_transitions(self) -> None:
+    def choose_transitions(self, shared: Sequence[Statement] = ()) -> None:
         """Append a bit for each transition: enabled, condition TRUE, and no competing transition before it fires."""
         # without the guard two branches of a selection with TRUE conditions would both become active
         competing = exclusive_transitions(self.net, self.profile)
@@ -197,10 +257,10 @@ class StepFlagEncoding(ScanSchedule):
             free = [negation(self.fired[i]) for i in competing[transition.index]]
             free += [negation(each) for each in self.blocking]
             condition = self.source.conditions[transition.index]
-            before = self.prepared(transition.index, conjunction([enabled, *free]))
+            before = self.prepared(transition.index, enabled, free)
             return FiringTransition(before, conjunction([enabled, condition, *free]))
 
-        self.steps.add_transitions(map(tried, self.net.transitions))
+        self.steps.add_transitions(map(tried, self.net.transitions), shared)
 
     def chosen(self) -> Sequence[n.Name]:
         """Return the bits of the transitions."""
@@ -234,23 +294,28 @@ class StepFlagEncoding(ScanSchedule):
                 found[step] = again
         return found
 
+    def _selection(self) -> list[Imposed]:
+        """Return the selection of a step as the only active one, if steps can be selected."""
+        if self.modes.selecting is None:
+            return []
+        return [Imposed(self.modes.selecting, {i: self.modes.is_selected(i) for i in range(len(self.flags))})]
+
 
 class StepBitEncoding(StepFlagEncoding):
     """Encoding with step bits: all transitions from the old bits, then all steps from the transitions."""
 
     captioned = True
 
-    def change_situation(self) -> None:
-        """Append an assignment for each step, then selection and restart, which override the transitions."""
-        changes = self.steps.next_situation()
-        if self.modes.selecting is not None:
-            chosen = [assignment(flag, self.modes.is_selected(step)) for step, flag in enumerate(self.flags)]
-            changes.append(when(self.modes.selecting, *chosen))
+    def change_situation(self, entered: Mapping[int, Expression] | None = None) -> None:
+        """Append an assignment for each step, then selection and restart, which override the transitions.
+
+        `entered`: when a step is entered, where that is not by a transition before it alone.
+        """
+        changes = self.steps.next_situation(held=self.held, entered=entered)
+        changes += [when(each.when, *self.imposing(each.situation)) for each in self._selection()]
         self.code.add(self.texts.moves, changes)
         if self.init is not None:
-            initial = [TRUE if self.net.initial & step.bit else FALSE for step in self.net.steps]
-            back = [assignment(flag, value) for flag, value in zip(self.flags, initial, strict=True)]
-            self.code.add(self.texts.init, [when(self.init, *back)])
+            self.code.add(self.texts.init, [when(self.init, *self.starting())])
 
 
 class FlipFlopEncoding(StepFlagEncoding):
@@ -262,25 +327,36 @@ class FlipFlopEncoding(StepFlagEncoding):
     by the step before and the condition, reset by the step behind. It differs from the chart; see docs/lowering.md.
     """
 
-    def change_situation(self) -> None:
-        """Append a network for each step."""
-        for step in self.net.steps:
-            set_, reset = self.set_and_reset(step.index)
-            if self.net.initial & step.bit:
-                set_.insert(0, self.memory.starting())
-            # the bits are those of the last scan, chosen before this scan's selection or restart was known
-            guarded = self.profile.order is ScanOrder.ACTIONS_FIRST and not self.forgets
-            self._add_step(step, set_, reset, guarded=guarded)
+    def change_situation(
+        self,
+        imposed: Sequence[Imposed] = (),
+        both_fire: Callable[[NetTransition, NetTransition], bool] | None = None,
+        *,
+        starts: Expression | None = None,
+        order: Iterable[NetStep] | None = None,
+    ) -> None:
+        """Append a network for each step, in `order`.
 
-    def set_and_reset(self, step: int) -> tuple[list[Expression], list[Expression]]:
-        """Return what sets and what resets the flip-flop of a step."""
-        return self.steps.set_and_reset(step, lambda *_: not self.is_safe)
+        `imposed` are situations besides those of the transitions, the strongest last. `both_fire`: two transitions can
+        fire in one scan. `starts`: what sets initial steps first, instead of the first scan.
+        """
+        # the bits are those of the last scan, chosen before this scan's selection or restart was known
+        guarded = self.profile.order is ScanOrder.ACTIONS_FIRST and not self.forgets
+        for step in order if order is not None else self.net.steps:
+            fire = both_fire if both_fire is not None else lambda *_: not self.is_safe
+            set_, reset = self.steps.set_and_reset(step.index, fire, self.held)
+            for each in imposed:
+                set_, reset = each.onto(step.index, set_, reset)
+            if self.net.initial & step.bit:
+                set_.insert(0, starts if starts is not None else self.memory.starting())
+            self._add_step(step, set_, reset, guarded=guarded)
 
     def classic(self) -> None:
         """Append the textbook sequence: step by step, each with the flags as they are at that moment.
 
         The restart input also starts it first; where there is to be none the first scan does.
         """
+        self.resolve_steps()
         # the textbook form has no bits of transitions: each step has the conditions in its own network
         unused = {name.identifier for name in self.fired}
         self.code.variables = [variable for variable in self.code.variables if variable.name not in unused]
@@ -321,23 +397,19 @@ class FlipFlopEncoding(StepFlagEncoding):
         before: Sequence[Statement] = (),
         remarks: Sequence[str] = (),
     ) -> None:
+        """Append the network of a step, with selection and restart; in their scan what resets may want something else.
+
+        `guarded`: that is so with both of them; in textbook code it is with a selection.
+        """
         initial = bool(self.net.initial & step.bit)
-        selecting = self.modes.selecting
-        if selecting is not None:
-            is_selected = self.modes.is_selected(step.index)
-            set_ = [*set_, conjunction([selecting, is_selected])]
-            others = conjunction([selecting, negation(is_selected)])
-            if guarded or classic:  # in this scan no transition fires, but what resets does not know
-                reset = [conjunction([disjunction(reset), negation(selecting)])]
-            reset = [*reset, others]
+        for each in self._selection():
+            set_, reset = each._replace(locks=guarded or classic).onto(step.index, set_, reset)
         if self.init is not None:
-            set_, reset = ([self.init, *set_], reset) if initial else (set_, [*reset, self.init])
-            if initial and reset and guarded:  # transitions of the last scan, chosen before the restart
-                reset = [conjunction([disjunction(reset), negation(self.init)])]
-        flag = self.flags[step.index]
+            back = Imposed(self.init, self.initial_situation, locks=guarded)
+            set_, reset = back.onto(step.index, [self.init, *set_] if initial else set_, reset)
         statements: list[Statement] = [*before]
         name = f"FF_{self.texts.flag_name(step.step)}"
-        self.memory.latch(name, disjunction(set_), disjunction(reset), statements, flag)
+        self.memory.latch(name, disjunction(set_), disjunction(reset), statements, self.flags[step.index])
         title, also = self.steps.title(step, initial=initial)
         comment = "\n".join([*filter(None, [also, self.texts.remark(step.step)]), *remarks])
         self.code.add(title, statements, comment)

@@ -3,6 +3,6 @@
 `grafcet_reading`     terms, actions and forcing orders read from the model
 `grafcet_actions`     stored, continuous, delayed and limited actions
 `grafcet_evolutions`  edges and times in conditions, and the most evolutions that a scan can have
-`grafcet_encodings`   CASE and flip-flops, and how an evolution changes them
-`grafcet_scan`        the schedule: evolutions up to a stable situation, then outputs
+`forcing_orders`      situations that charts above impose on others
+`grafcet_scan`        the schedule: evolutions up to a stable situation, then outputs, with any encoding but several CASEs
 """

@@ -24,8 +24,10 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.code_bodies import indented, paragraph
 from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding, one_step_at_a_time
 from plcopen_sfc.lowering.encodings.case_states import StateVariables
-from plcopen_sfc.lowering.encodings.step_flags import StepFlagEncoding, StepFlags
+from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlagEncoding, StepFlags
+from plcopen_sfc.lowering.grafcet.forcing_orders import ForcingCode
 from plcopen_sfc.lowering.grafcet.grafcet_actions import (
     ContinuousActionCode,
     PassingActionCode,
@@ -36,25 +38,49 @@ from plcopen_sfc.lowering.grafcet.grafcet_actions import (
     passed_steps,
     written_if,
 )
-from plcopen_sfc.lowering.grafcet.grafcet_encodings import (
-    ForcingCode,
-    GrafcetCase,
-    GrafcetFlipFlops,
-    forced_assignments,
-)
 from plcopen_sfc.lowering.grafcet.grafcet_evolutions import Concurrency, Stability, TermCode, leaving_and_entering
-from plcopen_sfc.lowering.lowering_options import ActionPlace
+from plcopen_sfc.lowering.lowering_options import ActionPlace, Construction
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, GrafcetSource
-from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule
+from plcopen_sfc.lowering.schedule.scan_schedule import exclude
 from plcopen_sfc.model.actions import ActionKind
-from plcopen_sfc.semantics.net import indexes
+from plcopen_sfc.semantics.net import Competing, indexes
 from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets, Evolution, Profile
+
+
+def no_case(source: ChartSource, profile: Profile) -> str:
+    """Return why one CASE cannot hold a GRAFCET; empty if it can."""
+    objection = one_step_at_a_time(source)
+    if objection:
+        return objection
+    if source.grafcet is not None and source.grafcet.ruled:
+        return "some of its charts force or enclose others"
+    for transition in source.net.transitions:
+        # the state would not change, so that nothing shows the evolution
+        if set(transition.sources) & set(transition.targets):
+            return f"transition {transition.path} leads back to its own step"
+        for other in transition.competing if profile.competing is not Competing.PRIORITY else ():
+            if not exclude(source.conditions[other], source.conditions[transition.index], source.dialect):
+                first = source.net.transitions[other].path
+                return f"the conditions of {first} and {transition.path} do not exclude each other"
+    return ""
+
+
+def refuse_cases(source: ChartSource, wanted: Construction, profile: Profile) -> None:
+    """Raise `LoweringError` where CASEs are wanted that cannot hold a GRAFCET."""
+    path = Location(path=source.pou.name)
+    if wanted is Construction.REGIONS:
+        message, hint = "a GRAFCET is not lowered to several CASEs", "Step bits can hold every chart."
+        raise LoweringError(message, location=path, hint=hint)
+    objection = no_case(source, profile) if wanted is Construction.CASE else ""
+    if objection:
+        raise LoweringError(f"one CASE cannot hold the chart: {objection}", location=path, hint="Step bits can.")
 
 
 class GrafcetScan:
     """Schedule of one scan with one evolution, or with evolutions up to stability, for the chart of `encoding`."""
 
-    def __init__(self, encoding: StepFlagEncoding | GrafcetCase) -> None:
+    def __init__(self, encoding: StepFlagEncoding | RegionEncoding) -> None:
+        encoding.resolve_steps()
         self._encoding = encoding
         self._code, self._texts, self._net = encoding.code, encoding.texts, encoding.net
         assert encoding.source.grafcet is not None  # noqa: S101  # it was read so
@@ -70,7 +96,7 @@ class GrafcetScan:
         self._searches = encoding.profile.evolution is Evolution.UNTIL_STABLE
         # a loop is made only where a scan could need a second evolution
         self._stable = self._searches and not self.stability.once
-        self._situation = encoding.steps if isinstance(encoding, StepFlagEncoding) else encoding.states
+        self._situation = encoding.situation
         # stored and pulsed actions also come from steps that were active within the scan only
         passed = sorted(passed_steps(encoding.source.actions)) if self._stable else []
         names = {i: self._texts.flag_name(self._net.steps[i].step) for i in passed}
@@ -260,20 +286,11 @@ class GrafcetScan:
             drive.code.add(texts.events, self._stored.on_events(events))
             drive.code.add(texts.stored, [*self._stored.on_changes(), *self._ended()])
         changes = [*self._stored.on_changes(), *self._ended()] if drive is None else []
-        forcing: list[Statement] = []
-        if isinstance(encoding, GrafcetFlipFlops):
-            encoding.ruled, encoding.concurrency = self._ruled, self._concurrency
-            if self._stable and encoding.memory.has_instances:
-                encoding.first = self._in_first_evolution()
-        # with bits the situation is imposed behind the evolution; a flip-flop has it among its inputs
-        elif isinstance(encoding, StepFlagEncoding):
-            forcing = [forced_assignments(ruling, encoding.flags, self._situation.before) for ruling in self._ruled]
         code.add(texts.terms, [*self._terms.times, *self._terms.edges])
         code.add(texts.events, self._stored.on_events(events) if drive is None else happening)
         place = len(code.networks)
         encoding.choose_transitions()
-        encoding.change_situation()
-        code.add(texts.forcing, forcing)
+        self._change_situation()
         code.add(texts.stored, changes)
         if drive is not None and drive is not self._drive:
             self._call(drive, texts.drive_stored_call)
@@ -282,6 +299,26 @@ class GrafcetScan:
         code.add(texts.passed, seen)
         code.add(texts.before, self._situation.remembered(), place=place)  # known now
         code.add(texts.first_evolution_ends, [assignment(self._first, FALSE)] if self._first is not None else [])
+
+    def _change_situation(self) -> None:
+        """Append what transitions change, and what the charts above impose on others."""
+        encoding = self._encoding
+        if isinstance(encoding, FlipFlopEncoding):  # which has them among its inputs, those of charts above first
+            below = {step: place for place, ruling in enumerate(self._ruled) for step in ruling.steps}
+            order = sorted(self._net.steps, key=lambda step: below.get(step.index, -1))
+            # the first order counts, as in the interpreter: orders that contradict each other are a mistake
+            imposed = [each for ruling in self._ruled for each in reversed(list(ruling.situations()))]
+            starts = self._in_first_evolution() if self._stable and encoding.memory.has_instances else None
+            encoding.change_situation(imposed, self._concurrency.both_fire, starts=starts, order=order)
+            return
+        encoding.change_situation()
+        if isinstance(encoding, StepFlagEncoding):
+            forced: list[Statement] = []
+            for ruling in self._ruled:
+                found = ruling.situations()
+                branches = (n.Branch(each.when, tuple(encoding.imposing(each.situation))) for each in found)
+                forced.append(n.If(tuple(branches)))
+            self._code.add(self._texts.forcing, forced)
 
     def _ended(self) -> list[Statement]:
         """Return the effect of a restart on what is stored."""
@@ -394,13 +431,3 @@ def _bits(source: ChartSource) -> set[str]:
 def _outputs(profile: Profile) -> Profile:
     """Return the profile with outputs written in every scan, in the order of the chart (4.8.2)."""
     return replace(profile, boolean_targets=BooleanTargets.ALWAYS, final_scan=False, action_order=ActionOrder.FIRST_USE)
-
-
-def add_grafcet(encoding: ScanSchedule) -> None:
-    """Lower a GRAFCET in an encoding. Raises `LoweringError` for what it cannot express."""
-    path = Location(path=encoding.source.pou.name)
-    if not isinstance(encoding, StepFlagEncoding | GrafcetCase):
-        raise LoweringError(
-            "a GRAFCET is not lowered to several CASEs", location=path, hint="Step bits can hold every chart."
-        )
-    GrafcetScan(encoding).append()

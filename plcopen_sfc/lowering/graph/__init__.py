@@ -2,9 +2,9 @@
 
 `sequencer_source`    a sequencer as syntax trees, and the step data that texts ask for
 `sequencer_reading`   reads it from the model
-`sequencer_scan`      the schedule: one cycle in the order of S7-GRAPH
-`sequencer_bits`      encodings with a bit or flip-flop for each step
-`sequencer_cases`     encodings with a CASE for each sequence or branch
+`sequencer_scan`      the schedule: one cycle in the order of S7-GRAPH, with any encoding
+`sequencer_cases`     the objections to a CASE, and the code of single steps in the branches of one
+`skipped_steps`       steps that are skipped
 `sequencer_actions`   the actions of steps, and their S5 timers
 `step_supervision`    interlock, supervision and step times
 `block_parameters`    commands, operating modes and reports of the block

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
@@ -96,8 +97,7 @@ class StepSignals:
     gone: StepValue
 
 
-@dataclass(frozen=True)
-class SequencerStepCode:
+class SequencerStepCode(NamedTuple):
     """Statements that belong to a step, each under its own condition."""
 
     step: NetStep

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 from functools import cached_property
 from itertools import chain
@@ -18,6 +18,7 @@ from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.reading.text_reading import ConditionText
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.semantics.net import Net
 
 COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})
 SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
@@ -70,6 +71,22 @@ class GraphSource(ChartSource):
     skips: bool
     shown: tuple[tuple[int, str], ...] = ()
     at_rest: tuple[str, ...] = ()
+
+    @property
+    def starts_off(self) -> bool:
+        """True: a block starts its sequence in its first cycle, by a command or by itself."""
+        return True
+
+    @property
+    def evaluates_all(self) -> bool:
+        """True: all conditions are evaluated before the first transition wins."""
+        return True
+
+    @property
+    def region_net(self) -> Net:
+        """Net in which the end of a sequence or a branch leads back to its own step: regions do not differ."""
+        ends = (replace(t, targets=t.targets or t.sources) if len(t.sources) == 1 else t for t in self.net.transitions)
+        return replace(self.net, transitions=tuple(ends))
 
     @cached_property
     def prepared_names(self) -> frozenset[str]:

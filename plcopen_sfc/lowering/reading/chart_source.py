@@ -230,6 +230,26 @@ class ChartSource:
     asked_outside: bool = False
     asked_by_contacts: frozenset[int] = frozenset()
 
+    @property
+    def starts_off(self) -> bool:
+        """True if no step is active before the first scan, which starts the chart itself."""
+        return False
+
+    @property
+    def evaluates_all(self) -> bool:
+        """True if all conditions behind active steps are evaluated, also behind one that lets its transition fire."""
+        return False
+
+    @property
+    def region_net(self) -> Net:
+        """Net whose regions are those of the chart."""
+        return self.net
+
+    @property
+    def several_active(self) -> str:
+        """Reason why several steps of any part can be active, whatever its structure is; empty if they cannot."""
+        return ""
+
     def changed(self, change: Change) -> ChartSource:
         """Return the same chart with `change` applied to every text but the targets of actions."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NoReturn
 
@@ -103,7 +103,7 @@ class ScanSchedule(ABC):
 
     An encoding has an expression for each active step (`active`) and changes the situation (`choose_transitions`,
     `change_situation`). `init`: the condition that sets the sequence back, whatever was chosen, unless it `forgets`
-    that. `blocking`: no transition fires meanwhile.
+    that. `blocking`: no transition fires meanwhile. `restart`: the condition that the user has asked for.
     """
 
     def __init__(
@@ -119,11 +119,15 @@ class ScanSchedule(ABC):
         self.surroundings = surroundings
         # the order of these declarations is that of the variables in the block, and names are given first come, first
         # served
-        init = declare_restart(source, code, rules, surroundings)
+        self.restart = declare_restart(source, code, rules, surroundings)
         code.declare_helpers(source.helpers)
+        # a chart that its schedule starts is restarted by that, too
+        init = self.restart if not source.starts_off else None
         self.sfc_flags = SfcFlagCode(source, code, memory, rules.texts, init)
         self.init: Expression | None = self.sfc_flags.restart
         self.blocking = self.sfc_flags.blocking
+        # when conditions of unblocked transitions are evaluated at all
+        self.asked: Callable[[], Expression] = self.sfc_flags.is_asked
         self.modes = ModeInputs(source, code, memory, rules, self.init)
         self.forgets = False
         self.drives: list[DriveBlock] = []
@@ -134,11 +138,16 @@ class ScanSchedule(ABC):
         }
         names = {step.index: self.texts.time_name(step.step) for step in self.net.steps}
         self.times = StepTimers(code, self.active, names.__getitem__, self.timed_part)
+        self.source = source
+        self._timed_alone: set[int] = set()
+
+    def resolve_steps(self) -> None:
+        """Write flags and timers in the place of step variables in the texts of the chart."""
         sequential = self.profile.action_control is Control.SEQUENTIAL
-        self._timed_alone = set() if sequential else timed_alone(source)
+        self._timed_alone = set() if sequential else timed_alone(self.source)
         self.source = resolve_steps(
-            *(source, self.active, self.times, rules.profile, self._may_fire),
-            timed=stepwise_timed(source) if sequential else (),
+            *(self.source, self.active, self.times, self.profile, self._may_fire),
+            timed=stepwise_timed(self.source) if sequential else (),
             shareable=self._timed_alone,
         )
 
@@ -186,6 +195,9 @@ class ScanSchedule(ABC):
         """
         return None
 
+    def divide(self) -> None:  # noqa: B027
+        """Declare what parts of the situation that are not changed at once need of each other."""
+
     def into_branches(self, begin: int) -> None:  # noqa: B027
         """Move what active steps execute, in networks from `begin` on, to their transitions, where that is the same."""
 
@@ -193,8 +205,8 @@ class ScanSchedule(ABC):
         """Append what keeps the situation for `was_active` in the next scan."""
 
     @abstractmethod
-    def choose_transitions(self) -> None:
-        """Append the networks that decide which transitions fire."""
+    def choose_transitions(self, shared: Sequence[Statement] = ()) -> None:
+        """Append the networks that decide which transitions fire, behind statements that they share."""
 
     @abstractmethod
     def change_situation(self) -> None:
@@ -227,6 +239,8 @@ class ScanSchedule(ABC):
 
     def exact(self) -> None:
         """Append one scan, as the chart has it."""
+        self.resolve_steps()
+        self.divide()
         self.code.add(self.texts.logic, self.source.logic)
         self.select()
         # CODESYS executes the actions of the old situation before it evaluates transitions: the situation chosen in one
@@ -329,10 +343,13 @@ class ScanSchedule(ABC):
         self.sfc_flags.end_in_block(drive.code, drive.memory)
         self.code.add(self.texts.drive_call, [self.call(drive)])
 
-    def prepared(self, transition: int, enabled: Expression) -> list[Statement]:
-        """Return what must be executed before the condition of a transition is evaluated, where it is."""
+    def prepared(self, transition: int, enabled: Expression, free: Sequence[Expression] = ()) -> list[Statement]:
+        """Return what must be executed before the condition of a transition is evaluated, where it is.
+
+        `free`: no competing transition before it fires.
+        """
         preparation = self.source.preparations[transition]
-        asked = conjunction([enabled, self.sfc_flags.is_asked()])
+        asked = conjunction([enabled, *([] if self.source.evaluates_all else free), self.asked()])
         # blocks with a state in a condition (TON, R_TRIG) are executed only while the tool would evaluate that
         # condition
         if not preparation or is_constant(asked, TRUE):
