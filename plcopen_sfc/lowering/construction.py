@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import repeat
 from typing import TypeAlias
 
 from plcopen_sfc.errors import Location, LoweringError
@@ -56,6 +57,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration
+from plcopen_sfc.semantics.profile import Profile
 
 
 @contextmanager
@@ -90,13 +92,9 @@ def choose(
     place = Location(path=source.pou.name)
     if isinstance(source, GraphSource):
         _check_options_of_sequencer(rules, place)
-        chosen, why = _choice_for_sequencer(source, wanted, rules, language)
     elif {name.upper() for name in rules.at_rest} - {"ALL"}:  # all of no inputs is nothing
         raise LoweringError("only blocks of S7-GRAPH have parameters that could be inactive inputs", location=place)
-    elif source.grafcet is not None:
-        chosen, why = _choice_for_grafcet(source, wanted, rules)
-    else:
-        chosen, why = _choice(source, wanted, rules, style=style, language=language)
+    chosen, why = _choice(source, wanted, rules, style=style, language=language)
     if language is None:
         drawn = chosen is Construction.FLIPFLOP and shows_networks(rules.target)
         language = Language.FBD if drawn else Language.ST
@@ -134,53 +132,39 @@ def _choice(
         return wanted, "asked for"
     if language not in (None, Language.ST):
         return Construction.FLIPFLOP, f"flip-flops are what {language} can hold"
-    several = one_step_at_a_time(source)
+    objections = _objections(source, rules.profile)
+    several = next(objections)
     if style is Style.CLASSIC and several:
         return Construction.FLIPFLOP, f"textbooks have flip-flops for it: {several}"
     if rules.flags != LOCAL and style is Style.EXACT:
         return Construction.BITS, f"there are to be step flags at {rules.flags}"
-    if firing_together(source, rules.profile) is not None:
-        why = f"competing transitions fire together under the profile {rules.profile.name}"
-        return Construction.BITS, f"no CASE can hold the chart: {why}"
+    most = "at most one step is active at a time"
     if not several:
-        ends = any(not transition.targets for transition in source.net.transitions)
-        return Construction.CASE, f"{'at most' if ends else 'exactly'} one step is active at a time"
-    objection = no_regions(source)
+        ends = source.starts_off or any(not transition.targets for transition in source.net.transitions)
+        return Construction.CASE, most if ends else most.replace("at most", "exactly")
+    objection = next(objections)
     if not objection:
-        return Construction.REGIONS, f"in each of its parts one step is active at a time, but {several}"
-    return Construction.BITS, f"no CASE can hold the chart: {objection}"
-
-
-def _choice_for_grafcet(source: ChartSource, wanted: Construction, rules: LoweringRules) -> tuple[Construction, str]:
-    if wanted is not Construction.AUTO:
-        return wanted, "asked for"
-    if rules.flags != LOCAL:
-        return Construction.BITS, f"there are to be step flags at {rules.flags}"
-    objection = no_case(source, rules.profile)
-    if objection:
-        return Construction.BITS, f"no CASE can hold the chart: {objection}"
-    return Construction.CASE, "one step is active at a time"
-
-
-def _choice_for_sequencer(
-    source: GraphSource, wanted: Construction, rules: LoweringRules, language: Language | None
-) -> tuple[Construction, str]:
-    if wanted is not Construction.AUTO:
-        return wanted, "asked for"
-    if language not in (None, Language.ST):
-        return Construction.FLIPFLOP, f"flip-flops are what {language} can hold"
-    if rules.flags != LOCAL:
-        return Construction.BITS, f"there are to be step flags at {rules.flags}"
-    several = one_sequence(source, rules.profile)
-    if not isinstance(several, str):
-        return Construction.CASE, "at most one step is active at a time"
-    objection = sequences(source, rules.profile)
-    if not isinstance(objection, str):
-        return Construction.REGIONS, f"in each of its parts at most one step is active at a time, but {several}"
+        return Construction.REGIONS, f"in each of its parts {most}, but {several}"
     why = f"no CASE can hold the chart: {objection}"
-    if on_by_hand(source) and not isinstance(sequences(without_switching_by_hand(source), rules.profile), str):
-        why += f"; with {ON_BY_HAND} inactive one could"
+    if isinstance(source, GraphSource) and on_by_hand(source):
+        alone = sequences(without_switching_by_hand(source), rules.profile)
+        why += f"; with {ON_BY_HAND} inactive one could" if not isinstance(alone, str) else ""
     return Construction.BITS, why
+
+
+def _objections(source: ChartSource, profile: Profile) -> Iterator[str]:
+    """Yield why one CASE cannot hold a chart, then why several cannot; empty where they can."""
+    if isinstance(source, GraphSource):
+        for find in (one_sequence, sequences):
+            found = find(source, profile)
+            yield found if isinstance(found, str) else ""
+    elif source.grafcet is not None:
+        yield from repeat(no_case(source, profile), 2)
+    elif firing_together(source, profile) is not None:
+        yield from repeat(f"competing transitions fire together under the profile {profile.name}", 2)
+    else:
+        yield one_step_at_a_time(source)
+        yield no_regions(source)
 
 
 def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:

@@ -4,5 +4,5 @@
 `grafcet_actions`     stored, continuous, delayed and limited actions
 `grafcet_evolutions`  edges and times in conditions, and the most evolutions that a scan can have
 `forcing_orders`      situations that charts above impose on others
-`grafcet_scan`        the schedule: evolutions up to a stable situation, then outputs, with any encoding but several CASEs
+`grafcet_scan`        the schedule: evolutions up to a stable situation, then outputs, with an encoding
 """
