@@ -35,6 +35,7 @@ from plcopen_sfc.lowering.other_bodies import (
     with_actions,
     with_actions_inside,
     without_external_declarations,
+    without_uncalled_actions,
     without_unused_parts,
 )
 from plcopen_sfc.lowering.proof import ProofOptions, prove, refuse_untested
@@ -287,6 +288,7 @@ def _constructed(chart: Subject, meant: Subject, wanted: _Wanted, rules: Lowerin
     made = with_actions(made, dialect, rules, wanted.language, chart.project)
     if rules.target is not None and tool_of(rules.target, dialect) is Tool.S7:
         pou = without_external_declarations(with_actions_inside(made.pou, dialect), meant.project)
+        pou = without_uncalled_actions(pou, meant.project) if chart.name == chart.pou.name else pou
         made = replace(made, pou=pou)
     if chart.name == chart.pou.name:
         made = replace(made, pou=without_unused_parts(meant.pou, made.pou, dialect))

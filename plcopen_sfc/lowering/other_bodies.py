@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.languages.binding import called_actions
+from plcopen_sfc.languages.binding import called_actions, names_in
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
@@ -241,6 +241,14 @@ def without_external_declarations(pou: Pou, project: Project) -> Pou:
             sections.append(section)
     interface = pou.interface.model_copy(update={"sections": sections, "declaration": None})
     return pou.model_copy(update={"interface": interface})
+
+
+def without_uncalled_actions(pou: Pou, project: Project) -> Pou:
+    """Return `pou` without the actions that nothing in `project` names: S7 has none, so they would only be comments."""
+    others = (each for each in project.pous if each.name != pou.name)
+    named = {name for each in others for _, _, body in each.named_bodies() for name in names_in(body, project.dialect)}
+    named |= _actions_called(pou, project.dialect).keys()
+    return pou.model_copy(update={"actions": [each for each in pou.actions if each.name.casefold() in named]})
 
 
 def without_unused_parts(original: Pou, lowered: Pou, dialect: Dialect) -> Pou:
