@@ -59,7 +59,7 @@ def test_every_target_holds_several_cases_with_names_of_steps(format: str) -> No
     assert lowered.construction is Construction.REGIONS
     body = lowered.pou.body
     assert isinstance(body, m.StBody)
-    assert "#next_step_number := #PARALLEL_Drill;" in body.text
+    assert "#step_number := #PARALLEL_Drill;" in body.text
     comment = {"plcopen": "(* {} *)", "iec-text": "(* {} *)", "codesys": "// {}"}.get(format, "REGION {}")
     assert comment.format("Step sequence from Lamp off") in body.text
     data = sfc.dumps(lowered.project, format=format, partial=True)
@@ -114,7 +114,7 @@ def test_data_of_steps_that_other_blocks_read_stay_where_they_were(format: str) 
     lowered = sfc.lower(project, pou="FB_Drilling", target=format, verify=False)
     body = lowered.pou.body
     assert isinstance(body, m.StBody)
-    assert "#Drill.X := #X3;\n#Drill.T := #X3_T;\n#Home.S1 := #X1_S1;" in body.text
+    assert "#Drill.X := #X3;\n#Drill.T := #X3_T;\n#Home.S1 := #X1 AND NOT #X1_old;" in body.text
     read_back(project, lowered, format, cap=50)
 
 
