@@ -505,6 +505,13 @@ def test_edges_of_global_variables_and_members_are_executed(edge: str, form: str
     assert edge in edges
 
 
+def test_a_step_is_no_value() -> None:
+    text = "GRAFCET G\nINPUTS\n    b\nINITIAL STEP S1\nS1 -> S2 : b\nSTEP S2\nS2 -> S1 : S2 * /b\n"
+    with pytest.raises(LossError, match="S2 is a step and no value: its flag is XS2"):
+        sfc.convert(sfc.loads(text.encode()), "codesys")
+    assert sfc.convert(sfc.loads(text.replace("S2 * /b", "XS2 * /b").encode()), "codesys")
+
+
 def test_an_edge_of_an_undeclared_name_is_refused() -> None:
     report = converted(EDGES.replace("↑START", "↑Taste"), "simaticml")[1]
     assert losses(report)["text"] == "line 1: left as it stands: it is in the notation of GRAFCETs"

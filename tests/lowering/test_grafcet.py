@@ -501,6 +501,16 @@ def test_actions_of_grafcet_are_refused_where_actions_come_first() -> None:
 
 
 @pytest.mark.corpus
+@pytest.mark.parametrize("condition", ["S2", "↑S2", "S2 AND b"])
+def test_a_step_is_no_condition(condition: str) -> None:
+    chart = m.SfcNetwork()
+    first, second = (chart.add_step(name, initial=name == "S1") for name in ("S1", "S2"))
+    chart.add_transition(first, second, "a")
+    chart.add_transition(second, first, condition)
+    with pytest.raises(LoweringError, match="SFC_STEP"):
+        lower(pou_with(chart, "a b", ""), "bits", profile="grafcet")
+
+
 def test_a_chart_of_another_tool() -> None:
     corpus = require_corpus()
     text = read(corpus / CHART)

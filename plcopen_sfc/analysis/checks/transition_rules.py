@@ -12,7 +12,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.expression_types import CALCULATING
-from plcopen_sfc.languages.grafcet_conditions import condition_problem
+from plcopen_sfc.languages.grafcet_conditions import OVERLINE, condition_problem, program_parts
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, walk
@@ -211,6 +211,16 @@ def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
             if told:
                 text = " ".join(transition.condition.text.split())
                 yield Finding(sheet.at(transition), f"the condition {text} is not Boolean: it is {told}")
+            yield from _steps_as_values(chart, sheet, transition, transition.condition.text)
+
+
+def _steps_as_values(chart: CheckedChart, sheet: CheckedSheet, transition: Transition, text: str) -> Iterator[Finding]:
+    """Yield the steps that a condition of a GRAFCET names in the place of their flags."""
+    steps = {step.name.casefold() for each in chart.sheets for step in each.steps}
+    for start, end in program_parts(text) if chart.family == "grafcet" else ():
+        name = text[start:end].replace(OVERLINE, "")
+        if name.casefold() in steps and name.casefold() not in chart.types:
+            yield Finding(sheet.at(transition), f"{name} is a step and no value: its flag is X{name}")
 
 
 def _other_type(tree: n.Node, chart: CheckedChart, site: Site) -> str:
@@ -503,10 +513,9 @@ CND10 = Rule(
     code="CND10",
     title="A condition is Boolean",
     why="A transition fires where its condition is TRUE (IEC 61131-3 ed. 3, 6.7.3): a number, a time or a structure "
-    "does not compile.",
+    "does not compile. In GRAFCET the name of a step is no condition either, its flag is (X2 of step 2).",
     hint="Compare it: n <> 0, t > T#2s.",
     example="VAR n : INT; END_VAR" + _RING % "n",
     check=_no_boolean,
     severity=Severity.ERROR,
-    severities={"grafcet": None},
 )

@@ -335,7 +335,14 @@ class _Chart:
         parsed = parse_expression(text)
         if parsed.problems:  # a variable whose name is a keyword of structured text
             raise ConditionError(parsed.problems[0].message, parsed.problems[0].span)
+        for each in in_tree(parsed.tree, Dialect.IEC):
+            is_value = each.base is None and each.callee is None and not each.access
+            if is_value and each.name.casefold() in self.steps and not self._is_known(each.name):
+                raise _TermError(f"{each.name} is a step and no value: its flag is X{each.name}")
         return print_node(transform(parsed.tree, self._flag))
+
+    def _is_known(self, name: str) -> bool:
+        return self._declares(name) or name.casefold() in self._globals
 
     def _flag(self, node: n.Node) -> n.Node:
         if isinstance(node, n.Name) and node.identifier[:1] in "Xx":

@@ -241,6 +241,8 @@ def count_unit(type_: ScalarType) -> int:
 
 def truth(code: Code) -> Code:
     """A value as BOOL."""
+    if isinstance(code.type, StructureType | ArrayOf):
+        raise SimulationError(f"a {code.type.name} stands where a BOOL must be")
     if code.type is BOOL or not isinstance(code.type, ScalarType) or code.type.family is Family.SPECIAL:
         return code
     if code.type.family is Family.BOOL:
