@@ -309,6 +309,24 @@ _NOT_EXECUTED = {
         "{} ist in {} eine andere Stelle: ein Werkzeug zählt Worte, wo das andere Bytes zählt"
     ),
     "{+}; left as it stands": "{}; bleibt, wie es ist",
+    "a GRAFCET has no flags that operate or watch it": "ein GRAFCET hat keine Merker, die ihn bedienen oder überwachen",
+    "IEC 60848 has no instructions that are always executed": (
+        "IEC 60848 hat keine Anweisungen, die immer ausgeführt werden"
+    ),
+    "transitions of a GRAFCET have no order: two whose conditions are TRUE fire together (SEL01)": (
+        "Transitionen eines GRAFCET haben keine Reihenfolge: zwei mit erfüllter Bedingung schalten zusammen (SEL01)"
+    ),
+    "a GRAFCET has no program beside its charts": "ein GRAFCET hat kein Programm neben seinen Plänen",
+    "IEC 60848 has none: write {} into the conditions that leave the step": (
+        "IEC 60848 hat keine: {} in die Bedingungen schreiben, die den Schritt verlassen"
+    ),
+    "no fault holds a step of a GRAFCET": "keine Störung hält einen Schritt eines GRAFCET",
+    "it is excluded or negated, and a GRAFCET executes it as it is": (
+        "er ist ausgeschlossen oder negiert, und ein GRAFCET führt ihn aus, wie er ist"
+    ),
+    "it is excluded from the program, and a GRAFCET executes it": (
+        "vom Programm ausgeschlossen, und ein GRAFCET führt es aus"
+    ),
     "left as it stands: it is in the notation of GRAFCETs": (
         "bleibt, wie es ist: es ist in der Schreibweise von GRAFCETs"
     ),

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from plcopen_sfc.errors import Location, ModelError
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
 from plcopen_sfc.formats.grafcet.grafcet_text_reader import CHARTS, SITUATIONS, STORED, TABLES, read_text
+from plcopen_sfc.formats.grafcet.sfc_losses import report_unexpressed
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode_text, numbered_blocks
 from plcopen_sfc.languages.declarations import write_type, write_value
@@ -288,6 +289,10 @@ class GrafcetTextCodec(TextCodec):
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the text of a project, in the blocks that an edit replaces."""
         return write_blocks(project, report)
+
+    def replace_missing(self, project: Project, report: ConversionReport) -> None:
+        """Report what charts of tools do and a GRAFCET does not."""
+        report_unexpressed(project, report)
 
     def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
         """Return the project in a file, its text, and the place of each object in that."""

@@ -24,6 +24,7 @@ from plcopen_sfc.formats.grafcet.grafcet_xmi_reader import (
     XmiReader,
 )
 from plcopen_sfc.formats.grafcet.grafcet_xmi_terms import XSI_TYPE, ReadCondition, TermError, TermWriter
+from plcopen_sfc.formats.grafcet.sfc_losses import report_unexpressed
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
@@ -391,6 +392,10 @@ class GrafcetXmiCodec(XmlCodec):
             # XML allows no two hyphens in a comment
             root.append(etree.Comment(f"{COMMENT_MARK}{change} ".replace("--", "-$2D").replace("--", "-$2D")))
         return root
+
+    def replace_missing(self, project: Project, report: ConversionReport) -> None:
+        """Report what charts of tools do and a GRAFCET does not."""
+        report_unexpressed(project, report)
 
     def style(self) -> XmlStyle:
         """As EMF writes: UTF-8 without a mark, LF, two blanks, ``<a/>``."""

@@ -238,6 +238,21 @@ def test_charts_of_tools_become_grafcets_and_come_back() -> None:
     assert sfc.loads(back).pous == source.pous
 
 
+@pytest.mark.parametrize("form", ["grafcet-text", "grafcet"])
+def test_what_charts_of_tools_do_beside_their_actions_is_told(form: str) -> None:
+    told: dict[str, set[str]] = {}
+    for file in ("simaticml/FB_Drill.xml", "codesys/sorting_conveyor.xml", "iectext/distribution_belt.st"):
+        report = sfc.convert(sfc.load(f"fixtures/{file}"), form, partial=True).report
+        for item in report.losses:
+            told.setdefault(item.what, set()).add(item.path)
+    assert {"POU FB_Drill / step Drill"} <= told["supervision"]
+    assert {"POU FB_Drill"} <= told["permanent instruction"]
+    assert "POU PLC_PRG / step Measure" in told["minimum time"]
+    assert "POU PLC_PRG / SFCReset" in told["SFC flag"]
+    assert told["transition"]
+    assert "POU FB_Drill / step Bottom" in told["selection"]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("folder", ["codesys", "codesys23", "iectext", "plcopen", "simaticml", "training-chain"])
 def test_charts_of_all_tools_keep_their_steps_and_transitions_as_grafcets(folder: str) -> None:

@@ -1,0 +1,85 @@
+"""What charts of tools do beside their actions and a GRAFCET has no word for: it is reported."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.networks import is_empty_network
+from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
+from plcopen_sfc.report import ConversionReport, Outcome
+
+
+def report_unexpressed(project: Project, report: ConversionReport) -> None:
+    """Report times, supervisions, priorities, flags, exclusions and permanent instructions of charts of IEC 61131-3."""
+    flags = [flag.variable for flag in SfcFlag]
+    named = [(each.text_site.site.pou, each.reference.name) for each in Names(project).occurrences(*flags)]
+    for pou in project.pous:
+        chart = pou.chart
+        if chart is None or _is_grafcet(chart):
+            continue
+        lost = [*_of_steps(chart), *_of_transitions(chart)]
+        for place, what, why in lost:
+            report.add(Outcome.NOT_EXECUTED, what, f"{pou.report_path} / {place}", why)
+        for flag in sorted({name for owner, name in named if owner is pou} | _declared(pou, flags)):
+            why = "a GRAFCET has no flags that operate or watch it"
+            report.add(Outcome.NOT_EXECUTED, "SFC flag", f"{pou.report_path} / {flag}", why)
+        if any(_does_something(each.body) for each in (*chart.permanent_pre, *chart.permanent_post)):
+            why = "IEC 60848 has no instructions that are always executed"
+            report.add(Outcome.NOT_EXECUTED, "permanent instruction", pou.report_path, why)
+        for step in _competing(chart):
+            why = "transitions of a GRAFCET have no order: two whose conditions are TRUE fire together (SEL01)"
+            report.add(Outcome.APPROXIMATED, "selection", f"{pou.report_path} / step {step.name}", why)
+        for body in pou.bodies:
+            if not isinstance(body, SfcBody):
+                report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, "a GRAFCET has no program beside its charts")
+
+
+def _is_grafcet(chart: SfcNetwork) -> bool:
+    """Return True if a chart has something that only IEC 60848 has."""
+    is_partial = bool(chart.partial_charts) or any(step.encloses for step in chart.steps)
+    return is_partial or any(each.kind is not None or each.forcing is not None for _, each in chart.associations())
+
+
+def _declared(pou: Pou, flags: list[str]) -> set[str]:
+    return {variable.name for variable in pou.variables() if variable.name in flags}
+
+
+def _of_steps(chart: SfcNetwork) -> Iterator[tuple[str, str, str]]:
+    for step in chart.steps:
+        place = f"step {step.name}"
+        if step.min_time:
+            why = f"IEC 60848 has none: write {step.min_time}/X{step.name} into the conditions that leave the step"
+            yield place, "minimum time", why
+        watched = step.supervision.condition if step.supervision is not None else None
+        if watched is not None and not is_empty_network(watched):
+            yield place, "supervision", "no fault holds a step of a GRAFCET"
+        if step.exclude or step.negated:
+            yield place, "step", "it is excluded or negated, and a GRAFCET executes it as it is"
+        for each in step.actions:
+            if each.exclude:
+                why = "it is excluded from the program, and a GRAFCET executes it"
+                yield f"{place} / action {each.target or 'in place'}", "action", why
+
+
+def _of_transitions(chart: SfcNetwork) -> Iterator[tuple[str, str, str]]:
+    for transition in chart.transitions:
+        if transition.exclude:
+            why = "it is excluded from the program, and a GRAFCET executes it"
+            yield f"transition {chart.label(transition)}", "transition", why
+
+
+def _competing(chart: SfcNetwork) -> Iterator[Step]:
+    """Yield the steps that several transitions leave."""
+    for step in chart.steps:
+        if len(chart.outgoing(step)) > 1:
+            yield step
+
+
+def _does_something(body: object) -> bool:
+    if isinstance(body, FbdBody | LdBody):
+        return any(network.nodes for network in body.networks)
+    return body is not None and bool(getattr(body, "text", " ").strip())
