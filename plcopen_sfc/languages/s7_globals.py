@@ -293,6 +293,20 @@ def unconnected(project: Project) -> Iterator[tuple[str, str, str]]:
             yield "config variables", configuration.name, why
 
 
+def open_address(project: Project, variable: Variable) -> str | None:
+    """Return why S7 connects a variable to no more than the source does; None where it has an address there.
+
+    ``AT %I*`` leaves open which input it is. A device in CODESYS, or VAR_CONFIG, has the address of each instance.
+    """
+    if not (variable.address or "").endswith("*"):
+        return None
+    sections = [project.config_variables, *(each.config_variables for each in project.configurations)]
+    paths = [each.path for section in sections if section is not None for each in section.variables]
+    if any(path.rpartition(".")[2].casefold() == variable.name.casefold() for path in paths):
+        return None
+    return f"the source leaves open which one it is ({variable.address}), and no file says it: connect each instance"
+
+
 def called_actions(project: Project, is_replaced: Callable[[TextSite], bool] = lambda _: False) -> frozenset[int]:
     """The ids (``id``) of the actions that a step has or a program calls, or may call.
 

@@ -145,6 +145,9 @@ _NOT_EXECUTED = {
         "kein Text drückt das aus; an seiner Stelle steht der nicht deklarierte Name {}, so dass der Text sich "
         "nicht übersetzen lässt"
     ),
+    "the source leaves open which one it is ({}), and no file says it: connect each instance": (
+        "die Quelle lässt offen, welche Adresse es ist ({}), und keine Datei nennt sie: verbinden Sie jede Instanz"
+    ),
     "variables of blocks have no address in S7: it is not connected to {}": (
         "Variablen von Bausteinen haben in S7 keine Adresse: sie ist nicht mit {} verbunden"
     ),
@@ -493,6 +496,12 @@ _TRANSLATED = {
     "a tag, {} at {}": "eine PLC-Variable, {} auf {}",
     "its statements are the function {}, which a row calls": (
         "ihre Anweisungen sind die Funktion {}, die eine Zeile aufruft"
+    ),
+    "the entry action: the step has its statements, as other steps have this action too": (
+        "die Eingangsaktion: der Schritt hat ihre Anweisungen, denn auch andere Schritte haben diese Aktion"
+    ),
+    "the exit action: the step has its statements, as other steps have this action too": (
+        "die Ausgangsaktion: der Schritt hat ihre Anweisungen, denn auch andere Schritte haben diese Aktion"
     ),
     "it is the function {}, with the variables of the block that it uses": (
         "sie ist die Funktion {}, mit den Variablen des Bausteins, die sie benutzt"

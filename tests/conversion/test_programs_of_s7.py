@@ -326,6 +326,20 @@ END_PROGRAM
 """
 
 
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+@pytest.mark.parametrize(("configured", "outcome"), [("", "approximated"), ("Main.f.v AT %IW0 : INT;", "not executed")])
+def test_an_address_that_the_source_leaves_open_is_no_loss(target: str, configured: str, outcome: str) -> None:
+    block = "FUNCTION_BLOCK F VAR v AT %I* : INT; n : INT; END_VAR n := v; END_FUNCTION_BLOCK\n"
+    main = "PROGRAM Main VAR f : F; END_VAR f(); END_PROGRAM\n"
+    config = f"VAR_CONFIG {configured} END_VAR\n" if configured else ""
+    project = sfc.loads(
+        f"{{plcopen_sfc format := 1}}\n{{plcopen_sfc project.dialect := 'codesys'}}\n{block}{main}{config}".encode(),
+        format="iec-text",
+    )
+    report = sfc.convert(project, target, partial=True).report
+    assert {item.outcome.value for item in report.losses if item.what == "address"} == {outcome}
+
+
 def test_a_chart_drives_the_tag_at_the_address() -> None:
     source = sfc.loads(CHART.encode(), format="iec-text")
     data, report = sfc.convert(source, "simaticml", strict=True, limit=20)

@@ -50,6 +50,7 @@ from plcopen_sfc.languages.s7_globals import (
     is_retained,
     left_out,
     local_tags,
+    open_address,
     tag_tables_of,
     unconnected,
 )
@@ -197,7 +198,7 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
         yield WrittenBlock(("type", declaration.name), _data_type(declaration, types), apart=True)
     for pou in project.pous:
         report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
-        _note_foreign(pou, types, tags.get(pou.name.casefold(), ()), report)
+        _note_foreign(project, pou, types, tags.get(pou.name.casefold(), ()), report)
         for what, name, why in _not_executed(pou, called):
             outcome = Outcome.EXTENSION_DATA if why == UNCALLED else Outcome.NOT_EXECUTED
             report.add(outcome, what, ObjectPath(f"POU {pou.name}", name), why)
@@ -294,7 +295,7 @@ def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, 
         yield "method", f"method {method.name}", "blocks of S7 have no methods: what calls it does not execute it"
 
 
-def _note_foreign(pou: Pou, types: S7Types, tags: Container[str], report: ConversionReport) -> None:
+def _note_foreign(project: Project, pou: Pou, types: S7Types, tags: Container[str], report: ConversionReport) -> None:
     """Report the declarations of a block that are written although TIA Portal does not know them."""
     sections = pou.interface.sections if pou.interface is not None else []
     for section in (section for section in sections if section.kind is not SectionKind.EXTERNAL):
@@ -308,7 +309,9 @@ def _note_foreign(pou: Pou, types: S7Types, tags: Container[str], report: Conver
             path = f"POU {pou.name} / {variable.name}"
             if types.start(variable) is not None and not _has_start_values(section, pou):
                 report.add(Outcome.NOT_EXECUTED, "initial", path, NO_START)
-            if (variable.address or "").startswith("%") and variable.name.casefold() not in tags:
+            if (told := open_address(project, variable)) is not None:
+                report.add(Outcome.APPROXIMATED, "address", path, told)
+            elif (variable.address or "").startswith("%") and variable.name.casefold() not in tags:
                 why = f"variables of blocks have no address in S7: it is not connected to {variable.address}"
                 report.add(Outcome.NOT_EXECUTED, "address", path, why)
             inner = types.type(variable.type)

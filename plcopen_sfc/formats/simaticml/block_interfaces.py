@@ -46,6 +46,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, add_element, finish, sub, write_languages
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, member_digests, warn_of_edit
 from plcopen_sfc.formats.xml.extension_data import legal_text
+from plcopen_sfc.languages.s7_globals import open_address
 from plcopen_sfc.languages.s7_types import NO_START
 from plcopen_sfc.languages.start_values import Path, ValuePathError, apart, assembled
 from plcopen_sfc.model.base import ExtensionData
@@ -563,6 +564,9 @@ def write_member(
     native = {"name", "type", "comment", "attributes"}
     reported: set[str] = set()
     also: dict[str, Any] = {}
+    if (told := open_address(ctx.project, variable)) is not None:
+        reported.add("address")
+        ctx.note(Outcome.APPROXIMATED, "address", variable.name, told)
     start = ctx.s7_types.start(variable) if starts or ctx.options.same else None
     if not starts and not ctx.options.same and ctx.s7_types.start(variable) is not None:
         reported.add("initial")
