@@ -182,9 +182,7 @@ class ExecutedChartReader:
         name, code = self._code_of(action)
         part = step.add("action", name, f"{step.path} / action {name}")
         when = {"S1": "on activation", "S0": "on deactivation", "": "while active"}[event]
-        shared = isinstance(action, str) and not self.is_written
-        control = "each" if shared and isinstance(action, str) and self.used[plain_name(action)] > 1 else ""
-        part.tell("trigger", Meaning.of(event if self.is_written else (when, control), _STEP_ACTIONS[event]))
+        part.tell("trigger", Meaning.of(event if self.is_written else (when, _ALONE), _STEP_ACTIONS[event]))
         part.tell("code", code)
 
     def _function(self, body: Body | None) -> Pou | None:
@@ -311,10 +309,10 @@ class ExecutedChartReader:
         matters = is_code or association.qualifier.needs_duration or association.qualifier is Qualifier.P
         function = self._function(association.body)
         if not matters or (self.used[name] if function is None else self.calls[function.name]) < 2:
-            return ""
+            return _ALONE
         profile = self.owner.profile
         alone = profile.graph_parameters and profile.action_control is not ActionControl.SEQUENTIAL
-        return "each" if alone else "one for all"
+        return _ALONE if alone else "one for all"
 
     # -- transitions
 
@@ -465,6 +463,8 @@ def _same_name(argument: n.Argument) -> str:
 
 
 _STORED = {Qualifier.S: "TRUE", Qualifier.R: "FALSE", Qualifier.R0: "FALSE"}
+_ALONE = ""
+"""Control of an action that acts for its step alone, as statements in place do too."""
 _STEP_ACTIONS = {"S1": "entry action", "": "main action", "S0": "exit action"}
 _GRAPH_SETTINGS = {
     "acknowledge_errors_required": "supervision",

@@ -168,6 +168,29 @@ def _step_action(kind: str) -> Callable[[Rig], None]:
     return build
 
 
+def _shared_exit_action(rig: Rig) -> None:
+    rig.action("Count", st(rig, "n := n + 1; r := NOT r"))
+    for step in ("Work", "Done"):
+        rig.chart.step(step).exit_action = "Count"
+    rig.act("Done", "q")
+
+
+def _calls_a_method(rig: Rig) -> None:
+    sections = [m.VariableSection(kind=m.SectionKind.INPUT, variables=[variable("more", "INT")])]
+    number = m.ElementaryType(name=m.Elementary.INT)
+    interface = m.Interface(return_type=number, sections=sections)
+    rig.pou.methods = [m.Method(name="Sum", interface=interface, body=m.StBody(text="r := NOT r;\nSum := more;"))]
+    rig.action("Count", m.StBody(text="n := Sum(more := 2);"))
+    rig.act("Work", "Count")
+    rig.act("Done", "q")
+
+
+def _reads_a_step(rig: Rig) -> None:
+    rig.action("Count", m.StBody(text="IF Done.x THEN n := n + 1; END_IF;"))
+    rig.act("Work", "Count")
+    rig.act("Done", "q")
+
+
 def _chart_action(rig: Rig) -> None:
     inner = m.SfcNetwork()
     one, two = inner.add_step("One", initial=True), inner.add_step("Two")
@@ -518,6 +541,9 @@ def _features() -> Iterator[Feature]:
     yield Feature("action in place", ("plcopen", "iec-text"), _in_place)
     yield Feature("action that is a chart", ("codesys", "plcopen"), _chart_action)
     yield Feature("action that calls another one", ("codesys",), _calls_an_action)
+    yield Feature("action that calls a method", ("codesys",), _calls_a_method)
+    yield Feature("action that reads a step flag", ("codesys",), _reads_a_step)
+    yield Feature("exit action of two steps", ("codesys",), _shared_exit_action)
     for kind in ("entry", "main", "exit"):
         yield Feature(f"{kind} action", ("codesys",), _step_action(kind))
     yield Feature("priority", _ALL, _priority)

@@ -52,6 +52,7 @@ REASONS = {
         "global variable|address": "tags, data blocks and lists are not written as VAR_GLOBAL of a text yet",
         "minimum time|maximum time": "textual SFC has no minimum and maximum times",
         "negated action|macro-step|drawn logic": "textual SFC has no such element",
+        "exit action of two": "P0 has one control for both steps, and a text gets no statements in its place yet",
     },
     "simaticml": {
         "priority of a convergence": "a branch of S7-GRAPH cannot begin where a simultaneous one ends",
@@ -65,9 +66,10 @@ REASONS = {
         "SFCInit|SFCReset|SFCPause|SFCTip|maximum time": (
             "TC6 has no SFC flags; statements for them are not written yet"
         ),
+        "action that calls a method": "TC6 has no methods; functions in their places are written for TIA Portal only",
     },
     "codesys23": {
-        "qualifier P0|negated action|macro-step": "CoDeSys 2.3 has no such element",
+        "qualifier P0|negated action|macro-step|action that calls a method": "CoDeSys 2.3 has no such element",
         "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
     },
     "codesys|twincat|codesys-export|plcopen-2.01|iec-text|codesys23": {

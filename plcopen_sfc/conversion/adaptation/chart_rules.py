@@ -27,6 +27,7 @@ from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChe
 from plcopen_sfc.conversion.adaptation.step_rewriting import (
     StepRewriter,
     has_special_rows,
+    shared_step_actions,
 )
 from plcopen_sfc.conversion.executed_parts import told_flag
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
@@ -80,6 +81,8 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
             or any(isinstance(body, StBody | IlBody | FbdBody | LdBody) for body in bodies)
         )
     if any(step.main_action is not None or step.min_time or step.max_time for step in chart.steps):
+        return True
+    if any(step.entry_action or step.exit_action for step in chart.steps) and shared_step_actions(chart):
         return True
     excluded = any(s.exclude for s in chart.steps) or any(t.exclude for t in chart.transitions)
     if options.of_codesys and _flags_in_use(place):
@@ -470,7 +473,7 @@ CHART_RULES = (
     ),
     ChartRule(
         "rows with an event, an interlock, a value or a call; operands that S7-GRAPH writes in the order of its rows; "
-        "negated rows; main actions in TC6",
+        "negated rows; main actions, and entry and exit actions of several steps, in TC6",
         "statements in actions of the step: while it is active, once at its start, once when it was left; not executed "
         "where no statement does the same",
         _ChartRewriter.steps,

@@ -68,6 +68,14 @@ def timed_operands(chart: SfcNetwork) -> set[str]:
     return {_key(row) for row in coils if row.duration is not None and counts[_key(row)] > 1}
 
 
+def shared_step_actions(chart: SfcNetwork) -> set[str]:
+    """Return the names, in lower case, of entry and exit actions that are used more than once in a chart."""
+    acting = [*chart.associations(), *_step_actions(chart)]
+    counts = Counter(_key(row) for _, row in acting if row.target is not None)
+    pulses = (Qualifier.P1, Qualifier.P0)
+    return {_key(row) for _, row in acting if row.qualifier in pulses and row.target and counts[_key(row)] > 1}
+
+
 def overwritten_rows(step: Step) -> list[ActionAssociation]:
     """Return the rows R of a step whose operand a later row S of it sets: S7-GRAPH executes rows in their order.
 
@@ -123,6 +131,7 @@ class StepRewriter:
         if rewriting.options.of_graph:
             self._stated |= self._mixed | timed_operands(self._chart)
         self._acting = [*self._rows, *_step_actions(self._chart)]
+        self._shared = shared_step_actions(self._chart)
         self._moved: dict[int, Qualifier] = {}
         self._uses: dict[int, list[str]] = {}
         self._permanent: dict[int, list[str]] = {}
@@ -188,8 +197,10 @@ class StepRewriter:
             self._note_action(Outcome.TRANSLATED, step, added, _MEANT[qualifier])
         if self._host.is_codesys:
             self._name_bodies(step, uses)
-        elif step.main_action is not None:
-            self._main_action(step)
+        else:
+            self._own_step_actions(step)
+            if step.main_action is not None:
+                self._main_action(step)
         for name in _KEPT_ONLY:
             setattr(step, name, getattr(source, name))
         self._mark(step)
@@ -362,6 +373,21 @@ class StepRewriter:
             return _key(one) < _key(other)
         used = [_key(row) if row.target else str(id(row)) for _, row in self._acting]
         return used.index(_key(one) or str(id(one))) < used.index(_key(other) or str(id(other)))
+
+    def _own_step_actions(self, step: Step) -> None:
+        """Give a step the statements of entry and exit actions that others have too: IEC has one control for them.
+
+        A pulse of that control does not come where one step with the action follows another one.
+        """
+        for kind in ("entry", "exit"):
+            name = getattr(step, f"{kind}_action")
+            action = self._pou.find_action(name) if isinstance(name, str) and name.casefold() in self._shared else None
+            body = self._in_words(action.body) if action is not None else None
+            if isinstance(body, StBody):
+                setattr(step, f"{kind}_action", StBody(text=body.text))
+                why = f"the {kind} action: the step has its statements, as other steps have this action too"
+                self._note_action(Outcome.TRANSLATED, step, name, why)
+                self._note_action(Outcome.TRANSLATED, step, None, why)
 
     def _main_action(self, step: Step) -> None:
         """Let a main action of CODESYS act while its step is active only: an action of IEC 61131-3 has a final scan."""
