@@ -1,7 +1,7 @@
 """A batch over many generated exports: a rename in each, against a plain read and write of the same bytes.
 
-    python -m benchmarks.batch                       1,000 exports of 1 MB, 1 and 2 processes, kill and resume
-    python -m benchmarks.batch --files 50 --size 0.3
+    python -m benchmarks.batch                       100 exports of 1 MB, 1 and 2 processes, kill and resume
+    python -m benchmarks.batch --files 1000
 
 Times are wall times: what a batch is for. Memory is the peak of this process and of the largest of its children.
 """
@@ -68,7 +68,7 @@ def killed_and_resumed(script: Path, folder: Path, paths: list[str], after: floa
 def main() -> None:
     """Run all of it and print a line for each."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--files", type=int, default=1000)
+    parser.add_argument("--files", type=int, default=100)
     parser.add_argument("--size", type=float, default=1.0)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:

@@ -37,8 +37,16 @@ def load(path: Path) -> Project:
     return sfc.load(path)
 
 
+def load_charts(path: Path) -> Project:
+    """`load`, and look at the steps of every chart; their drawings stay unread."""
+    project = sfc.load(path)
+    for chart in project.charts():
+        _ = chart.chart.steps
+    return project
+
+
 def load_all(path: Path) -> Project:
-    """`load`, and read every object and chart."""
+    """`load`, and read every object, chart and drawing."""
     project = sfc.load(path)
     project.read_all()
     return project
@@ -195,6 +203,7 @@ def _itself(path: Path) -> Path:
 JOBS: dict[str, tuple[Callable[[Path], Any], Callable[[Any], Any]]] = {
     "lxml": (_itself, parse_lxml),
     "load": (_itself, load),
+    "load_charts": (_itself, load_charts),
     "load_all": (_itself, load_all),
     "xsdata": (for_xsdata, parse_xsdata),
     "tostring": (parse_lxml, write_lxml),

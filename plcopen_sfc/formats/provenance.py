@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import hashlib
 import re
+import secrets
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeVar
 
-from pydantic_core import PydanticSerializationError
+from pydantic_core import PydanticSerializationError, to_json
 
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.late import LateElement
+from plcopen_sfc.model.drawing import Drawing
+from plcopen_sfc.model.late import Late
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 
-L = TypeVar("L", bound=LateElement)
+L = TypeVar("L", bound=Late)
 P = TypeVar("P", bound=ProjectObject)
 
 
@@ -38,11 +40,11 @@ def file_digest(content: bytes) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Provenance:
-    """Provenance of an object or a chart.
+    """Provenance of an object, a chart or a drawing.
 
     `known` are the fields that were there before it was read; `digest` is that of its content as it was read, None
     before that. `place` is the document of a folder and the place of the object in it, `folder` the one that the file
-    itself has for the object. `origin` is where in a file it was read.
+    itself has for the object. `origin` is where in a file it was read. Only copies have the same `mark`.
     """
 
     known: tuple[str, ...] = ()
@@ -50,6 +52,7 @@ class _Provenance:
     place: tuple[str, int] | None = None
     folder: str | None = None
     origin: Origin | None = None
+    mark: str = ""
 
     def __deepcopy__(self, memo: dict[int, Any]) -> _Provenance:
         """Copies come from where the original comes from."""
@@ -59,7 +62,7 @@ class _Provenance:
 _NOWHERE = _Provenance()
 
 
-def _provenance(thing: LateElement) -> _Provenance:
+def _provenance(thing: Late) -> _Provenance:
     found = (thing.__pydantic_private__ or {}).get("_provenance")  # as the attribute it would take ten times as long
     return found if isinstance(found, _Provenance) else _NOWHERE
 
@@ -67,7 +70,7 @@ def _provenance(thing: LateElement) -> _Provenance:
 def read_later(
     model: type[L], fields: dict[str, Any], read: Callable[[], L], text: Callable[[], str] | None = None
 ) -> L:
-    """Return an element with `fields` that `read` reads when a script looks at more of it. `text`: `LateElement`."""
+    """Return an object with `fields` that `read` reads when a script looks at more of it. `text`: `Late`."""
 
     def supply(thing: L) -> L:
         whole = read()
@@ -76,11 +79,11 @@ def read_later(
         return whole
 
     thing = model.late(fields, supply, text)
-    thing._provenance = _Provenance(tuple(fields))
+    thing._provenance = _Provenance(tuple(fields), mark=secrets.token_hex(8))
     return thing
 
 
-_KNOWN: ContextVar[dict[int, tuple[LateElement, bool]] | None] = ContextVar("untouched", default=None)
+_KNOWN: ContextVar[dict[int, tuple[Late, bool]] | None] = ContextVar("untouched", default=None)
 """Objects known to be untouched or not while nothing edits them, by `id()`, with the object, which keeps its id."""
 
 
@@ -94,7 +97,7 @@ def without_edits() -> Iterator[None]:
         _KNOWN.reset(token)
 
 
-def is_untouched(thing: ProjectObject | SfcNetwork) -> bool:
+def is_untouched(thing: ProjectObject | SfcNetwork | Drawing) -> bool:
     """True if the content is as it was read. False for what was not read, such as objects made by scripts."""
     if thing.is_unread:
         return True
@@ -149,27 +152,40 @@ def texts_of(thing: Model, exclude: set[str] | None = None) -> Iterator[str]:
             pending += reversed(content)
 
 
-def _own_digest(thing: LateElement) -> bytes:
-    """Return a digest of the fields of an element; untouched charts count by their source and stay unread."""
+def _own_digest(thing: Late) -> bytes:
+    """Return a digest of the fields of an object; untouched charts and drawings count by their source, unread."""
     content, names = _content(thing)
     digest = hashlib.blake2b(content)
     digest.update("\0".join(names).encode())
     return digest.digest()
 
 
-def _content(thing: LateElement) -> tuple[bytes, list[str]]:
-    """Return the fields of an element as JSON, without its untouched charts, and the sources of these."""
+def _content(thing: Late) -> tuple[bytes, list[str]]:
+    """Return the fields of an object as JSON, without its untouched charts or drawing, and the sources of these."""
     exclude: dict[str, Any] = {}
     names: list[str] = []
+    charts: list[bytes] = []
+    thing.read()
     if isinstance(thing, Pou):
         for path, name, body in _charts_in(thing):
             if is_untouched(body.chart):
                 origin = _provenance(body.chart).origin
                 names.append(f"{origin.name} {origin.digest}" if origin is not None else name)
-                field, index, *rest = path
-                below: dict[Any, Any] = exclude.setdefault(str(field), {})
-                below[index] = {"body": {"chart"}} if rest else {"chart"}
-    return thing.__pydantic_serializer__.to_json(thing, exclude_none=True, exclude=exclude or None), names
+            else:
+                content, inside = _content(body.chart)
+                charts.append(content)
+                names += inside
+            field, index, *rest = path
+            below: dict[Any, Any] = exclude.setdefault(str(field), {})
+            below[index] = {"body": {"chart"}} if rest else {"chart"}
+    elif isinstance(thing, SfcNetwork) and thing.drawing is not None:
+        mark = _provenance(thing.drawing).mark
+        if mark and is_untouched(thing.drawing):
+            names.append(mark)
+            exclude["drawing"] = True
+    # their own serialiser reads objects first: with it all would become Python objects before it becomes JSON
+    own = to_json(thing.__dict__, exclude_none=True, exclude=exclude or None)
+    return b"\0".join([own, *charts]), names
 
 
 def _charts_in(pou: Pou) -> Iterator[tuple[tuple[str | int, ...], str, SfcBody]]:

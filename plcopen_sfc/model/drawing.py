@@ -7,6 +7,7 @@ from enum import StrEnum
 from pydantic import Field
 
 from plcopen_sfc.model.base import Element, ElementId, Model
+from plcopen_sfc.model.late import Late
 from plcopen_sfc.model.network import InputPin, OutputPin, Point
 
 
@@ -96,8 +97,8 @@ class Places(StrEnum):
     COMPUTED = "computed"
 
 
-class Drawing(Model):
-    """The drawing of one chart.
+class Drawing(Late):
+    """The drawing of one chart, which a reader may leave unread.
 
     `order` is the order of the file's elements by id where graphical logic is between the symbols; else the
     symbols come first, in the order of `symbols`. `places`: whether the positions mean anything.

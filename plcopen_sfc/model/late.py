@@ -1,7 +1,7 @@
-"""Elements whose content is supplied when a script first looks at it.
+"""Objects whose content is supplied when a script first looks at it.
 
-A project can have thousands of blocks and charts, and most scripts look at a few. The model only knows that content
-can come later and from whom; what a reader supplies, and what it remembers of that, is the reader's affair
+A project can have thousands of blocks, charts and drawings, and most scripts look at a few. The model only knows that
+content can come later and from whom; what a reader supplies, and what it remembers of that, is the reader's affair
 (`plcopen_sfc.formats.provenance`). The type of an element is the same before and after: code that asks for it, such as
 renaming, must not miss an element because it has not been read. See docs/decisions/0003.
 """
@@ -20,8 +20,8 @@ from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.owners import Owned
 
 
-class LateElement(Owned, Element):
-    """An element that may be unread: then it has the fields that `late` got, and asks for the rest."""
+class Late(Owned):
+    """An object that may be unread: then it has the fields that `late` got, and asks for the rest."""
 
     _supply: Callable[[Any], Any] | None = PrivateAttr(default=None)
     _unread_text: Callable[[], str] | None = PrivateAttr(default=None)
@@ -42,16 +42,17 @@ class LateElement(Owned, Element):
         return thing
 
     def may_mention(self, words: Collection[str], *, as_members: bool = False) -> bool:
-        """False if none of `words`, in small letters, occurs in the element; `as_members`: none behind a dot.
+        """False if none of `words`, in small letters, occurs in the object; `as_members`: none behind a dot.
 
-        An unread element stays so. True where that cannot be told without reading it.
+        An unread object stays so. True where that cannot be told without reading it.
         """
-        text = self._unread_text
-        if any(_ELSEWHERE_WRITTEN.search(word) for word in words) or (self.is_unread and text is None):
+        if any(_ELSEWHERE_WRITTEN.search(word) for word in words):
             return True
         try:
-            content = text() if text is not None else self.__pydantic_serializer__.to_json(self).decode()
+            content = self._text()
         except PydanticSerializationError:  # surrogates
+            return True
+        if content is None:
             return True
         content = content.casefold()
         if not as_members:
@@ -59,6 +60,16 @@ class LateElement(Owned, Element):
         known, lengths = set(words), {len(word) for word in words}
         ends = (dot.end() for dot in _DOT.finditer(content))
         return any(content[end : end + length] in known for end in ends for length in lengths)
+
+    def _text(self) -> str | None:
+        """Return a text in which every text of the object occurs; None where it would have to be read for that."""
+        if self.is_unread:
+            text = self._unread_text
+            return text() if text is not None else None
+        unread = {name: part for name, part in self.__dict__.items() if isinstance(part, Late) and part.is_unread}
+        texts = [part._text() for part in unread.values()]
+        own = self.__pydantic_serializer__.to_json(self, exclude=set(unread)).decode()
+        return "\0".join([own, *(each for each in texts if each is not None)]) if None not in texts else None
 
     @property
     def is_unread(self) -> bool:
@@ -99,13 +110,13 @@ class LateElement(Owned, Element):
 
     def __eq__(self, other: object) -> bool:
         """Equal content, read or not, wherever it was read from."""
-        if not isinstance(other, LateElement) or type(self) is not type(other):
+        if not isinstance(other, Late) or type(self) is not type(other):
             return False
         self.read()
         other.read()
         return self.__dict__ == other.__dict__
 
-    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
+    __hash__ = None  # mutable, as every pydantic model
 
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
         """A copy that is read: two that are not would share what their reader has prepared."""
@@ -124,6 +135,10 @@ class LateElement(Owned, Element):
         return content
 
 
+class LateElement(Late, Element):
+    """An element that may be unread."""
+
+
 _ELSEWHERE_WRITTEN = re.compile(r"""[^\x20-\x7e]|["'&<>\\]""")
 """Characters of names that XML or JSON may write in another way."""
 
@@ -133,7 +148,7 @@ _DOT = re.compile(r"\.(?:\s|\\[nrt]|\\?\"|#|&quot;|&\#\w+;|\(\*.*?\*\)|/\*.*?\*/
 
 
 @cache
-def _bare(model: type[LateElement]) -> Any:
+def _bare(model: type[Late]) -> Any:
     """An object without any field, to be copied: pydantic takes long to make one."""
     thing: Any = model.model_construct()
     thing.__dict__.clear()

@@ -60,9 +60,8 @@ class Owned(Model):
             value is thing or (isinstance(value, list) and any(each is thing for each in value)) for value in values
         )
 
-    def model_post_init(self, context: Any, /) -> None:
+    def model_post_init(self, _context: Any, /) -> None:
         """Adopt what the object was made of."""
-        super().model_post_init(context)
         for name in self.OWNS:
             self._adopt_field(name)
 

@@ -290,12 +290,13 @@ class Project(Owned, Element):
             self.source.accept_errors()
 
     def read_all(self) -> None:
-        """Read every object and chart that is unread: quicker for all at once than one by one."""
+        """Read every object, chart and drawing that is unread: quicker for all at once than one by one."""
         with collecting_rarely():
             for thing in self.objects():
                 thing.read()
             for chart in self.charts():
-                chart.chart.read()
+                if chart.chart.drawing is not None:
+                    chart.chart.drawing.read()
 
     def pou(self, name: str) -> Pou:
         """The POU of this name; case does not matter. Raises `ModelError`."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 from lxml import etree
 from pydantic import ValidationError
@@ -14,7 +14,7 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     restore_texts,
     take_marks,
 )
-from plcopen_sfc.formats.plcopen.tc6_charts import Tc6ChartReader, Tc6ChartWriter
+from plcopen_sfc.formats.plcopen.tc6_charts import Tc6ChartReader, Tc6ChartWriter, read_drawing
 from plcopen_sfc.formats.plcopen.tc6_declarations import read_interface, write_interface
 from plcopen_sfc.formats.plcopen.tc6_networks import is_known, read_logic_body, write_network
 from plcopen_sfc.formats.plcopen.tc6_reading import (
@@ -43,7 +43,7 @@ from plcopen_sfc.formats.provenance import read_later
 from plcopen_sfc.formats.xml.extension_data import add_markup, fields_left, misfit
 from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
-from plcopen_sfc.model.drawing import Places
+from plcopen_sfc.model.drawing import Drawing, Places
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.report import Outcome
@@ -56,7 +56,9 @@ def read_inner_body(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     fields = read_body(ctx, element)
     chart = fields.get("chart")
     if isinstance(chart, UnreadChart):
-        fields["chart"] = _chart_fields(chart)
+        fields["chart"] = found = _chart_fields(chart)
+        if isinstance(found["drawing"], dict):
+            read_drawing(ctx, found["drawing"])
     return fields
 
 
@@ -80,12 +82,27 @@ def _read_chart(unread: UnreadChart) -> SfcNetwork:
         return chart
     fields = _chart_fields(unread)
     marks = take_marks(fields)
+    drawing = fields["drawing"]
+    if isinstance(drawing, dict):
+        fields["drawing"] = read_later(Drawing, {}, lambda: _read_drawing(unread, drawing), unread.text)
     try:
         chart = SfcNetwork.model_validate(fields)
         unread.executed = restore_chart(chart, marks, unread.edited, unread.warn_of_edit)
         return chart
     except ValidationError as error:
         ctx = unread.ctx
+        raise misfit(error, fields, unread.element, file=ctx.file, lines=ctx.lines, place=unread.place) from error
+
+
+def _read_drawing(unread: UnreadChart, drawing: Fields) -> Drawing:
+    ctx = unread.ctx
+    outer, ctx.place = ctx.place, unread.place
+    read_drawing(ctx, drawing)
+    ctx.place = outer
+    fields: Fields = {"drawing": drawing}
+    try:
+        return cast("Drawing", SfcNetwork.model_validate(fields).drawing)
+    except ValidationError as error:
         raise misfit(error, fields, unread.element, file=ctx.file, lines=ctx.lines, place=unread.place) from error
 
 

@@ -28,6 +28,11 @@ from plcopen_sfc.model.wiring import trace
 Line = tuple[Fields, Fields, str | None]
 """A line of an action block: the association, where it is drawn, and its ``localId``."""
 
+UNREAD = "unread"
+"""At a symbol or a line of a block: its element, where only what the chart does is read of it."""
+WIRES = "wires"
+"""At a symbol: the ids that the wires into it come from, where its pins are unread."""
+
 _NOTHING: Fields = {}
 
 
@@ -46,9 +51,9 @@ class DrawnChart:
         self.document_order: list[Fields] = []
         self.elements: dict[int, etree._Element] = {}
 
-    def place(self, element: etree._Element, fields: Fields) -> None:
+    def place(self, element: etree._Element, fields: Fields, local_id: str | None) -> None:
         """Take an element in: give it its id and its place in the order of the file."""
-        self.ids.claim(element, fields)
+        self.ids.claim(element, fields, local_id)
         self.document_order.append(fields)
         if "id" in fields:
             self.elements[fields["id"]] = element
@@ -69,19 +74,14 @@ class DrawnChart:
         self._resolve_jumps()
         self._resolve_wiring()
         self._check()
-        drawing: Fields = {"symbols": self.symbols, "places": self._places()}
+        # a tool that exports no layout puts everything at 0, 0
+        drawing: Fields = {"symbols": self.symbols, "places": Places.NONE if self.ctx.placeless else Places.GIVEN}
         if self.nodes:
             drawing["order"] = [entry["id"] for entry in self.document_order]
         if self.ctx.finish_chart is not None:
             self.ctx.finish_chart(self.ctx, {"transitions": self.transitions})
         self.chart.update(steps=self.steps, transitions=self.transitions, logic=self.nodes, drawing=drawing)
         return self.chart
-
-    def _places(self) -> Places:
-        """Return the kind of places: a tool that exports no layout puts everything at 0, 0."""
-        if self.ctx.placeless and not any(any(symbol.get("position", ())) for symbol in self.symbols):
-            return Places.NONE
-        return Places.GIVEN
 
     def _settle_references(self) -> None:
         """Give steps and transitions the ids of their symbols, now that all ids are known."""
@@ -94,8 +94,8 @@ class DrawnChart:
             return
         consumers: dict[int, int] = {}
         for holder in (*self.symbols, *self.nodes):
-            for connection in _connections(holder):
-                consumers[connection["source"]] = consumers.get(connection["source"], 0) + 1
+            for source in _sources(holder):
+                consumers[source] = consumers.get(source, 0) + 1
         wired: list[tuple[Fields, Fields, int]] = []
         symbol_of = {symbol["id"]: symbol for symbol in self.symbols}
         for transition in self.transitions:
@@ -135,7 +135,7 @@ class DrawnChart:
     def _resolve_blocks(self) -> None:
         steps = {step["id"]: step for step in self.steps}
         for symbol, element, entries in self.blocks:
-            owners = {c["source"] for c in _connections(symbol) if c["source"] in steps}
+            owners = {source for source in _sources(symbol) if source in steps}
             if len(owners) != 1:
                 self._keep_block(symbol, element, len(owners))
                 continue
@@ -215,10 +215,7 @@ class DrawnChart:
         kinds = {symbol["id"]: symbol["kind"] for symbol in self.symbols}
         wiring = trace(
             kinds,
-            {
-                s["id"]: [c["source"] for pin in s.get("inputs", ()) for c in pin.get("connections", ())]
-                for s in self.symbols
-            },
+            {symbol["id"]: _sources(symbol) for symbol in self.symbols},
             {s["id"]: s.get("target") for s in self.symbols if s["kind"] is SymbolKind.JUMP},
         )
         symbol_of = {symbol["id"]: symbol for symbol in self.symbols}
@@ -241,9 +238,9 @@ class DrawnChart:
     def _check(self) -> None:
         known = self.ids.used
         for holder in (*self.symbols, *self.nodes):
-            for connection in _connections(holder):
-                if connection["source"] not in known:
-                    self._leads_to_nothing("a connection", connection, holder)
+            for source in _sources(holder):
+                if source not in known:
+                    self._leads_to_nothing("a connection", source, holder)
         for transition in self.transitions:
             condition = transition.get("condition")
             if condition is None:
@@ -252,14 +249,14 @@ class DrawnChart:
                 wires = condition["input"].get("connections", ())
                 for connection in wires:
                     if connection["source"] not in known:
-                        self._leads_to_nothing("the wire of a condition", connection, transition)
+                        self._leads_to_nothing("the wire of a condition", connection["source"], transition)
                 if not wires and "expression" not in condition["input"]:
                     self._error("SFC112", "the condition of a transition is wired to nothing", transition)
         self._check_names()
         self._check_initial()
 
-    def _leads_to_nothing(self, what: str, connection: Fields, holder: Fields) -> None:
-        self._error("SFC102", f"{what} leads to element {connection['source']}, which does not exist", holder)
+    def _leads_to_nothing(self, what: str, source: int, holder: Fields) -> None:
+        self._error("SFC102", f"{what} leads to element {source}, which does not exist", holder)
 
     def _check_names(self) -> None:
         seen: dict[str, str] = {}
@@ -303,17 +300,18 @@ class DrawnChart:
         self.ctx.report(code, severity, message, element, subject)
 
 
-def _connections(holder: Fields) -> list[Fields]:
-    """Return all wires that end at an element, whatever its pins are."""
-    pins = holder.get("inputs", ())
-    if "kind" in holder and isinstance(holder["kind"], SymbolKind):
-        return [connection for pin in pins for connection in pin.get("connections", ())]
-    pins = [*pins]
-    if "input" in holder:
-        pins.append(holder["input"])
-    for group in (holder.get("parameters") or {}).values():
-        pins.extend(parameter["input"] for parameter in group if "input" in parameter)
-    return [connection for pin in pins for connection in pin.get("connections", ())]
+def _sources(holder: Fields) -> list[int]:
+    """Return the ids that the wires into an element come from, whatever its pins are."""
+    if WIRES in holder:
+        found: list[int] = holder[WIRES]
+        return found
+    pins = [*holder.get("inputs", ())]
+    if not isinstance(holder.get("kind"), SymbolKind):
+        if "input" in holder:
+            pins.append(holder["input"])
+        for group in (holder.get("parameters") or {}).values():
+            pins.extend(parameter["input"] for parameter in group if "input" in parameter)
+    return [wire["source"] for pin in pins for wire in pin.get("connections", ())]
 
 
 def _is_plain_expression(node: Fields) -> bool:

@@ -6,13 +6,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from lxml import etree
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.formats.plcopen.tc6_chart_meaning import DrawnChart, Line
+from plcopen_sfc.formats.plcopen.tc6_chart_meaning import UNREAD, WIRES, DrawnChart, Line
 from plcopen_sfc.formats.plcopen.tc6_networks import is_known, read_node, write_node
 from plcopen_sfc.formats.plcopen.tc6_pins import (
     geometry,
@@ -39,6 +39,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_flag,
     take_integer,
     take_required,
+    whole_number,
 )
 from plcopen_sfc.formats.plcopen.tc6_writing import (
     Tc6WriteContext,
@@ -52,7 +53,7 @@ from plcopen_sfc.formats.xml.extension_data import fields_left
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
-from plcopen_sfc.model.drawing import ActionEntry, Drawing, StepActionKind, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import ActionEntry, Drawing, Places, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import is_direct
@@ -91,24 +92,40 @@ class Tc6ChartReader:
             elif local in BARS:
                 self.read_bar(child, BARS[local])
             elif local and (node := read_node(self.ctx, child, local)) is not None:
-                self.drawn.place(child, node)
+                self.drawn.place(child, node, child.get("localId"))
                 self.drawn.nodes.append(node)
             else:
                 keep_element(self.ctx, self.drawn.chart, child)
         return self.drawn.interpret()
 
     def _symbol(self, element: etree._Element, kind: SymbolKind, left: dict[str, str]) -> Fields:
-        symbol: Fields = {"kind": kind}
-        self.drawn.place(element, symbol)
-        left.pop("localId", None)
+        symbol: Fields = {"kind": kind, UNREAD: element, WIRES: []}
+        self.drawn.place(element, symbol, left.pop("localId", None))
         if left:
             read_geometry(self.ctx, element, left, symbol)
         self.drawn.symbols.append(symbol)
         return symbol
 
+    def _children(self, element: etree._Element, symbol: Fields) -> Iterator[tuple[etree._Element, str | None]]:
+        """Yield the children of an element, with their names, but for its position and the pins of the flow.
+
+        Of these only the sources of wires are read; `read_drawing` reads the rest when a script looks at the drawing.
+        """
+        tags, wires, is_jump = self.ctx.tags, symbol[WIRES], symbol["kind"] is SymbolKind.JUMP
+        for child in element:
+            local = tags.get(child.tag)
+            if local == "connectionPointIn":
+                for wire in child:
+                    source = whole_number(wire.get("refLocalId")) if tags.get(wire.tag) == "connection" else None
+                    if source is not None:
+                        wires.append(source)
+            # TC6 gives a jump no output: one in a file is kept as extension data
+            elif local not in _PLACE or (is_jump and local == "connectionPointOut"):
+                yield child, local
+
     def read_step(self, element: etree._Element) -> None:
         """Read ``step``."""
-        ctx, tags = self.ctx, self.ctx.tags
+        ctx = self.ctx
         left = attributes(element)
         step: Fields = {"name": take_required(ctx, element, left, "name"), "actions": []}
         if "initialStep" in left:
@@ -117,13 +134,8 @@ class Tc6ChartReader:
             step["negated"] = take_flag(ctx, element, left, "negated")
         symbol = self._symbol(element, SymbolKind.STEP, left)
         step["symbol_fields"] = symbol
-        for child in element:
-            local = tags.get(child.tag)
-            if _read_place(ctx, symbol, child, local):
-                continue
-            if local == "connectionPointOutAction":
-                symbol["action_output"] = read_output(ctx, child)
-            else:
+        for child, local in self._children(element, symbol):
+            if local != "connectionPointOutAction":
                 read_common(ctx, step, child, local, "step")
         if left:
             keep_attributes(step, left)
@@ -132,16 +144,13 @@ class Tc6ChartReader:
 
     def read_macro_step(self, element: etree._Element) -> None:
         """Read ``macroStep``."""
-        ctx, tags = self.ctx, self.ctx.tags
+        ctx = self.ctx
         left = attributes(element)
         macro: Fields = {}
         step: Fields = {"name": left.pop("name", ""), "actions": [], "macro": macro}
         symbol = self._symbol(element, SymbolKind.MACRO_STEP, left)
         step["symbol_fields"] = symbol
-        for child in element:
-            local = tags.get(child.tag)
-            if _read_place(ctx, symbol, child, local):
-                continue
+        for child, local in self._children(element, symbol):
             if local == "body":
                 macro["body"] = self.read_body(ctx, child)
             else:
@@ -152,17 +161,14 @@ class Tc6ChartReader:
 
     def read_transition(self, element: etree._Element) -> None:
         """Read ``transition``."""
-        ctx, tags = self.ctx, self.ctx.tags
+        ctx = self.ctx
         left = attributes(element)
         transition: Fields = {}
         if "priority" in left:
             transition["priority"] = take_integer(ctx, element, left, "priority")
         symbol = self._symbol(element, SymbolKind.TRANSITION, left)
         transition["symbol_fields"] = symbol
-        for child in element:
-            local = tags.get(child.tag)
-            if _read_place(ctx, symbol, child, local):
-                continue
+        for child, local in self._children(element, symbol):
             if local == "condition":
                 self.read_condition(child, transition, symbol)
             else:
@@ -242,13 +248,8 @@ class Tc6ChartReader:
             keep_attributes(symbol, left)
 
     def _read_flow(self, element: etree._Element, symbol: Fields, owner: str) -> None:
-        ctx = self.ctx
-        for child in element:
-            local = ctx.tags.get(child.tag)
-            # TC6 gives a jump no output: one in a file is kept as extension data
-            extra = owner == "jumpStep" and local == "connectionPointOut"
-            if extra or not _read_place(ctx, symbol, child, local):
-                read_common(ctx, symbol, child, local, owner)
+        for child, local in self._children(element, symbol):
+            read_common(self.ctx, symbol, child, local, owner)
 
     def read_action_block(self, element: etree._Element) -> None:
         """Read ``actionBlock``. Its associations go to their step when all elements are known."""
@@ -257,10 +258,7 @@ class Tc6ChartReader:
         negated = take_flag(ctx, element, left, "negated")
         symbol = self._symbol(element, SymbolKind.ACTION_BLOCK, left)
         entries: list[Line] = []
-        for child in element:
-            local = ctx.tags.get(child.tag)
-            if _read_place(ctx, symbol, child, local):
-                continue
+        for child, local in self._children(element, symbol):
             if local == "action":
                 entries.append(self.read_action(child))
             else:
@@ -277,7 +275,7 @@ class Tc6ChartReader:
         ctx = self.ctx
         left = attributes(element)
         association: Fields = {}
-        entry: Fields = {}
+        entry: Fields = {UNREAD: element}
         local_id = left.pop("localId", None)
         qualifier = take_choice(ctx, element, left, "qualifier", QUALIFIERS)
         if qualifier is not None:
@@ -291,17 +289,11 @@ class Tc6ChartReader:
         read_geometry(ctx, element, left, entry)
         for child in element:
             local = ctx.tags.get(child.tag)
-            if local == "relPosition":
-                point = read_point(child)
-                if point is not None and any(point):
-                    entry["position"] = point
-            elif local == "reference":
+            if local == "reference":
                 association["target"] = child.get("name", "")
             elif local == "inline":
                 association["body"] = self.read_body(ctx, child)
-            elif local == "connectionPointOut":
-                entry["output"] = read_output(ctx, child)
-            else:
+            elif local not in _LINE_PLACE:
                 read_common(ctx, association, child, local, "action")
         if left:
             keep_attributes(association, left)
@@ -323,19 +315,54 @@ def _hand_over(thing: Fields, symbol: Fields) -> None:
         symbol["execution_order"] = thing.pop("execution_order")
 
 
-def _read_place(ctx: Tc6ReadContext, symbol: Fields, child: etree._Element, local: str | None) -> bool:
-    """Read what every symbol may have: its position, and the pins that the flow runs through."""
-    if local == "position":
-        point = read_point(child)
-        if point is not None:
-            symbol["position"] = point
-    elif local == "connectionPointIn":
-        symbol.setdefault("inputs", []).append(read_input(ctx, child))
-    elif local == "connectionPointOut":
-        symbol.setdefault("outputs", []).append(read_output(ctx, child))
-    else:
-        return False
-    return True
+_PLACE = frozenset({"position", "connectionPointOut"})
+_LINE_PLACE = frozenset({"relPosition", "connectionPointOut"})
+
+
+def read_drawing(ctx: Tc6ReadContext, drawing: Fields) -> None:
+    """Read what `Tc6ChartReader` left unread of a drawing. Its fields may have any value from extension data."""
+    symbols = [symbol for symbol in drawing["symbols"] if isinstance(symbol, dict)]
+    for symbol in symbols:
+        symbol.pop(WIRES, None)
+        element = symbol.pop(UNREAD, None)
+        if element is not None:
+            _read_symbol(ctx, symbol, element)
+        entries = symbol.get("entries")
+        for entry in entries if isinstance(entries, list) else ():
+            element = entry.pop(UNREAD, None) if isinstance(entry, dict) else None
+            if element is not None:
+                _read_line(ctx, entry, element)
+    if drawing["places"] is Places.NONE and any(any(symbol.get("position", ())) for symbol in symbols):
+        drawing["places"] = Places.GIVEN
+
+
+def _read_symbol(ctx: Tc6ReadContext, symbol: Fields, element: etree._Element) -> None:
+    pins: dict[str, list[Fields]] = {}
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        if local == "position":
+            point = read_point(child)
+            if point is not None:
+                symbol["position"] = point
+        elif local == "connectionPointIn":
+            pins.setdefault("inputs", []).append(read_input(ctx, child))
+        elif local == "connectionPointOut" and symbol["kind"] is not SymbolKind.JUMP:
+            pins.setdefault("outputs", []).append(read_output(ctx, child))
+        elif local == "connectionPointOutAction" and symbol["kind"] is SymbolKind.STEP:
+            symbol["action_output"] = read_output(ctx, child)
+    symbol.update(pins)
+
+
+def _read_line(ctx: Tc6ReadContext, entry: Fields, element: etree._Element) -> None:
+    """Read where a line of an action block is, and its output. At 0, 0 it has no place of its own."""
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        if local == "relPosition":
+            point = read_point(child)
+            if point is not None and any(point):
+                entry["position"] = point
+        elif local == "connectionPointOut":
+            entry["output"] = read_output(ctx, child)
 
 
 BodyWriter = Callable[[Tc6WriteContext, etree._Element, str, Body, dict[str, str]], None]

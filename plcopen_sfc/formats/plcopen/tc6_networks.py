@@ -218,7 +218,7 @@ def read_logic_body(ctx: Tc6ReadContext, element: etree._Element) -> list[Fields
         if node is None:
             keep_element(ctx, network, child)
         else:
-            ids.claim(child, node)
+            ids.claim(child, node, child.get("localId"))
             network["nodes"].append(node)
     ids.settle()
     return [network]

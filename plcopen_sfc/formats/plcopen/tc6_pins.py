@@ -159,9 +159,9 @@ class IdKeeper:
         self.late: list[Fields] = []
         self.last: int | None = None
 
-    def claim(self, element: etree._Element, fields: Fields) -> None:
-        """Set ``id`` from the ``localId`` of `element`; remember the object for `settle` where that cannot be."""
-        local_id = whole_number(element.get("localId"))
+    def claim(self, element: etree._Element, fields: Fields, text: str | None) -> None:
+        """Set ``id`` from `text`, the ``localId`` of `element`; remember it for `settle` where that cannot be."""
+        local_id = whole_number(text)
         if local_id is None:
             self.ctx.error("SFC107", f"<{etree.QName(element).localname}> has no usable localId", element)
             self.late.append(fields)

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -289,10 +288,12 @@ def take_number(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, st
 def whole_number(text: str | None) -> int | None:
     """Return a whole, non-negative number of at most 18 digits; None for any other text."""
     # str.isdigit() alone accepts digits of other scripts, and ².
-    return int(text) if text is not None and _WHOLE_NUMBER.fullmatch(text) else None
+    if text is None or not (digits := text if text.isdigit() else text.strip(" \t\r\n")).isascii():
+        return None
+    return int(digits) if digits.isdigit() and len(digits) <= _LONGEST else None
 
 
-_WHOLE_NUMBER = re.compile(r"[ \t\r\n]*[0-9]{1,18}[ \t\r\n]*")
+_LONGEST = 18
 
 
 def take_integer(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> int | None:
