@@ -91,7 +91,7 @@ def renamed_members(projects: tuple[Project, Project], left: Part, right: Part) 
 def _uses(project: Project) -> dict[int, Counter[str]]:
     """The places where each thing is used, by the id of its object; those of actions by their steps."""
     found: dict[int, Counter[str]] = {}
-    for occurrence in Names(project).everything():
+    for occurrence in Names(project).everything:
         declaration = occurrence.meaning.declaration
         path = ObjectPath.of(occurrence.text_site.report_path).parts
         # what a step does has the name of what is renamed in its path

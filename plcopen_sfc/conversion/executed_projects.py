@@ -151,6 +151,7 @@ class _Reader:
         self.global_names = {v.name.casefold() for section in self.project.global_sections() for v in section.variables}
 
     def read(self) -> Part:
+        self.names.text_sites()  # what looks for some words only has them then
         for declaration in self.project.data_types:
             if not isinstance(declaration.type, StructType) and not self.detail:
                 continue  # other types are compared where they are used, by what they stand for

@@ -120,11 +120,17 @@ def encode(
         copy, meant, options, behaviour = prepared(project, kind, options, report)
         with writing(kind):
             data = kind.codec(version).write(copy, options, report)
+        seen = None
+        if behaviour is not None and kind.ids and not same and as_tool_sees(data, kind) is data:
+            with writing(kind):  # the tool sees what is read back, and comparing that leaves it as it is
+                seen = read_document(data, format=name, path=None)
+                seen.read_all()
         if not (options.flavour and kind.text):  # what a flavour leaves out is for people, and not read back
-            verify(meant, kind, read_back(data, kind, version), report)
+            verify(meant, kind, seen if seen is not None else read_back(data, kind, version), report)
         called = names_in_the_source(project, copy)
     if behaviour is not None:
-        seen = read_document(data, format=name, path=None, as_tool=True)
+        if seen is None:
+            seen = read_document(data, format=name, path=None, as_tool=True)
         report_behaviour(report, project, behaviour, seen, called, tool=kind.tool, flavour=flavour, limit=limit)
     elif limit:
         _report_without_tool(report, project, data, kind, called, limit=limit)

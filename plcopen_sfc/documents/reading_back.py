@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import EncodingError, Location, ModelError, StructureError, UnsafeXmlError, XmlSyntaxError
@@ -53,12 +53,16 @@ def verify(project: Project, kind: Format, back: Project, report: ConversionRepo
     """Compare what was written with what is read `back`: what does not come back is lost, whatever was reported.
 
     What the written file has besides, such as an id that the format asks for, is `translated`.
-    Networks are compared by their meaning where the format draws them in its own way. `back` is changed by that.
+    Networks are compared by their meaning where the format draws them in its own way. Where the format has no ids,
+    `back` is numbered in order.
     """
-    if not kind.positions:
-        from plcopen_sfc.languages.networks.network_equality import keep_drawings  # noqa: PLC0415  # brings the parser
+    from plcopen_sfc.languages.networks.network_equality import same_drawings  # noqa: PLC0415  # brings the parser
 
-        keep_drawings(project, back)
+    with nullcontext() if kind.positions else same_drawings(project, back):
+        _report_differences(project, kind, back, report)
+
+
+def _report_differences(project: Project, kind: Format, back: Project, report: ConversionReport) -> None:
     if not kind.ids:
         project = numbered_in_order(project)
         number_in_order(back)

@@ -214,7 +214,7 @@ class PageIndex:
 
     def _find_references(self) -> None:
         names = Names(self.project)
-        for occurrence in names.everything():
+        for occurrence in names.everything:
             site, declaration = occurrence.text_site, occurrence.meaning.declaration
             if declaration is None or site.reading in (SiteKind.FOREIGN, SiteKind.DECLARATIONS):
                 continue

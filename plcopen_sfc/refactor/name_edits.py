@@ -328,4 +328,4 @@ def copy_pou(journal: Journal, project: Project, name: str, target: Project, nam
 
 
 def _uses_in(names: Names, pou: Pou) -> Iterator[Occurrence]:
-    return (each for each in names.everything() if each.text_site.site.pou is pou)
+    return (each for each in names.everything if each.text_site.site.pou is pou)

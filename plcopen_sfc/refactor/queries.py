@@ -226,7 +226,7 @@ def cross_references(project: Project, kind: str | None = Kind.VARIABLE) -> list
     if kind is not None and kind not in [*Kind]:
         raise ModelError(f"{kind!r} is no kind of declaration{nearest(kind, [*Kind])}")
     rows: list[dict[str, Any]] = []
-    for occurrence in Names(project).everything():
+    for occurrence in Names(project).everything:
         declaration = occurrence.meaning.declaration
         if declaration is not None and kind in (None, declaration.kind) and not occurrence.reference.declares:
             use = occurrence.use

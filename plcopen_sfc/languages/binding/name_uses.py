@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cached_property
 from itertools import chain
 
 from plcopen_sfc.errors import ModelError
@@ -126,11 +127,14 @@ class Names:
                     if reference.name.casefold() in keys:
                         yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
 
-    def everything(self) -> Iterator[Occurrence]:
+    @cached_property
+    def everything(self) -> list[Occurrence]:
         """Every name in every text."""
-        for text_site in self.text_sites():
-            for reference in references(text_site, self.dialect):
-                yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
+        return [
+            Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
+            for text_site in self.text_sites()
+            for reference in references(text_site, self.dialect)
+        ]
 
     def undeclared(self, pou: Pou | None = None) -> Iterator[Occurrence]:
         """The names in program text, of all POUs or of `pou`, that stand on their own and that nothing declares.
@@ -156,7 +160,7 @@ class Names:
 
     def undeclared_members(self) -> Iterator[Occurrence]:
         """The names behind dots that a type, a list or a block, which the project declares, does not have."""
-        for occurrence in self.everything():
+        for occurrence in self.everything:
             base, meaning = occurrence.reference.base, occurrence.meaning
             if base is not None and meaning.declaration is None and not meaning.doubt:
                 type_ = self.resolver.type_of(base, occurrence.text_site.site, occurrence.reference.name)
@@ -173,7 +177,7 @@ class Names:
         with_actions = callable_elsewhere or any(each.tasks or each.instances for each in self.project.resources())
         used: set[Declaration] = set()
         doubtful: set[str] = set()
-        for each in self.everything():
+        for each in self.everything:
             if each.reference.declares or each.reference.role in (Role.HEAD, Role.OBJECT):
                 continue
             if each.meaning.declaration is not None:
@@ -190,6 +194,8 @@ class Names:
     def text_sites(self, words: frozenset[str] = frozenset(), homes: Collection[Pou] | None = None) -> list[TextSite]:
         """Every text that may name something; with `words`, in charts that mention one of them: see `text_sites`."""
         key = words, frozenset(map(id, homes or ()))
+        if homes is None and _EVERY in self._text_sites:
+            key = _EVERY  # more than is asked for, but it is there
         if key not in self._text_sites:
             self._text_sites[key] = list(text_sites(self.project, words, homes))
         return self._text_sites[key]
@@ -253,6 +259,9 @@ class Names:
             for declaration in self.declarations(lambda pou: pou.name.casefold() == head):
                 found.setdefault(declaration.path.casefold(), []).append(declaration)
         return self._by_path[head].get(path.casefold(), [])
+
+
+_EVERY: tuple[frozenset[str], frozenset[int]] = frozenset(), frozenset()
 
 
 def _is_for_text(declaration: Declaration) -> bool:

@@ -7,6 +7,7 @@ it is wired to.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from plcopen_sfc.languages.networks.network_reading import network_statements
@@ -14,15 +15,17 @@ from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import LogicNetwork
+from plcopen_sfc.model.network import LogicNetwork, Node
 from plcopen_sfc.model.project import Project
 
 _ANNOTATIONS = ("extension_data", "global_id", "comment")
 """Fields of elements that nothing executes."""
 
 
-def keep_drawings(project: Project, other: Project) -> None:
-    """Replace the drawings of networks in `other` by those in `project` where both mean the same. Changes `other`."""
+@contextmanager
+def same_drawings(project: Project, other: Project) -> Iterator[None]:
+    """Let networks in `other` have the drawings of those in `project` that mean the same, as long as this is open."""
+    replaced: list[tuple[LogicNetwork, list[Node]]] = []
     pairs = zip(project.bodies(), other.bodies(), strict=False)  # a body may be missing in one: its drawing stays
     for body, found in ((body, found) for (name, _, body), (other_name, _, found) in pairs if name == other_name):
         if not isinstance(body, FbdBody | LdBody) or not isinstance(found, FbdBody | LdBody):
@@ -30,7 +33,13 @@ def keep_drawings(project: Project, other: Project) -> None:
         if body.language == found.language and len(body.networks) == len(found.networks):
             for one, network in zip(body.networks, found.networks, strict=True):
                 if one.nodes != network.nodes and mean_the_same(one, network, project.dialect):
+                    replaced.append((network, network.nodes))
                     network.nodes = one.nodes
+    try:
+        yield
+    finally:
+        for network, nodes in replaced:
+            network.nodes = nodes
 
 
 def mean_the_same(one: LogicNetwork, other: LogicNetwork, dialect: Dialect) -> bool:

@@ -96,5 +96,5 @@ def meanings(made: m.Project) -> list[tuple[object, bool]]:
             occurrence.meaning.declaration and id(occurrence.meaning.declaration.holder),
             bool(occurrence.meaning.doubt),
         )
-        for occurrence in Names(made).everything()
+        for occurrence in Names(made).everything
     ]
