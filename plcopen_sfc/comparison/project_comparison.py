@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.comparison.changes import Change, ChangeKind, ProjectDiff
 from plcopen_sfc.comparison.renamings import (
     Renaming,
@@ -29,6 +30,7 @@ from plcopen_sfc.semantics.profile import default_profile
 __all__ = ["diff"]
 
 
+@collecting_rarely()
 def diff(
     a: Project, b: Project, *, layout: bool = False, prove: bool = False, limit: float | str | None = None
 ) -> ProjectDiff:
