@@ -8,6 +8,7 @@
 `comparison`              differences between two such trees
 `adaptation`              a project in terms that the target executes
 `reporting`               differences as items of a `ConversionReport`; source and result run against each other
+`causes`                  what a run has shown, in words, with its cause
 """
 
 from plcopen_sfc.conversion.comparison import ExecutionDifference, compare

@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.conversion.causes import concerns, times_among, told_apart, told_difference, told_while_held
 from plcopen_sfc.conversion.comparison import ExecutionDifference
 from plcopen_sfc.conversion.executed_parts import (
     OPERATING_INPUT,
@@ -35,7 +36,7 @@ from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.types import SimpleValue, used_types
+from plcopen_sfc.model.types import used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import CHART_OF_ACTION, LOSSES, ORDER_OF_ACTIONS, ConversionReport, Item, Outcome
@@ -44,7 +45,7 @@ from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
 
 if TYPE_CHECKING:
-    from plcopen_sfc.analysis.verdict import Counterexample, Verdict
+    pass
 
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
@@ -81,7 +82,7 @@ def report_running(
     end = time.monotonic() + limit
     losses = [item for item in report.losses if not _is_apart(item)]
     for there, here in list(_pairs(source, result, called)):
-        named = {item.outcome for item in losses if _concerns(item, there.report_path)}
+        named = {item.outcome for item in losses if concerns(item, there.report_path)}
         if here is None or Outcome.NOT_EXECUTED in named:
             what = "what is not executed" if named else f"nothing in {tool} that has its name"
             report.compared[there.report_path] = f"not compared: the report names {what}"
@@ -112,13 +113,16 @@ def report_running(
             _note_untested(report, there.report_path, f"not run: {error.message}")
             continue
         if named:
-            told = _refused(verdict.counterexample, tool) if verdict.counterexample else str(verdict).splitlines()[0]
+            example = as_run.counterexample
+            told = told_difference(example, there, losses, profiles, tool) if example else str(as_run).splitlines()[0]
             report.compared[there.report_path] = f"{told}; what the report names as approximated is in it"
             continue
         if verdict.kind is VerdictKind.UNTESTED:
             _note_untested(report, there.report_path, *str(verdict).splitlines())
             continue
-        report.compared[there.report_path] = str(verdict).splitlines()[0]
+        report.compared[there.report_path] = str(as_run).splitlines()[0]
+        if not as_run.equal and verdict.equal:
+            report.compared[there.report_path] += "; the same but for the inputs that actions see, and the first scan"
         usual = 1 if profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result has passed other situations
         if verdict.kind is VerdictKind.PROVEN and abs(verdict.delay.scans) <= usual:
             _note_proven(report, there.report_path, STABILITY, "which fires transitions once in a scan")
@@ -126,34 +130,15 @@ def report_running(
             _note_proven(report, there.report_path, CHART_OF_ACTION, "which calls a block for the chart of the action")
             _note_proven(report, there.report_path, ORDER_OF_ACTIONS, "which executes actions in another order")
         if verdict.counterexample is not None:
-            why = _refused(verdict.counterexample, tool)
-            if any(i.what == ORDER_OF_ACTIONS and i.path == there.report_path for i in report.losses):
-                why += "; a cause is the order of actions, which the report names"
-            times, left = _times_among(verdict.inputs, there), end - time.monotonic()
+            why = told_difference(verdict.counterexample, there, report.losses, profiles, tool)
+            times, left = times_among(verdict.inputs, there), end - time.monotonic()
             if times and left > 0:
-                why += _told_while_held(compared(delay="auto", limit=left, fixed=times), times)
+                why += told_while_held(compared(delay="auto", limit=left, fixed=times), times)
             report.add(Outcome.APPROXIMATED, "chart", there.report_path, why)
         elif not as_run.equal:
             example = as_run.counterexample
-            why = _refused(example, tool) if example is not None else "it is not known to do the same"
-            report.add(Outcome.APPROXIMATED, "chart", there.report_path, why + _told_apart(profiles, tool))
-
-
-def _times_among(inputs: Iterable[str], chart: Chart) -> dict[str, str]:
-    """Return the inputs that are times of actions of a chart, each with a value: that of its start, or a second."""
-    durations = {(row.duration or "").casefold() for _, row in chart.chart.associations()}
-    known = {variable.name: variable.initial for variable in chart.pou.variables()}
-    initial = {name: known.get(name) for name in inputs if name.casefold() in durations}
-    return {name: (each.text if isinstance(each, SimpleValue) else None) or "T#1s" for name, each in initial.items()}
-
-
-def _told_while_held(verdict: Verdict, times: Mapping[str, str]) -> str:
-    """Return that both do the same while the times of actions keep their values; empty where they do not."""
-    if not verdict.equal:
-        return ""
-    held = " and ".join(f"`{name}` stays {value}" for name, value in times.items())
-    why = "tools differ in when they take up a new time of an action that runs"
-    return f"; while {held}, both are {str(verdict).splitlines()[0]}: {why}"
+            why = told_difference(example, there, (), profiles, tool) if example else "it is not known to do the same"
+            report.add(Outcome.APPROXIMATED, "chart", there.report_path, why + told_apart(profiles, tool))
 
 
 def _lasts(chart: Chart, project: Project, inputs: Iterable[str], *, has_other_inputs: bool) -> bool:
@@ -203,16 +188,6 @@ def _names_of_actions(chart: Chart, project: Project) -> Iterator[set[str]]:
         called = reached & pous.keys() - seen
         seen |= called
         waiting += [(pous[each], names_in(pous[each], project.dialect)) for each in called]
-
-
-def _told_apart(profiles: tuple[Profile, Profile], tool: str) -> str:
-    """Return why tools differ that are equal with actions that see earlier inputs, and a first scan at rest."""
-    sides = {True: "the source", False: tool}
-    early = [sides[each is profiles[0]] for each in profiles if each.order is ScanOrder.ACTIONS_FIRST]
-    if len(early) == 1:
-        return f"; {early[0]} executes the actions before the transitions, and so sees other inputs in them"
-    held = [sides[each is profiles[0]] for each in profiles if each.initial_situation_held]
-    return f"; {held[0]} tests no transition in its first scan" if len(held) == 1 else ""
 
 
 def _note_proven(report: ConversionReport, path: str, what: str, how: str) -> None:
@@ -265,22 +240,9 @@ def _pairs(source: Project, result: Project, called: Mapping[str, str]) -> Itera
             yield chart, found.get(chart.report_path.casefold())
 
 
-def _concerns(item: Item, path: str) -> bool:
-    """True if an item is of a chart or of something in it, or of the object that the chart is in."""
-    inside, place = f"{path} / ", f"{item.path} / "
-    return place.startswith(inside) or inside.startswith(place)
-
-
 def _is_apart(item: Item) -> bool:
     """True for a loss beside which a run shows more: a name that nothing declares is the same input on both sides."""
     return item.what in _APART or (item.what == UNDECLARED and item.outcome is Outcome.APPROXIMATED)
-
-
-def _refused(example: Counterexample, tool: str) -> str:
-    count = len(example.inputs)
-    scans = f"{count} scan{'' if count == 1 else 's'}"
-    shown = str(example.differences[0]).replace("in the first", "in the source").replace("in the second", f"in {tool}")
-    return f"it does something else after {scans}: {shown}"
 
 
 UNSAID = "; nothing was said of it while writing: please report this as a mistake of plcopen_sfc"

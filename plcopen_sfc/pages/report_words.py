@@ -807,6 +807,37 @@ _COMPARED = {
     "different after {} scans (shortest input trace)": "verschieden nach {} Zyklen (kürzeste Eingangsfolge)",
     "different after {} scan (shortest input trace)": "verschieden nach {} Zyklus (kürzeste Eingangsfolge)",
     "different after {} scans (an input trace)": "verschieden nach {} Zyklen (eine Eingangsfolge)",
+    "different after {} scan (shortest input trace, {+})": "verschieden nach {} Zyklus (kürzeste Eingangsfolge, {})",
+    "different after {} scans (shortest input trace, {+})": "verschieden nach {} Zyklen (kürzeste Eingangsfolge, {})",
+    "different after {} scans (an input trace, {+})": "verschieden nach {} Zyklen (eine Eingangsfolge, {})",
+    "compared with the {+}": "verglichen, {}",
+    "the same but for the inputs that actions see, and the first scan": (
+        "dasselbe bis auf die Eingänge, die Aktionen sehen, und den ersten Zyklus"
+    ),
+    "it does something else after {} scan": "es tut nach {} Zyklus etwas anderes",
+    "it does something else after {} scans": "es tut nach {} Zyklen etwas anderes",
+    "{} is {} in the source and {} in {}": "{} ist {} in der Quelle und {} in {}",
+    "{} is {} in the source {} scan before and {} in {}": "{} ist {} in der Quelle {} Zyklus zuvor und {} in {}",
+    "{} is {} in the source {} scans before and {} in {}": "{} ist {} in der Quelle {} Zyklen zuvor und {} in {}",
+    "{} differs, too": "auch {} ist anders",
+    "{} and {} differ, too": "auch {} und {} sind anders",
+    "a cause is the {+}, which the report names": "eine Ursache nennt der Bericht: {}",
+    "a cause is the {+} at {}, which the report names": "eine Ursache nennt der Bericht: {} bei {}",
+    "look at {} and {}": "siehe {} und {}",
+    "look at {}": "siehe {}",
+    "{} is written {+} in the source and {+} in {}": "{} wird {} in der Quelle und {} in {} geschrieben",
+    "in every scan": "in jedem Zyklus",
+    "only while its action is executed": "nur während der Ausführung seiner Aktion",
+    "only while an association decides on it": "nur wenn eine Aktionszuordnung darüber entscheidet",
+    "while {} stays {}, both are {+}: tools differ in when they take up a new time of an action that runs": (
+        "solange {} {} bleibt, sind beide {}: wann die neue Zeit einer laufenden Aktion gilt, ist anders"
+    ),
+    "{} executes the actions before the transitions, and so sees other inputs in them": (
+        "{} führt die Aktionen vor den Transitionen aus und sieht darin andere Eingänge"
+    ),
+    "{} tests no transition in its first scan": "{} prüft im ersten Zyklus keine Transition",
+    "it is not known to do the same": "ob es dasselbe tut, ist nicht bekannt",
+    "the source": "die Quelle",
     "only if something outside writes {}; while they keep their start values, both do the same": (
         "nur wenn etwas außerhalb {} schreibt; solange sie ihre Startwerte behalten, tun beide dasselbe"
     ),
@@ -861,13 +892,26 @@ _LINE = re.compile(r"line (\d+): ")
 """What begins a message about program text of several lines."""
 
 
+_RUN = ("it does something else after ", "different after ")
+"""Beginnings of what a run has shown, which goes on with causes."""
+_CLAUSE_END = re.compile(r"; (?![^(]*\))")
+
+
 @lru_cache(maxsize=4096)
 def german(message: str) -> str:
     """Return a message in German; itself where the table does not have it."""
     if message in GERMAN:
         return GERMAN[message]
+    if message.startswith(_RUN):
+        clauses = _CLAUSE_END.split(message)
+        head, colon, rest = clauses[0].partition(": ")
+        return "; ".join([f"{_by_pattern(head)}{colon}{german(rest)}", *map(german, clauses[1:])])
     if line := _LINE.match(message):
         return f"Zeile {line[1]}: {german(message[line.end() :])}"
+    return _by_pattern(message)
+
+
+def _by_pattern(message: str) -> str:
     for pattern, is_german, text in _patterns():
         if found := pattern.fullmatch(message):
             values = zip(found.groups(), is_german, strict=True)

@@ -12,6 +12,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.conversion.reporting import report_running
 from plcopen_sfc.errors import LossError
+from plcopen_sfc.pages.report_words import german
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.corpus import corpus_files
 from tests.samples import FIXTURES
@@ -43,20 +44,21 @@ def saved(project: sfc.Project, target: str, **options: Any) -> ConversionReport
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("project", "target"),
+    ("project", "target", "cause"),
     [
-        (chart("q(D, t);"), "simaticml"),
-        (chart("q(N);", "Set(P1);"), "codesys"),
-        (chart("q(N);", initial=" := TRUE"), "codesys"),
-        (chart("Zz(N); Aa(N);"), "codesys"),
+        (chart("q(D, t);"), "simaticml", "look at action q"),
+        (chart("q(N);", "Set(P1);"), "codesys", "a cause is the order of actions, which the report names"),
+        (chart("q(N);", initial=" := TRUE"), "codesys", "q is written in every scan in the source and only while"),
+        (chart("Zz(N); Aa(N);"), "codesys", "a cause is the order of actions, which the report names"),
     ],
     ids=["a time that changes", "N and an assignment", "TRUE at the start", "order of actions"],
 )
-def test_what_looks_the_same_and_acts_otherwise_is_approximated(project: sfc.Project, target: str) -> None:
+def test_what_looks_the_same_and_acts_otherwise_is_approximated(project: sfc.Project, target: str, cause: str) -> None:
     report = saved(project, target)
     (item,) = [item for item in report.losses if item.what == "chart"]
     assert (item.outcome, item.path) == (Outcome.APPROXIMATED, "POU Main")
     assert "it does something else after" in item.why
+    assert cause in item.why
     assert report.compared["POU Main"].startswith("different")
     assert ("while `t` stays T#1s, both are equal" in item.why) is (target == "simaticml")
     with pytest.raises(LossError):
@@ -84,6 +86,8 @@ def test_inputs_of_the_entry_and_of_the_first_scan_are_no_constant_delay(
     (item,) = [item for item in report.losses if item.what == "chart"]
     assert item.outcome is Outcome.APPROXIMATED
     assert why in item.why
+    assert report.compared["POU Main"].startswith("different")  # a proof beside that would say the opposite
+    assert german(item.why).startswith("es tut nach ")
 
 
 CALLED = """VAR_GLOBAL b : BOOL; END_VAR
@@ -117,7 +121,7 @@ END_FUNCTION_BLOCK
 def test_an_input_that_a_called_block_reads_is_no_constant_delay(call: str, value: str, reads_input: bool) -> None:
     project = sfc.loads(CALLED.format(call=call, value=value).encode(), format="iec-text")
     report = saved(project, "codesys")
-    assert report.compared["POU Main"].startswith("equal, second 1 scan later")
+    assert report.compared["POU Main"].startswith("different" if reads_input else "equal, second 1 scan later")
     assert ["CODESYS executes the actions before" in item.why for item in report.losses] == [True] * reads_input
 
 

@@ -103,6 +103,13 @@ class SharedScans:
                     return ".".join([self._names.get(named[0], named[0]), *named[1:]])
         return ""
 
+    def writes(self, row: Row, name: str) -> bool:
+        """True if an association may write a variable of this name, with or without what it is in."""
+        wanted = tuple(name.casefold().split("."))
+        return any(
+            path and (path == wanted[: len(path)] or path[:1] == wanted[-1:]) for path in self._effects(row).writes
+        )
+
     def sharing(self, rows: Sequence[Row]) -> list[tuple[Row, Row]]:
         """Return the pairs of rows, both ways round, of which one may write a variable that the other has, too."""
         writers: dict[str, list[int]] = {}

@@ -1,0 +1,139 @@
+"""Words for a difference that a run of source and target found, with its cause as far as that is known."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from plcopen_sfc.languages.binding import SharedScans
+from plcopen_sfc.model.project import Chart
+from plcopen_sfc.model.types import SimpleValue
+from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.report import Item
+from plcopen_sfc.semantics.profile import BooleanTargets, Profile, ScanOrder
+
+if TYPE_CHECKING:
+    from plcopen_sfc.analysis.verdict import Counterexample, Verdict
+
+
+def told_difference(
+    example: Counterexample, chart: Chart, losses: Sequence[Item], profiles: tuple[Profile, Profile], tool: str
+) -> str:
+    """Return what a chart of the source does otherwise in `tool`, and which of the `losses` explains that.
+
+    Where none does, the parts of the chart are named that determine what differs, or the rule of the tools that does.
+    """
+    count = len(example.inputs)
+    scans = f"{count} scan{'' if count == 1 else 's'}"
+    shown = str(example.differences[0]).replace("in the first", "in the source").replace("in the second", f"in {tool}")
+    more = [each.name.removesuffix(".X") for each in example.differences[1:] if not each.error]
+    others = f"; {_listed(more)} {'differs' if len(more) == 1 else 'differ'}, too" if more else ""
+    causes = _causes(example, chart, losses, _written_at(chart, profiles, tool))
+    return f"it does something else after {scans}: {shown}{others}{causes}"
+
+
+_WRITTEN = {
+    BooleanTargets.ALWAYS: "in every scan",
+    BooleanTargets.WHEN_EXECUTED: "only while its action is executed",
+    BooleanTargets.WHEN_DECIDED: "only while an association decides on it",
+}
+
+
+def _written_at(chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> Mapping[str, str]:
+    """Return by the names of Boolean variables that are actions when two tools write them; empty if both do alike."""
+    rules = [_WRITTEN[each.boolean_targets] for each in profiles]
+    if rules[0] == rules[1] or any(each.graph_parameters for each in profiles):
+        return {}
+    why = f"is written {rules[0]} in the source and {rules[1]} in {tool}"
+    rows = [row for _, row in chart.chart.associations() if row.target and row.body is None and row.value is None]
+    return {row.target: f"{row.target} {why}" for row in rows if row.target and not chart.pou.find_action(row.target)}
+
+
+def _causes(example: Counterexample, chart: Chart, losses: Sequence[Item], written: Mapping[str, str]) -> str:
+    found: dict[str, None] = {}
+    parts: dict[str, None] = {}
+    for name in (each.name for each in example.differences if not each.error):
+        places = dict.fromkeys(_places(name, example, chart))
+        for item in losses:
+            if _explains(item, name, places, chart.report_path):
+                part = "" if item.path == chart.report_path else f" at {ObjectPath.of(item.path).last}"
+                found[f"; a cause is the {item.what}{part}, which the report names"] = None
+        parts |= dict.fromkeys(ObjectPath.of(place).last for place in places)
+    if found:
+        return "".join([*found][:_LISTED])
+    for name in (each.name for each in example.differences if each.name in written):
+        return f"; {written[name]}"
+    return f"; look at {_listed([*parts])}" if parts else ""
+
+
+def _explains(item: Item, name: str, places: Iterable[str], chart: str) -> bool:
+    """True if an item is of the chart as a whole, of one of some `places` in it, or names what differs."""
+    if not concerns(item, chart):
+        return False
+    bare = re.escape(name.removesuffix(".X").rpartition(".")[2])
+    if item.path == chart or re.search(rf"\b{bare}\b", f"{item.path.rpartition(' / ')[2]} {item.why}"):
+        return True
+    return any(
+        f"{place} / ".startswith(f"{item.path} / ") or f"{item.path} / ".startswith(f"{place} / ") for place in places
+    )
+
+
+def _places(name: str, example: Counterexample, chart: Chart) -> Iterator[str]:
+    """Yield the paths of what determines something of a chart: transitions of a step, actions that write a variable."""
+    sfc, path = chart.chart, chart.report_path
+    step = next((each for each in sfc.steps if f"{each.name}.X" == name), None)
+    if step is not None:
+        labels = sfc.labels()
+        active = example.left.active(len(example.inputs) - 2) if len(example.inputs) > 1 else []
+        before = {each.id for each in sfc.steps if each.name in active or (not active and each.initial)}
+        for transition in sfc.transitions:
+            if step.id in (*transition.sources, *transition.targets) and before.issuperset(transition.sources):
+                yield f"{path} / transition {labels[transition.id]}"
+    elif chart.pou.project is not None:
+        scans = SharedScans(sfc, chart.pou, chart.pou.project.dialect)
+        for owner, row in sfc.associations():
+            if scans.writes((owner, row), name):
+                yield f"{path} / step {owner.name} / action {row.target or 'in place'}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return some names in one phrase."""
+    shown = [*names[:_LISTED], *([f"{len(names) - _LISTED} more"] if len(names) > _LISTED else [])]
+    return " and ".join(filter(None, [", ".join(shown[:-1]), shown[-1]]))
+
+
+_LISTED = 3
+
+
+def concerns(item: Item, path: str) -> bool:
+    """True if an item is of a chart or of something in it, or of the object that the chart is in."""
+    inside, place = f"{path} / ", f"{item.path} / "
+    return place.startswith(inside) or inside.startswith(place)
+
+
+def times_among(inputs: Iterable[str], chart: Chart) -> dict[str, str]:
+    """Return the inputs that are times of actions of a chart, each with a value: that of its start, or a second."""
+    durations = {(row.duration or "").casefold() for _, row in chart.chart.associations()}
+    known = {variable.name: variable.initial for variable in chart.pou.variables()}
+    initial = {name: known.get(name) for name in inputs if name.casefold() in durations}
+    return {name: (each.text if isinstance(each, SimpleValue) else None) or "T#1s" for name, each in initial.items()}
+
+
+def told_while_held(verdict: Verdict, times: Mapping[str, str]) -> str:
+    """Return that both do the same while the times of actions keep their values; empty where they do not."""
+    if not verdict.equal:
+        return ""
+    held = " and ".join(f"`{name}` stays {value}" for name, value in times.items())
+    why = "tools differ in when they take up a new time of an action that runs"
+    return f"; while {held}, both are {str(verdict).splitlines()[0]}: {why}"
+
+
+def told_apart(profiles: tuple[Profile, Profile], tool: str) -> str:
+    """Return why tools differ that are equal with actions that see earlier inputs, and a first scan at rest."""
+    sides = {True: "the source", False: tool}
+    early = [sides[each is profiles[0]] for each in profiles if each.order is ScanOrder.ACTIONS_FIRST]
+    if len(early) == 1:
+        return f"; {early[0]} executes the actions before the transitions, and so sees other inputs in them"
+    held = [sides[each is profiles[0]] for each in profiles if each.initial_situation_held]
+    return f"; {held[0]} tests no transition in its first scan" if len(held) == 1 else ""
