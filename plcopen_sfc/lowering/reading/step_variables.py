@@ -303,7 +303,7 @@ def asked_by_contacts(pou: Pou, net: Net) -> frozenset[int]:
         elif isinstance(thing, list):
             yield from (step for each in thing for step in asked(each))
 
-    return frozenset(step for _, _, body in pou.named_bodies() for step in asked(body) if isinstance(body, LdBody))
+    return frozenset(step for _, _, body in pou.named_bodies() if isinstance(body, LdBody) for step in asked(body))
 
 
 def bits_by_number(net: Net) -> dict[str, int]:
