@@ -311,6 +311,12 @@ def changes(
         for key in said:
             if key not in meant:
                 yield RemainderEntry((*path, key), DEFAULT, _instead(said[key], guarded))
+    elif isinstance(said, list) and isinstance(meant, list) and len(said) > len(meant) and _starts_alike(meant, said):
+        segments = _segments(said, [*meant, *said[len(meant) :]])
+        for one, other, segment in zip(said, meant, segments, strict=False):
+            yield from changes(one, other, (*path, segment), guarded=guarded)
+        for item, segment in reversed([*zip(said, segments, strict=True)][len(meant) :]):
+            yield RemainderEntry((*path, segment), DEFAULT, _instead(item, guarded))
     elif isinstance(said, list) and isinstance(meant, list) and _starts_alike(said, meant):
         for one, other, segment in zip(said, meant, _segments(said, meant), strict=False):
             yield from changes(one, other, (*path, segment), guarded=guarded)
@@ -434,6 +440,11 @@ def apply(fields: Fields, change: RemainderEntry) -> None:
             holder[last] = change.value
     elif isinstance(last, Append):
         holder.append(change.value)
+    elif change.value is DEFAULT:
+        index = _index(holder, last)
+        if change.instead is not None and holder[index] != change.instead:
+            raise StaleError(f"the text says {format_value(holder[index])} now")
+        del holder[index]
     else:
         holder[_index(holder, last)] = change.value
 

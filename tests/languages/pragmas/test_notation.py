@@ -108,6 +108,11 @@ def test_what_is_no_value_is_an_error_with_its_place(text: str) -> None:
         ),
         ({"v": [{"name": "x"}]}, {"v": []}, ["v := []"]),
         (
+            {"v": [{"name": "x"}, {"name": "y"}, {"name": "z"}]},
+            {"v": [{"name": "x", "n": 1}]},
+            ["v[x].n := 1", "v[z] := DEFAULT", "v[y] := DEFAULT"],
+        ),
+        (
             {"v": [{"name": "Globals_1", "n": [1, 2]}]},
             {"v": [{"n": [1, 2]}]},
             ["v[0].name := DEFAULT FOR 'Globals_1'"],
@@ -130,6 +135,18 @@ def test_a_change_for_another_text_is_stale() -> None:
     assert known == {"text": "T#1s0ms"}
     with pytest.raises(StaleError, match="'T#2s'"):
         apply({"text": "T#2s"}, change)
+
+
+def test_what_the_text_has_behind_the_items_of_a_list_is_taken_out() -> None:
+    text = {"pous": [{"name": "Main", "kind": "functionBlock"}, {"name": "Task"}]}
+    meant = {"pous": [{"name": "Main", "kind": "program"}]}
+    lines = [str(change) for change in changes(text, meant, guarded=True)]
+    assert lines == ["pous[Main].kind := 'program' FOR 'functionBlock'", "pous[Task] := DEFAULT FOR (name := 'Task')"]
+    for line in lines:
+        apply(text, parse_change(line))
+    assert text == meant
+    with pytest.raises(StaleError, match="'other'"):
+        apply({"pous": [{"name": "Task", "comment": "other"}]}, parse_change(lines[-1]))
 
 
 @pytest.mark.parametrize("text", ["a.b := 1", "a[3] := 1", "a[x].y := 1", "a[#7].y := 1", "a[] := 1"])
