@@ -97,7 +97,7 @@ def keys_of(project: Project, change: RemainderEntry) -> Iterator[str | int]:
             name = change.value.get("name")
         named = (index for index, item in enumerate(thing) if name is not None and getattr(item, "name", None) == name)
         index = segment if isinstance(segment, int) else next(named, None)
-        if index is None:
+        if index is None or index >= len(thing):  # what is taken out is not there any more
             return
         thing = thing[index]
         yield index
