@@ -59,7 +59,7 @@ def test_networks_that_were_written_and_read_again_are_proven_too(language: str,
 
 def test_what_is_not_known_is_refused() -> None:
     original = project()
-    for wrong in ({"construction": "magic"}, {"style": "baroque"}, {"language": "IL"}, {"lang": "fr"}):
+    for wrong in ({"construction": "magic"}, {"style": "baroque"}, {"language": "CFC"}, {"lang": "fr"}):
         with pytest.raises(LoweringError, match="There are: "):
             lower(original, **wrong)
     with pytest.raises(LoweringError, match="cannot be drawn in FBD"):
