@@ -503,6 +503,9 @@ _TRANSLATED = {
     "the exit action: the step has its statements, as other steps have this action too": (
         "die Ausgangsaktion: der Schritt hat ihre Anweisungen, denn auch andere Schritte haben diese Aktion"
     ),
+    "the boxes drawn before conditions are called there, as if enabled transitions alone called them": (
+        "die vor Bedingungen gezeichneten Boxen werden dort aufgerufen, als täten es nur freigegebene Transitionen"
+    ),
     "it is the function {}, with the variables of the block that it uses": (
         "sie ist die Funktion {}, mit den Variablen des Bausteins, die sie benutzt"
     ),

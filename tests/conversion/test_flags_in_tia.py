@@ -72,6 +72,18 @@ def test_flags_are_obeyed(flags: tuple[str, ...]) -> None:
     assert verdict.proven, verdict
 
 
+def test_flags_of_a_file_that_names_its_tool_are_obeyed() -> None:
+    """The statements for flags belong to the copy that is written, which was copied once more for such a file."""
+    source = chart_with("SFCPause")
+    source.header.product = "CODESYS"
+    data, report = converted(source)
+    assert losses(report) == []
+    seen = sfc.loads(data, format="simaticml", as_tool=True).pou("Main")
+    assert seen.chart.permanent_post
+    assert "SFC_stops" in {variable.name for variable in seen.variables()}
+    assert len(sfc.loads(data, format="simaticml").pou("Main").chart.transitions) == 4
+
+
 @pytest.mark.parametrize("flags", [("SFCInit",), ("SFCInit", "SFCPause")], ids=" ".join)
 def test_nothing_of_the_initial_step_is_executed_during_sfcinit(flags: tuple[str, ...]) -> None:
     source = chart_with(*flags, idle="q(N);", work="")

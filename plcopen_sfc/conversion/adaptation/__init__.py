@@ -6,6 +6,7 @@
 `sequencer_rewriting` what a block of S7-GRAPH does beside its steps
 `global_variables`    tags, data blocks and lists of global variables
 `chart_rewriting`     a chart that is being rewritten
+`flag_transitions`    SFC flags of CODESYS in S7-GRAPH, with `boxes_before_conditions` for timers and edges
 `grafcet_charts`      GRAFCETs in the words of sequential function charts
 `grafcet_hierarchy`   partial charts, forcing orders, enclosing steps and macro-steps as one chart
 

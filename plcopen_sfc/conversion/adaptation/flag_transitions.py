@@ -229,7 +229,7 @@ class _FlagRewriter:
 
     def _rest(self, flags: Collection[SfcFlag]) -> Step:
         rest = self._added_step(f"{SfcFlag.INIT.variable}_holds")
-        self._lead(rest, self._initial, _all([f"NOT {_INIT}", f"NOT {_PAUSE}" if SfcFlag.PAUSE in flags else ""]))
+        self._lead(rest, self._initial, all_of([f"NOT {_INIT}", f"NOT {_PAUSE}" if SfcFlag.PAUSE in flags else ""]))
         return rest
 
     def _hold(self, flags: Collection[SfcFlag]) -> None:
@@ -243,7 +243,7 @@ class _FlagRewriter:
             others = [f"NOT {text}" for flag, text in ((SfcFlag.INIT, _INIT), (SfcFlag.RESET, _RESET)) if flag in flags]
             stops = self._memory("SFC_stops")
             waits = self._memory(f"{SfcFlag.PAUSE.variable}_before")
-            self.lines.append(f"{stops} := {_all([_PAUSE, *others])};")
+            self.lines.append(f"{stops} := {all_of([_PAUSE, *others])};")
         rises = SfcFlag.INIT in flags and not self._has_rest
         init = self._memory(f"{SfcFlag.INIT.variable}_before") if rises else ""
         tips = not _TIPPING.isdisjoint(flags)
@@ -253,19 +253,19 @@ class _FlagRewriter:
             if not (stops or is_first or tips):
                 continue
             text = self._texts[transition.id] or "TRUE"
-            text = _all([text, f"NOT {_TIP_MODE}" if SfcFlag.TIP_MODE in flags else ""])
+            text = all_of([text, f"NOT {_TIP_MODE}" if SfcFlag.TIP_MODE in flags else ""])
             text = f"({text}) OR ({pushed})" if pushed else text
             fires = [text, *(f"NOT {each}" for each in (waits, init if is_first or stops else "") if each)]
-            condition = _all(fires)
+            condition = all_of(fires)
             if stops:
                 found = self._memory(f"{self._chart.label(transition).replace(' -> ', '_to_')}_waits")
-                names = [step.name for step in self._chart.steps if step.id in transition.sources]
-                now = _all([*(f'#"{name}".X' if needs_quotes(name) else f"#{name}.X" for name in names), *fires])
+                left = [step for step in self._chart.steps if step.id in transition.sources]
+                now = all_of([*map(step_flag, left), *fires])
                 self.lines.append(f"{found} := {stops} AND (({waits} AND {found}) OR ({now}));")
-                condition = _all([f"({condition}) OR ({waits} AND {found})", f"NOT {_PAUSE}"])
+                condition = all_of([f"({condition}) OR ({waits} AND {found})", f"NOT {_PAUSE}"])
             if is_first:
                 held = [_INIT] * rises + [_RESET] * (SfcFlag.RESET in flags)
-                condition = _all([condition, *(f"NOT {text}" for text in held)])
+                condition = all_of([condition, *(f"NOT {text}" for text in held)])
             transition.condition = Expression(text=condition)
             place = f"transition {self._chart.label(transition)}"
             self._note(Outcome.TRANSLATED, "condition", place, "it obeys the SFC flags of the chart")
@@ -288,7 +288,7 @@ class _FlagRewriter:
         stopped = [f"NOT {text}" for text in (stops, _INIT if SfcFlag.INIT in flags else "") if text]
         return f"{_TIP} AND NOT {before}", [
             f"{before} := ({tests} AND {_TIP}) OR ({before} AND NOT {tests});",
-            f"{tests} := {_all(stopped)};",
+            f"{tests} := {all_of(stopped)};",
         ]
 
     def _end_stored(self, flags: Collection[SfcFlag]) -> None:
@@ -377,7 +377,12 @@ _INIT, _RESET, _PAUSE, _TIP, _TIP_MODE = (
 )
 
 
-def _all(terms: Iterable[str]) -> str:
+def step_flag(step: Step) -> str:
+    """Return the flag of a step in texts of S7-GRAPH."""
+    return f'#"{step.name}".X' if needs_quotes(step.name) else f"#{step.name}.X"
+
+
+def all_of(terms: Iterable[str]) -> str:
     """Return the conjunction of expressions; empty ones do not count."""
     found = [term for term in terms if term not in ("", "TRUE")]
     simple = [term if re.fullmatch(r'(NOT )?#[\w."]+', term) else f"({term})" for term in found]

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 
+from plcopen_sfc.conversion.adaptation.boxes_before_conditions import execute_boxes, has_boxes
 from plcopen_sfc.conversion.adaptation.chart_rules import CHART_RULES, needs_rewriting, report_orders, rewrite_charts
 from plcopen_sfc.conversion.adaptation.flag_transitions import execute_flags, has_flags
 from plcopen_sfc.conversion.adaptation.global_variables import (
@@ -54,7 +55,7 @@ def rewrite_project(
     """
     host = kind.charts
     if host is None:
-        return _with_flags(project, options, report) if kind.flags_as_conditions else (project, {})
+        return _in_terms_of_graph(project, options, report) if kind.flags_as_conditions else (project, {})
     adaptation = ProjectAdaptation(project, project, host, options, report)
     for rule in RULES:
         if not rule.keeps_source and rule.applies(adaptation):
@@ -67,12 +68,16 @@ def rewrite_project(
     return adaptation.project, adaptation.marks
 
 
-def _with_flags(project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
-    """Return a copy in which conditions obey SFC flags; `project` itself where it has none."""
-    if not has_flags(project, options):
+def _in_terms_of_graph(project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
+    """Return a copy in which conditions obey SFC flags and have no boxes; `project` itself where it has neither."""
+    flags, boxes = has_flags(project, options), has_boxes(project, options)
+    if not flags and not boxes:
         return project, {}
     copy, marks = project.model_copy(deep=True), SourceMarks()
-    execute_flags(copy, project, options, report, marks)
+    if flags:
+        execute_flags(copy, project, options, report, marks)
+    if boxes:
+        execute_boxes(copy, project, report, marks)
     return copy, marks
 
 

@@ -407,11 +407,12 @@ class SimaticmlCodec(FolderCodec):
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         """Return the tree of the document for `project`."""
-        version = _version(project, options)
-        if markup_of(project) is not Markup.SIMATICML:
-            project = project.model_copy(deep=True)
-            exchange_markup(project, markup_of(project), Markup.SIMATICML)
-        return write_project(project, version, report, options)
+        version, own = _version(project, options), markup_of(project)
+        exchange_markup(project, own, Markup.SIMATICML)  # no copy: `options.marks` names its objects by their ids
+        try:
+            return write_project(project, version, report, options)
+        finally:
+            exchange_markup(project, Markup.SIMATICML, own)
 
     def style(self) -> XmlStyle:
         """As TIA Portal writes: UTF-8 with a mark, CRLF, two blanks, ``<a />``."""

@@ -1,0 +1,159 @@
+"""Timers and edges drawn before conditions as permanent instructions of S7-GRAPH, whose transitions have no such boxes.
+
+IEC 61131-3 executes what is drawn before a condition while its transition is enabled. A permanent instruction is
+executed in every cycle, and a timer in LAD has no EN. So the box gets its input while the transition is enabled, and
+keeps the one that it has otherwise: TON, TOF, TP and edges do then what they do where nothing calls them::
+
+    #t(IN := (#Fill.X AND #a) OR (NOT #Fill.X AND #t.IN), PT := T#5s);
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from plcopen_sfc.conversion.adaptation.flag_transitions import all_of, step_flag
+from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions
+from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
+from plcopen_sfc.languages.networks import Helper, condition_reader, draw_ld, feeding_nodes
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_statements, print_node
+from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.model.body import LdBody
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.network import Node
+from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.sfc import PermanentOperation, SfcNetwork, Transition
+from plcopen_sfc.model.types import DataType, DerivedType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_INPUTS = {"TON": "IN", "TOF": "IN", "TP": "IN", "R_TRIG": "CLK", "F_TRIG": "CLK"}
+"""The blocks that do nothing while their input stays, and this input."""
+_WHY = "the boxes drawn before conditions are called there, as if enabled transitions alone called them"
+
+
+class _Moved(NamedTuple):
+    """A transition with boxes before its condition: the condition without them, and the networks that call them.
+
+    `helpers`: instances of edges, which the source does not declare.
+    """
+
+    transition: Transition
+    condition: str
+    networks: LdBody
+    helpers: Sequence[Helper]
+
+
+def has_boxes(project: Project, options: WriteOptions) -> bool:
+    """True if `execute_boxes` changes a chart."""
+    is_other = not options.same and not options.of_matiec and not options.of_graph
+    return is_other and any(_moved(chart) for chart in project.charts())
+
+
+def execute_boxes(project: Project, source: Project, report: ConversionReport, marks: SourceMarks) -> None:
+    """Put the boxes before conditions of `project`, a copy of `source` in SCL, into permanent instructions."""
+    for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
+        found = _moved(chart)
+        if not found:
+            continue
+        fed = [id(node) for each in found for node in _feeding(chart.chart, each.transition)]
+        for helper in {helper.name: helper for each in found for helper in each.helpers}.values():
+            _declare(chart, helper, marks)
+        for moved in found:
+            chart.chart.permanent_pre.append(PermanentOperation(body=moved.networks))
+            moved.transition.condition = Expression(text=moved.condition)
+            place = f"{chart.report_path} / transition {chart.chart.label(moved.transition)}"
+            report.add(Outcome.TRANSLATED, "condition", place, _WHY)
+        others = {id(node) for each in chart.chart.transitions for node in _feeding(chart.chart, each)}
+        chart.chart.logic = [node for node in chart.chart.logic if id(node) not in fed or id(node) in others]
+        report.add(Outcome.TRANSLATED, "permanent instruction before the sequence", chart.report_path, _WHY)
+        marks.setdefault(id(chart.chart), {})[SOURCE_CHART_FIELD] = before.chart
+
+
+def _feeding(chart: SfcNetwork, transition: Transition) -> list[Node]:
+    return feeding_nodes(chart, transition.condition, Dialect.SCL)
+
+
+def _declare(chart: Chart, helper: Helper, marks: SourceMarks) -> None:
+    """Declare a variable that the source does not have."""
+    pou = chart.pou
+    if pou.interface is None:
+        pou.interface = Interface()
+    variable = Variable(name=helper.name, type=DerivedType(name=helper.type_name or "R_TRIG"))
+    pou.interface.sections.append(VariableSection(kind=SectionKind.LOCAL, variables=[variable]))
+    marks.setdefault(id(pou), {}).setdefault("variables", []).append(variable)
+
+
+def _moved(chart: Chart) -> list[_Moved]:
+    """Return the transitions whose boxes can be called elsewhere; none where those of one cannot."""
+    if chart.chart is not chart.pou.chart:
+        return []
+    read = condition_reader(chart.chart, Dialect.SCL, transitions=chart.pou.transitions)
+    instances = {f"#{variable.name}": _block(variable.type) for variable in chart.pou.variables()}
+    tried: list[tuple[Transition, str]] = []
+    result: list[_Moved] = []
+    for transition in sorted(chart.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
+        found = read(transition.condition) if transition.condition is not None else None
+        if found is None or found.tree is None or found.obstacles or not found.complete:
+            return []
+        text = print_node(found.tree, Dialect.SCL)
+        if found.before:
+            known = {f"#{each.name}": each.type_name or "" for each in found.helpers}
+            if not set(known.values()) <= _INPUTS.keys():
+                return []
+            instances |= known
+            body = _networks(found.before, _enabled(chart, transition, tried), instances)
+            if body is None:
+                return []
+            result.append(_Moved(transition, text, body, found.helpers))
+        tried.append((transition, text))
+    return result
+
+
+def _enabled(chart: Chart, transition: Transition, tried: Sequence[tuple[Transition, str]]) -> str:
+    """Return when a condition is tested: its steps are active, and no competing transition before it fires."""
+    flags = {step.id: step_flag(step) for step in chart.chart.steps}
+    terms = [flags[source] for source in transition.sources if source in flags]
+    for other, text in tried:
+        if not set(other.sources).isdisjoint(transition.sources):
+            more = [flags[source] for source in other.sources if source not in transition.sources]
+            terms.append(f"NOT ({all_of([*more, text])})")
+    return all_of(terms)
+
+
+def _networks(before: Sequence[n.Statement], enabled: str, instances: dict[str, str]) -> LdBody | None:
+    """Return the networks that call boxes in every cycle as if only an enabled transition called them."""
+    lines: list[str] = []
+    for statement in before:
+        call = statement.call if isinstance(statement, n.CallStatement) else None
+        name = print_node(call.callee, Dialect.SCL) if isinstance(call, n.Call) else ""
+        held = _INPUTS.get(instances.get(name, ""))
+        if not isinstance(call, n.Call) or held is None:
+            return None
+        passed: list[str] = []
+        for argument in call.arguments:
+            if argument.name is None or argument.value is None or argument.output:
+                return None
+            pin, value = argument.name.identifier.upper(), print_node(argument.value, Dialect.SCL)
+            if pin == held:
+                value = f"({enabled} AND ({value})) OR (NOT ({enabled}) AND {name}.{held})"
+            elif not isinstance(argument.value, n.Literal):
+                return None  # another time would count while nothing calls the timer
+            passed.append(f"{pin} := {value}")
+        lines.append(f"{name}({', '.join(passed)});")
+    drawn = draw_ld(parse_statements("\n".join(lines), Dialect.SCL).tree.statements, _rules(instances))
+    return drawn.body if not drawn.problems else None
+
+
+def _rules(instances: dict[str, str]) -> DrawingRules:
+    variables = [Variable(name=name, type=DerivedType(name=block)) for name, block in instances.items() if block]
+    return declared_rules(variables, Dialect.SCL, Tool.S7)
+
+
+def _block(kind: DataType) -> str:
+    """Return the name of a block of `_INPUTS` that a type is; empty for any other."""
+    name = kind.name.upper().removesuffix("_TIME") if isinstance(kind, DerivedType) else ""
+    return name if name in _INPUTS else ""
