@@ -159,6 +159,22 @@ def test_step_numbers_are_kept() -> None:
     assert step_numbers(Net.of(training_chain().sfc or m.SfcNetwork())) == [1, 2, 3, 4]
 
 
+@pytest.mark.parametrize(
+    ("arcs", "numbers"),
+    [
+        ("Init>S1 S1>S2 S2>Init", [0, 1, 2]),
+        ("Init>S0 S0>S1 S1>Init", [2, 0, 1]),
+        ("Init>Fill Fill>Drain Drain>Init", [1, 2, 3]),
+    ],
+)
+def test_an_initial_step_without_a_number_is_before_those_that_have_one(arcs: str, numbers: list[int]) -> None:
+    chart = chart_of(arcs, "Init")
+    assert step_numbers(Net.of(chart)) == numbers
+    lowered = lower(project(chain(arcs)))
+    assert lowered.proof is not None
+    assert lowered.proof.kind is VerdictKind.PROVEN
+
+
 def test_big_numbers_need_a_bigger_type() -> None:
     pou = chain("S1>S40000 S40000>S1")
     lowered = lower(project(pou))

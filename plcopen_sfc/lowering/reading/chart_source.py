@@ -17,7 +17,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import RuledChart
-from plcopen_sfc.semantics.net import Net
+from plcopen_sfc.semantics.net import Net, indexes
 
 
 @dataclass(frozen=True)
@@ -308,7 +308,8 @@ _SPARE = 100_000
 def step_numbers(net: Net) -> list[int]:
     """Return a number for each step: its own, else that in its name (``S3``), else the next one that is free.
 
-    Of steps that have the same number the first one keeps it.
+    Of steps that have the same number the first one keeps it. An initial step without one, such as ``Init`` before
+    ``S1``, has 0.
     """
     wanted = [
         step.step.number if step.step.number is not None else number_in_name(step.step.name) for step in net.steps
@@ -317,6 +318,10 @@ def step_numbers(net: Net) -> list[int]:
     for step, number in enumerate(wanted):
         if number is not None and 0 <= number < _LARGEST_DINT - _SPARE:
             kept.setdefault(number, step)
+    first = next(indexes(net.initial), None)
+    by_name = all(step.step.number is None for step in net.steps)
+    if by_name and 1 in kept and first is not None and wanted[first] is None:
+        kept.setdefault(0, first)
     numbers = {step: number for number, step in kept.items()}
     free = (number for number in count(1) if number not in kept)
     return [numbers[step] if step in numbers else next(free) for step in range(len(wanted))]
