@@ -39,7 +39,7 @@ from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.types import used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import CHART_OF_ACTION, LOSSES, ORDER_OF_ACTIONS, ConversionReport, Item, Outcome
+from plcopen_sfc.report import CHART_OF_ACTION, FALLING_EDGE, LOSSES, ORDER_OF_ACTIONS, ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
-_APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, CHART_OF_ACTION, ORDER_OF_ACTIONS}
+_APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
 _APART |= {"retain", "address", "interval", "max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
 the chart of a GRAFCET may have no step that is only passed, and begins one scan later. A block for the chart of an
@@ -129,6 +129,7 @@ def report_running(
         if verdict.kind is VerdictKind.PROVEN:
             _note_proven(report, there.report_path, CHART_OF_ACTION, "which calls a block for the chart of the action")
             _note_proven(report, there.report_path, ORDER_OF_ACTIONS, "which executes actions in another order")
+            _note_proven(report, there.report_path, FALLING_EDGE, "which sees another first edge of F_TRIG")
         if verdict.counterexample is not None:
             why = told_difference(verdict.counterexample, there, report.losses, profiles, tool)
             times, left = times_among(verdict.inputs, there), end - time.monotonic()

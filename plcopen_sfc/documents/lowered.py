@@ -51,7 +51,7 @@ from plcopen_sfc.model.project import PouInstance, Project
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.processes import results
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import FALLING_EDGE, ConversionReport, Outcome
 
 
 @dataclass(frozen=True)
@@ -231,7 +231,13 @@ class _Draft:
             refuse_uncompiled(self.report, seen, lowered)
             if options is None:
                 return lowered
-            proof = prove_written(chart, lowered, seen, self._loaded, **options.searching)
+            try:
+                proof = prove_written(chart, lowered, seen, self._loaded, **options.searching)
+            except LoweringError as error:
+                for item in self.report.with_outcome(Outcome.APPROXIMATED):
+                    if item.what == FALLING_EDGE and item.path == chart.pou.report_path:
+                        error.hint = f"A cause: {item.why}. R_TRIG with the negated input does the same in both."
+                raise
             refuse_untested(lowered.name, proof, accepted=options.accept_untested)
         return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
 

@@ -25,8 +25,8 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.text import is_direct
-from plcopen_sfc.model.types import Elementary, ElementaryType
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.model.types import Elementary, ElementaryType, used_types
+from plcopen_sfc.report import FALLING_EDGE, ConversionReport, Outcome
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import (
     PROFILES,
@@ -63,6 +63,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if kind.tool and not options.same:
         _note_wider_arithmetic(project, kind, dialect, report)
         _note_operands(project, kind, report)
+        _note_falling_edges(project, kind, dialect, report)
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
@@ -295,6 +296,26 @@ def _note_operands(project: Project, kind: Format, report: ConversionReport) -> 
                 why = f"`{row.target}` is of the type {type_.value}, and an action is a Boolean variable in {kind.tool}"
                 path = f"{chart.report_path} / step {step.name} / action {row.target}"
                 report.add(Outcome.NOT_EXECUTED, "action", path, why)
+
+
+def _note_falling_edges(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
+    """Report blocks with F_TRIG where only one of two tools sees an edge in its first call with FALSE.
+
+    IEC 61131-3 ed. 3, table 44: it is one. TIA Portal help: F_TRIG compares with the last call, at first FALSE.
+    """
+    if dialect is None or (dialect is Dialect.SCL) is (project.dialect is Dialect.SCL):
+        return
+    own = {pou.name.casefold() for pou in project.pous}
+    for pou in project.pous if _FALLING not in own else ():
+        found = [v.name for v in pou.variables() if _FALLING in map(str.casefold, used_types(v.type))]
+        if found:
+            sides = ("in the source", f"in {kind.tool}")
+            here, there = sides if dialect is Dialect.SCL else sides[::-1]
+            why = f"the first call of {found[0]} with FALSE is a falling edge {here} and none {there}"
+            report.add(Outcome.APPROXIMATED, FALLING_EDGE, pou.report_path, why)
+
+
+_FALLING = "f_trig"
 
 
 _SWITCHING = frozenset(Qualifier) - {Qualifier(name) for name in "CALL ON OFF CS CU CD CR TL TD TR TF".split()}

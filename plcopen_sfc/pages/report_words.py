@@ -68,6 +68,7 @@ _KINDS = {
     "name": "Name",
     "named transition": "benannte Transition",
     "order of actions": "Reihenfolge der Aktionen",
+    "falling edge": "fallende Flanke",
     "negation": "Negation",
     "network": "Netzwerk",
     "number": "Nummer",
@@ -774,6 +775,15 @@ _TRANSLATED = {
     ),
     "no step has it and no program calls it: nothing executes it in the source either": (
         "kein Schritt hat sie und kein Programm ruft sie auf: auch in der Quelle führt sie nichts aus"
+    ),
+    "the first call of {} with FALSE is a falling edge in the source and none in {}": (
+        "der erste Aufruf von {} mit FALSE ist in der Quelle eine fallende Flanke, in {} keine"
+    ),
+    "the first call of {} with FALSE is a falling edge in {} and none in the source": (
+        "der erste Aufruf von {} mit FALSE ist in {} eine fallende Flanke, in der Quelle keine"
+    ),
+    "with all inputs the target, which sees another first edge of F_TRIG, does the same": (
+        "mit allen Eingängen tut das Ziel, das eine andere erste Flanke von F_TRIG sieht, dasselbe"
     ),
     "TIA Portal draws no texts in networks": "TIA Portal zeichnet keine Texte in Netzwerke",
 }

@@ -318,3 +318,31 @@ def test_steps_with_other_names_in_the_target_are_compared() -> None:
         pytest.skip("no corpus beside the repository (see tests/corpus.py)")
     report = sfc.save(sfc.load(files[0]), io.BytesIO(), format="codesys", limit=20, at_rest=["all"])
     assert [verdict.partition(" (")[0] for verdict in report.compared.values()] == ["equal"]
+
+
+FALLING = """FUNCTION_BLOCK Main
+VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT n : INT; END_VAR VAR edge : F_TRIG; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := {condition}; END_TRANSITION
+STEP S1: Act(N); END_STEP
+TRANSITION FROM S1 TO S0 := NOT a; END_TRANSITION
+ACTION Act: edge(CLK := a); IF edge.Q THEN n := 1; END_IF; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize(("condition", "differs"), [("TRUE", True), ("a", False)])
+def test_the_first_call_of_f_trig_is_told_without_a_run_and_taken_back_by_a_proof(
+    condition: str, differs: bool
+) -> None:
+    project = sfc.loads(FALLING.format(condition=condition).encode(), format="iec-text")
+    why = "the first call of edge with FALSE is a falling edge in the source and none in TIA Portal"
+    (item,) = sfc.convert(project, "simaticml", limit=0).report.losses
+    assert (item.what, item.path, item.why) == ("falling edge", "POU Main", why)
+    assert (
+        german(why) == "der erste Aufruf von edge mit FALSE ist in der Quelle eine fallende Flanke, in TIA Portal keine"
+    )
+    losses = saved(project, "simaticml").losses
+    assert [item.what for item in losses] == (["falling edge", "chart"] if differs else [])
+    if differs:
+        assert "a cause is the falling edge, which the report names" in losses[1].why

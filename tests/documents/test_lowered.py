@@ -344,3 +344,15 @@ def test_values_of_enumerations_are_constants_of_the_block_in_scl(tmp_path: Path
         assert each in text
     assert "TYPE" not in text
     assert ".text :=" not in text  # no comment has the text of the block once more
+
+
+def test_a_refusal_tells_the_cause_that_the_report_knows(tmp_path: Path) -> None:
+    text = """FUNCTION_BLOCK Main
+VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT n : INT; END_VAR VAR edge : F_TRIG; END_VAR
+INITIAL_STEP S0: Act(N); END_STEP
+TRANSITION FROM S0 TO S0 := a; END_TRANSITION
+ACTION Act: edge(CLK := a); IF edge.Q THEN n := 1; END_IF; END_ACTION
+END_FUNCTION_BLOCK
+"""
+    (error,) = sfc.lower_to_file(sfc.loads(text.encode()), str(tmp_path / "main.scl")).refused.values()
+    assert "the first call of edge with FALSE is a falling edge in the source" in error.hint
