@@ -47,6 +47,12 @@ def test_statements_ask_for_steps(construction: str, language: str, text: str) -
     assert not any("." in name for name in lowered.proof.inputs)
 
 
+def test_a_comment_asks_for_no_step() -> None:
+    texts = ("Lamp := TRUE;", "Lamp := TRUE; // S3.x", "Lamp := S3.x;")
+    plain, told, asked = (lower(asking(m.StBody(text=text)), "case", profile="codesys", verify=False) for text in texts)
+    assert [each.code.text.startswith("// Action Ask") for each in (plain, told, asked)] == [True, True, False]
+
+
 @pytest.mark.parametrize(("construction", "language"), [("bits", "ST"), ("flipflop", "FBD"), ("flipflop", "LD")])
 def test_contacts_ask_for_steps(construction: str, language: str) -> None:
     lowered = lower(asking(contact("S3.x")), construction, language=language, profile="codesys")

@@ -134,7 +134,7 @@ class _Reader(TextReader):
             tuple(self._watches()),
             self._flags,
             instances=self.instances,
-            asked_outside=asked_outside(self.pou, self._net),
+            asked_outside=asked_outside(self.pou, self._net, self.dialect),
             asked_by_contacts=asked_by_contacts(self.pou, self._net),
         )
         # a flag can be used by its name alone, which is known when all texts are read

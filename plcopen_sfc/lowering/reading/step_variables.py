@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol, TypeVar
 
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
@@ -277,16 +277,19 @@ def _is_beyond(literal: n.Literal) -> bool:
         return False
 
 
-def asked_outside(pou: Pou, net: Net) -> bool:
+def asked_outside(pou: Pou, net: Net, dialect: Dialect) -> bool:
     """Return True if a body of the POU beside a chart may ask for data of its steps (``S3.X``)."""
-    names = "|".join(re.escape(step.step.name) for step in net.steps)
-    asking = re.compile(rf"\b(?:{names})\s*\.\s*_?[xt]\b", re.IGNORECASE)
     own = [step.step.name for step in net.steps]
+    names = {name.casefold() for name in own}
     for _, _, body in pou.named_bodies():
         is_chart = isinstance(body, SfcBody) and [step.name for step in body.chart.steps] == own
-        if not is_chart and asking.search(body.model_dump_json()):
+        uses = () if is_chart else bind(body, dialect).uses
+        if any(use.name.casefold() in names and use.access.casefold() in _QUANTITIES for use in uses):
             return True
     return False
+
+
+_QUANTITIES = frozenset({"x", "_x", "t", "_t"})
 
 
 def asked_by_contacts(pou: Pou, net: Net) -> frozenset[int]:
