@@ -17,8 +17,8 @@ T = TypeVar("T")
 
 
 def examples(count: int) -> int:
-    """A third of the examples of a property: these are the same in every run of `.ci/run`."""
-    return count if WHOLE else max(count // 3, 5)
+    """A sixth of the examples of a property: these are the same in every run of `.ci/run`."""
+    return count if WHOLE else max(count // 6, 5)
 
 
 def some_of(items: Sequence[T], every: int) -> Sequence[T]:

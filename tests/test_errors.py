@@ -267,7 +267,7 @@ def test_an_entity_bomb_costs_nothing():
     assert "declares entities" in done.stderr
 
 
-MEGABYTES = 200 if WHOLE else 10
+MEGABYTES = 200 if WHOLE else 4
 
 
 def huge(path: Path, repeated: str) -> Path:

@@ -260,7 +260,7 @@ def test_the_step_displayed_of_many() -> None:
     chart.add_transition(other, chart.step("S4"), "#c3")
     inputs = "S_NEXT SW_MAN S_SEL:INT S_ON"
     outputs = "S_NO:INT S_MORE S_ACTIVE"
-    assert not verdict(block(chart, inputs, outputs), cap=300, runs=20).different
+    assert not verdict(block(chart, inputs, outputs), cap=100, runs=5).different
     assert not verdict(block(chart, inputs, outputs), Language.FBD, cap=100, runs=5).different
     proven(chart, "", outputs)
 
@@ -289,7 +289,7 @@ def test_registering() -> None:
 def test_standard_parameters() -> None:
     chart = guarded(act("N", interlock=True), act("D", "P", duration="T#20ms"), acknowledge=True)
     project = block(chart, f"ok fault {STANDARD_INPUTS}", f"Q P {STANDARD_OUTPUTS}")
-    found = verdict(project, cap=500, runs=60)
+    found = verdict(project, cap=150, runs=15)
     assert not found.different, str(found)
     assert not found.proven
     at_rest = {name.partition(":")[0]: 0 for name in STANDARD_INPUTS.split() if name != "ACK_EF"}

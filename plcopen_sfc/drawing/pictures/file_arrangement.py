@@ -9,7 +9,7 @@ overlap there, does not overlap here. Empty room is drawn together. The time is 
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
@@ -28,6 +28,7 @@ from plcopen_sfc.drawing.symbol_layout import SymbolSizes
 from plcopen_sfc.model.drawing import BARS, STEPS, Drawing, Places, SymbolKind
 from plcopen_sfc.model.drawing import Symbol as DrawnSymbol
 from plcopen_sfc.model.network import Point
+from plcopen_sfc.model.sfc import SfcNetwork
 
 _WIDEST_GAP = 36
 """Room between symbols and wires of the file is kept up to here."""
@@ -206,14 +207,21 @@ class FileArrangement:
             canvas.star(min(ends) + 6, y + 1)
 
 
-def _shown(sheet: PictureSheet, symbol: DrawnSymbol) -> Symbol | None:
+def _competing(chart: SfcNetwork) -> set[int]:
+    """Return the transitions that have a step above them in common with another."""
+    below: dict[int, list[int]] = {}
+    for transition in chart.transitions:
+        for step in transition.sources:
+            below.setdefault(step, []).append(transition.id)
+    return {number for numbers in below.values() if len(numbers) > 1 for number in numbers}
+
+
+def _shown(sheet: PictureSheet, symbol: DrawnSymbol, competing: Set[int]) -> Symbol | None:
     if symbol.kind in STEPS:
         return StepSymbol(sheet, symbol.id, [], [])
     if symbol.kind is SymbolKind.TRANSITION:
         number = symbol.transitions[0] if symbol.transitions else symbol.id
-        sources = set(sheet.transitions[number].sources)
-        competing = any(t.id != number and sources & set(t.sources) for t in sheet.chart.transitions)
-        return TransitionSymbol(sheet, number, [], competing=competing)
+        return TransitionSymbol(sheet, number, [], competing=number in competing)
     if symbol.kind is SymbolKind.JUMP and symbol.target is not None:
         return JumpSymbol(sheet, symbol.target)
     return None
@@ -223,7 +231,8 @@ def _symbols(sheet: PictureSheet, drawing: Drawing) -> dict[int, _Placed]:
     """Return the symbols that are drawn, in line with each other where the file has them nearly so."""
     sizes = SymbolSizes(sheet.chart)
     drawn = [symbol for symbol in drawing.symbols if symbol.kind in _DRAWN]
-    symbols = {symbol.id: _Placed(symbol.kind, _box(symbol, sizes), _shown(sheet, symbol)) for symbol in drawn}
+    competing = _competing(sheet.chart)
+    symbols = {each.id: _Placed(each.kind, _box(each, sizes), _shown(sheet, each, competing)) for each in drawn}
     for symbol in drawn:
         placed = symbols[symbol.id]
         for source in _sources(symbol, symbols):

@@ -19,7 +19,7 @@ from tests.samples import FIXTURES, accepting, fixture_files
 from tests.semantics.charts.rig import chain
 from tests.semantics.charts.test_grafcet import action
 from tests.strategies import projects
-from tests.sweeps import some_files
+from tests.sweeps import some_files, some_of
 
 OWN = sorted((FIXTURES / "iectext").iterdir())
 CORPUS = some_files([path for kind in ("plcopen", "codesys") for path in corpus_files(kind)], 2)
@@ -61,7 +61,7 @@ def test_our_texts_come_back_byte_for_byte_and_written_anew(path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", fixture_files(), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", some_of(fixture_files(), 2), ids=lambda path: path.name)
 def test_there_and_back_to_the_format_of_the_file(path: Path) -> None:
     """Conversion to text loses nothing, so the file that is written from the text is the one written from the model."""
     project = sfc.load(path)
@@ -78,7 +78,7 @@ def test_there_and_back_to_the_format_of_the_file(path: Path) -> None:
 
 @pytest.mark.corpus
 @pytest.mark.slow
-@pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", some_of(CORPUS, 2), ids=lambda path: path.name)
 def test_the_corpus_comes_back_from_text(path: Path) -> None:
     require_corpus()
     try:

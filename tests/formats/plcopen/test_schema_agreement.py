@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 FULL = ROOT / "fixtures" / "plcopen"
-PER_FILE = 100 if WHOLE else 60
-PER_FULL_DOCUMENT = 1500 if WHOLE else 400
-SYSTEMATIC = 1 if WHOLE else 5
+PER_FILE = 100 if WHOLE else 20
+PER_FULL_DOCUMENT = 1500 if WHOLE else 150
+SYSTEMATIC = 1 if WHOLE else 15
 """Of so many systematic mutants one is judged, in each version another."""
 KEPT_POUS = 3
 KEPT_OBJECTS = 60
@@ -156,7 +156,7 @@ def test_same_verdict_on_mutants_of_every_file_of_the_corpus() -> None:
         valid += fine
         total += PER_FILE
     print(f"{total} mutants of the corpus, {len(differing)} disagreements; {valid} are valid")  # noqa: T201
-    assert total >= 2000
+    assert total >= 20 * PER_FILE
     assert differing == []
     assert 0.05 < valid / total < 0.95, "verdicts that are all the same would prove nothing"
 
@@ -176,7 +176,7 @@ def test_same_verdict_on_mutants_of_a_document_with_every_element(version: str) 
 def test_same_verdict_on_every_single_change_of_a_document_with_every_element(version: str) -> None:
     """Chance misses rare places. Here each kind of element and attribute gets each kind of damage once.
 
-    One in five of these, unless everything is to be run: versions that are nearly the same do not share theirs. Whoever
+    One in fifteen of these, unless everything is to be run: versions that are nearly the same have others. Whoever
     changes a schema runs all.
     """
     root = thinned(full_document(version))

@@ -16,7 +16,7 @@ from tests.formats.simaticml.documents import FIXTURES, parsed
 from tests.sweeps import WHOLE
 
 NUMBERS = ("ID", "UId", "Number")
-MUTANTS = 60 if WHOLE else 25
+MUTANTS = 60 if WHOLE else 8
 SEED = 60848
 VALUES = ("", "0", "-1", "x", "999999", "true", "Direct", "SimEnd", "é", "1.5", "00", "FBD")
 
