@@ -274,17 +274,22 @@ T = TypeVar("T", bound=ProjectObject)
 def _duplicates(
     source: FolderSource, things: Sequence[T], code: str, key: Callable[[T], Hashable | None]
 ) -> Iterator[Diagnostic]:
-    """Yield objects that have the same `key` as one before them: its name, its number."""
+    """Yield objects that have the same `key` as one before them: its name, its number.
+
+    A PLC has each name once: of two with one name the texts mean one, and which is not known. A conversion is refused.
+    """
     first: dict[Hashable, T] = {}
     for thing in things:
         mine = key(thing)
         other = first.setdefault(mine, thing)
         if other is not thing and mine is not None:
-            message = f"{thing.name} is declared in {_file(other)} too"
+            severity = Severity.ERROR
+            message = f"{thing.name} is declared in {_file(other)} too: one of them is an old copy, or of another PLC"
             if code == "DIR103":
+                severity = Severity.WARNING
                 message = f"{other.name}, in {_file(other)}, has the same number"
             place = Location(str(Path(source.path, _file(thing))), None, None, thing.name)
-            yield Diagnostic(code, Severity.WARNING, message, place)
+            yield Diagnostic(code, severity, message, place)
 
 
 def _file(thing: ProjectObject) -> str:

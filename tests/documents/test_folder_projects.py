@@ -353,6 +353,8 @@ def test_twins_and_versions_are_told(tmp_path: Path) -> None:
     project = sfc.load(tmp_path)
     assert {found.code for found in project.diagnostics} == {"DIR102", "DIR103", "DIR104"}
     assert project.header.version == "V21"
+    with pytest.raises(DamagedSourceError, match=r"TWIN is declared in .*a.xml too: one of them is an old copy, or of"):
+        sfc.convert(project, "codesys", partial=True)
     project.data_blocks[2].comment = None
     for data_block in project.data_blocks:
         data_block.name += "_neu"
