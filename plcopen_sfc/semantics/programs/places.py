@@ -21,7 +21,7 @@ class Place:
     `path` is its name for a person. `key` names the place the same everywhere (slots with dots between), "" where that
     is not known before the program runs; `root` is the longest part of it that is, `whole` the variable of that key.
     `bits` are the first bit and the number of bits of a part of an integer. `input`: the surroundings may give it its
-    value.
+    value; `freed`: because the user wants it so.
     """
 
     cells: str
@@ -33,6 +33,7 @@ class Place:
     bits: tuple[int, int] | None = None
     word: ScalarType | None = None
     input: bool = False
+    freed: bool = False
     field: Field | None = None
     acts: bool = False
     whole: Place | None = None
@@ -77,6 +78,9 @@ class Place:
         """A member of it."""
         key = f"{self.key}.{slot}" if self.key else ""
         path = f"{self.path}.{name}"
+        # as global variables: what has a start value keeps it until something writes it
+        is_list = isinstance(self.type, StructureType) and self.type.layout.is_list
+        is_preset = is_list and field is not None and field.preset and not self.freed
         return replace(
             self,
             cells=cells,
@@ -85,7 +89,7 @@ class Place:
             path=path,
             key=key,
             root=key or self.root,
-            input=self.input or (field is not None and field.given),
+            input=(self.input and not is_preset) or (field is not None and field.given),
             field=field,
             whole=None if key else self.known,
         )

@@ -492,6 +492,7 @@ class Library(TranslatedProject):
             if isinstance(found, t.StructureType):
                 return found
         layout = Layout(block.name)
+        layout.is_list = True
         for section in block.interface.sections if block.interface is not None else ():
             for variable in section.variables:
                 made = layout.add(variable.name, self._types.read(variable.type, self.scope))
@@ -520,6 +521,7 @@ class Library(TranslatedProject):
             key,
             field=field,
             input=field.direction is not Direction.CONSTANT and (not field.preset or self.use.is_freed(field)),
+            freed=self.use.is_freed(field),
         )
 
     def at_address(self, address: str, type_: t.ScalarType | None, path: str, initial: m.Value | None) -> Place:

@@ -173,6 +173,8 @@ class Layout:
         self.new_name = ""
         self.is_instance = False
         """True if it is of a POU: a call writes its variables."""
+        self.is_list = False
+        """True if it is of a data block: its members are global variables."""
 
     def _unlinked(self) -> Frame:
         raise AssertionError(f"{self.name} is used before it is linked")

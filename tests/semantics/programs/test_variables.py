@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc.errors import ModelError, SimulationError
-from plcopen_sfc.model import DataBlock, Interface, Tag, TagTable, Variable, VariableSection
+from plcopen_sfc.model import DataBlock, Interface, MemberValue, StructValue, Tag, TagTable, Variable, VariableSection
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import Controller
 from tests.semantics.programs.running import main, project_of, start
@@ -167,6 +167,24 @@ def test_data_blocks_and_tags_of_s7() -> None:
     instance["Start"] = True
     instance.scan()
     assert (instance["x"], instance["Recipe.level"], instance["%Q0.1"], instance["%I0.0"]) == (9, 8, True, True)
+
+
+def test_members_of_data_blocks_are_inputs_where_they_have_no_start_value() -> None:
+    """As variables of global lists: else the same chart gets other inputs as a block of TIA Portal."""
+    project = project_of(f"{TYPES}PROGRAM Main\nVAR x : INT; END_VAR\nx := 1;\nEND_PROGRAM")
+    project.dialect = Dialect.SCL
+    variables = [
+        Variable(name="level", type="INT", initial="7"),
+        Variable(name="p", type="Point", initial=StructValue(members=[MemberValue(member="y", value="3")])),
+        Variable(name="free", type="INT"),
+    ]
+    project.data_blocks.append(
+        DataBlock(name="Recipe", interface=Interface(sections=[VariableSection(variables=variables)]))
+    )
+    project.pous[0].bodies[0].text = '#x := "Recipe".level + "Recipe".p.y + "Recipe".free;'  # type: ignore[union-attr]
+    instance = Controller(project).instance("Main")
+    instance.scan()
+    assert [*instance.inputs()] == ["Recipe.free"]
 
 
 def test_addresses_are_variables() -> None:
