@@ -84,3 +84,19 @@ def test_comments_of_sequencers_stand_in_their_code(construction: str, language:
     comments = "\n".join(plain(v.comment) for v in lowered.pou.variables())
     assert lowered.pou.body is not None
     assert "remark 0." in comments + lowered.pou.body.model_dump_json()
+
+
+@pytest.mark.parametrize("construction", ["case", "regions", "bits"])
+def test_comments_in_what_steps_do_stay(construction: str) -> None:
+    pou = training_chain()
+    assert pou.sfc is not None
+    pou.actions.append(m.Action(name="Stir", body=m.StBody(text="// not before the valve is shut\nQ3 := B5;")))
+    pou.sfc.steps[1].main_action = "Stir"
+    pou.sfc.steps[2].main_action = m.StBody(text="Q3 := B4;")
+    lowered = lower(pou, construction, profile="codesys")
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    assert isinstance(lowered.pou.body, m.StBody)
+    lines = [line.strip() for line in lowered.pou.body.text.splitlines()]
+    place = lines.index("// not before the valve is shut")
+    assert lines[place + 1] == "Q3 := B5;"

@@ -27,7 +27,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     not_all,
     when,
 )
-from plcopen_sfc.lowering.code.code_bodies import comment_lines
+from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import BOOL, GuardedText, LoweredCode, StepValue, TextNetwork
 from plcopen_sfc.lowering.code_texts import Suffix, Texts
@@ -381,6 +381,9 @@ class StepCode(NamedTuple):
 class StepSelection(Protocol):
     """Selection of the code of steps by the situation, in the order in which it is given."""
 
+    def active(self, step: int) -> Expression:
+        """Return an expression that is TRUE if a step is active."""
+
     def while_active(self, parts: Sequence[StepCode], suffix: Suffix) -> list[Statement]:
         """Return the statements of the steps that are active. `suffix`: for the names of variables."""
 
@@ -397,8 +400,22 @@ def add_changes(source: ChartSource, code: LoweredCode, steps: StepSelection, te
 
 def add_main_actions(source: ChartSource, code: LoweredCode, steps: StepSelection, texts: Texts) -> None:
     """Append the code that active steps execute in every scan."""
-    parts = [_part(source, each.step, each.main) for each in source.step_code if each.main]
-    code.add(texts.main_actions, steps.while_active(parts, "main"))
+    together: list[StepCode] = []
+
+    def end() -> None:
+        code.add(texts.main_actions, steps.while_active(together, "main"))
+        together.clear()
+
+    for each in source.step_code:
+        if each.main and not code.drawn and has_comments(each.main_text):  # a syntax tree has no comments
+            end()
+            own, active = dedent(each.main_text).strip("\n"), steps.active(each.step)
+            lines = [f"IF {print_node(active, source.dialect)} THEN", *indented(own.splitlines()), "END_IF;"]
+            guarded = GuardedText(active, own, each.main)
+            code.networks.append(TextNetwork(texts.main_actions, "\n".join(lines), guarded=guarded))
+        elif each.main:
+            together.append(_part(source, each.step, each.main))
+    end()
 
 
 def _part(source: ChartSource, step: int, statements: Sequence[Statement]) -> StepCode:

@@ -266,12 +266,12 @@ class _Reader(TextReader):
             model = step.step
             if model.interlock is not None or model.supervision is not None:
                 self.refuse("interlocks and supervisions are not lowered yet", f"step {step.path}")
-            codes = [
+            entry, main, exit_ = (
                 self._step_action(action, f"step {step.path}")
                 for action in (model.entry_action, model.main_action, model.exit_action)
-            ]
-            if any(codes):
-                yield StepStatements(step.index, *codes)
+            )
+            if entry or main or exit_:
+                yield StepStatements(step.index, entry, main, exit_, self._text_of_step(model.main_action))
 
     def _step_action(self, action: str | Body | None, path: str) -> tuple[n.Statement, ...]:
         if not isinstance(action, str):
@@ -280,6 +280,12 @@ class _Reader(TextReader):
         if known is not None:
             return self._statements_of(known)
         return self.read(f"{action}();", path)
+
+    def _text_of_step(self, action: str | Body | None) -> str:
+        if not isinstance(action, str):
+            return _text_of(action)
+        known = self.pou.find_action(action)
+        return _text_of(known.body) if known is not None and not self._stays(known) else ""
 
     def _minimum_times(self) -> Iterator[tuple[int, n.Expression]]:
         if self._profile.minimum_times:

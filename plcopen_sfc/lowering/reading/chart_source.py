@@ -170,12 +170,21 @@ class ActionSource:
 
 @dataclass(frozen=True)
 class StepStatements:
-    """Code that a step executes when it becomes active, while it is, and when it no longer is."""
+    """Code that a step executes when it becomes active, while it is, and when it no longer is.
+
+    `main_text` is the main one as it was written, as long as it means the same; empty for code that is drawn or called.
+    """
 
     step: int
     entry: tuple[n.Statement, ...] = ()
     main: tuple[n.Statement, ...] = ()
     exit: tuple[n.Statement, ...] = ()
+    main_text: str = ""
+
+    def changed(self, change: Change) -> StepStatements:
+        """Return the same with `change` applied to every statement."""
+        entry, main, exit_ = (tuple(map(change, each)) for each in (self.entry, self.main, self.exit))
+        return replace(self, entry=entry, main=main, exit=exit_, main_text=self.main_text if main == self.main else "")
 
 
 @dataclass(frozen=True)
@@ -245,11 +254,6 @@ class ChartSource:
         """Net whose regions are those of the chart."""
         return self.net
 
-    @property
-    def several_active(self) -> str:
-        """Reason why several steps of any part can be active, whatever its structure is; empty if they cannot."""
-        return ""
-
     def changed(self, change: Change) -> ChartSource:
         """Return the same chart with `change` applied to every text but the targets of actions."""
 
@@ -260,14 +264,13 @@ class ChartSource:
             reasons = tuple(replace(reason, holds=change(reason.holds)) for reason in watch.reasons)
             return replace(watch, time=change(watch.time), reasons=reasons)
 
-        code = [replace(c, entry=each(c.entry), main=each(c.main), exit=each(c.exit)) for c in self.step_code]
         return replace(
             self,
             conditions=each(self.conditions),
             preparations=tuple(each(statements) for statements in self.preparations),
             logic=each(self.logic),
             actions=tuple(action.changed(change) for action in self.actions),
-            step_code=tuple(code),
+            step_code=tuple(code.changed(change) for code in self.step_code),
             minimum_times={step: change(time) for step, time in self.minimum_times.items()},
             watches=tuple(watched(watch) for watch in self.watches),
             grafcet=self.grafcet.changed(change) if self.grafcet is not None else None,
