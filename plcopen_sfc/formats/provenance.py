@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from pydantic_core import PydanticSerializationError, to_json
 
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.drawing import Drawing
@@ -73,7 +74,8 @@ def read_later(
     """Return an object with `fields` that `read` reads when a script looks at more of it. `text`: `Late`."""
 
     def supply(thing: L) -> L:
-        whole = read()
+        with collecting_rarely():
+            whole = read()
         folder = whole.folder if isinstance(whole, ProjectObject) else None
         thing._provenance = replace(_provenance(thing), digest=_own_digest(whole), folder=folder)
         return whole

@@ -201,6 +201,8 @@ def _missing(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
+    names = (step.name.casefold() for sheet in chart.sheets for step in sheet.steps)
+    steps = {name for name in names if name not in chart.types} if chart.family == "grafcet" else set()
     for sheet in chart.sheets:
         site = Site(chart.pou, charts=(sheet.chart,), place=chart.pou.place if chart.pou is not None else "")
         for transition in sheet.transitions:
@@ -211,16 +213,14 @@ def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
             if told:
                 text = " ".join(transition.condition.text.split())
                 yield Finding(sheet.at(transition), f"the condition {text} is not Boolean: it is {told}")
-            yield from _steps_as_values(chart, sheet, transition, transition.condition.text)
+            for name in _names_in(transition.condition.text) if steps else ():
+                if name.casefold() in steps:  # in the place of its flag
+                    yield Finding(sheet.at(transition), f"{name} is a step and no value: its flag is X{name}")
 
 
-def _steps_as_values(chart: CheckedChart, sheet: CheckedSheet, transition: Transition, text: str) -> Iterator[Finding]:
-    """Yield the steps that a condition of a GRAFCET names in the place of their flags."""
-    steps = {step.name.casefold() for each in chart.sheets for step in each.steps}
-    for start, end in program_parts(text) if chart.family == "grafcet" else ():
-        name = text[start:end].replace(OVERLINE, "")
-        if name.casefold() in steps and name.casefold() not in chart.types:
-            yield Finding(sheet.at(transition), f"{name} is a step and no value: its flag is X{name}")
+def _names_in(text: str) -> list[str]:
+    """Return the parts of a condition of a GRAFCET that may be names."""
+    return [text[start:end].replace(OVERLINE, "") for start, end in program_parts(text)]
 
 
 def _other_type(tree: n.Node, chart: CheckedChart, site: Site) -> str:

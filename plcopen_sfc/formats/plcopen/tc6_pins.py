@@ -52,7 +52,8 @@ def write_connection(ctx: Tc6WriteContext, parent: etree._Element, connection: C
     element = add_child(ctx, parent, "connection", attributes)
     for point in connection.points:
         write_point(ctx, element, "position", point)
-    finish_element(ctx, element, connection, "connection", frozenset({"source", "pin", "points"}), documents=False)
+    if connection.extension_data is not None or connection.global_id is not None:
+        finish_element(ctx, element, connection, "connection", _CONNECTION, documents=False)
 
 
 def read_input(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -90,8 +91,8 @@ def write_input(ctx: Tc6WriteContext, parent: etree._Element, pin: InputPin) -> 
         write_connection(ctx, element, connection)
     if pin.expression is not None:
         add_child(ctx, element, "expression").text = pin.expression
-    native = frozenset({"position", "connections", "expression"})
-    finish_element(ctx, element, pin, "connectionPointIn", native, documents=False)
+    if pin.extension_data is not None or pin.global_id is not None:
+        finish_element(ctx, element, pin, "connectionPointIn", _INPUT, documents=False)
 
 
 def read_output(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -125,8 +126,14 @@ def write_output(
         write_point(ctx, element, "relPosition", pin.position)
     if pin.expression is not None:
         add_child(ctx, element, "expression").text = pin.expression
-    native = frozenset({"name", "position", "expression"})
-    finish_element(ctx, element, pin, "connectionPointOut", native, documents=False)
+    if pin.extension_data is not None or pin.global_id is not None:
+        finish_element(ctx, element, pin, "connectionPointOut", _OUTPUT, documents=False)
+
+
+_CONNECTION = frozenset({"source", "pin", "points"})
+_INPUT = frozenset({"position", "connections", "expression"})
+_OUTPUT = frozenset({"name", "position", "expression"})
+"""The fields of wires and pins that are written where they are; few have any other."""
 
 
 def read_geometry(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:
