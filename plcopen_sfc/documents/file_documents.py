@@ -120,8 +120,8 @@ def encode(
         copy, meant, options, behaviour = prepared(project, kind, options, report)
         with writing(kind):
             data = kind.codec(version).write(copy, options, report)
-        seen = None
-        if behaviour is not None and kind.ids and not same and as_tool_sees(data, kind) is data:
+        seen, shown = None, as_tool_sees(data, kind) if behaviour is not None else data
+        if behaviour is not None and kind.ids and not same and shown is data:
             with writing(kind):  # the tool sees what is read back, and comparing that leaves it as it is
                 seen = read_document(data, format=name, path=None)
                 seen.read_all()
@@ -130,7 +130,7 @@ def encode(
         called = names_in_the_source(project, copy)
     if behaviour is not None:
         if seen is None:
-            seen = read_document(data, format=name, path=None, as_tool=True)
+            seen = read_document(shown, format=name, path=None)
         report_behaviour(report, project, behaviour, seen, called, tool=kind.tool, flavour=flavour, limit=limit)
     elif limit:
         _report_without_tool(report, project, data, kind, called, limit=limit)

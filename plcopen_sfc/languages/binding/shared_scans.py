@@ -111,18 +111,26 @@ class SharedScans:
         )
 
     def sharing(self, rows: Sequence[Row]) -> list[tuple[Row, Row]]:
-        """Return the pairs of rows, both ways round, of which one may write a variable that the other has, too."""
-        writers: dict[str, list[int]] = {}
-        users: dict[str, list[int]] = {}
+        """Return the pairs of rows, both ways round, of which one may write a variable that the other has, too.
+
+        Rows that execute the same action are no pair: charts have thousands of them.
+        """
+        writers: dict[str, dict[str, list[int]]] = {}
+        users: dict[str, dict[str, list[int]]] = {}
+        every: dict[str, list[int]] = {}
         for place, row in enumerate(rows):
+            action = _called(row).casefold()
+            every.setdefault(action, []).append(place)
             effects = self._effects(row)
             for places, paths in ((writers, effects.writes), (users, effects.reads | effects.writes)):
                 for name in {name for path in paths for name in path[:2] or ("",)}:  # GVL.x is x too, () is anything
-                    places.setdefault(name, []).append(place)
+                    places.setdefault(name, {}).setdefault(action, []).append(place)
         found: set[tuple[int, int]] = set()
         for name, writing in writers.items():
-            others = [*users.get(name, ()), *users.get("", ())] if name else range(len(rows))
-            found.update((one, other) for one, other in product(writing, others) if one != other)
+            for using in (users.get(name, {}), users.get("", {})) if name else (every,):
+                for action, other in product(writing, using):
+                    if action != other:
+                        found.update(product(writing[action], using[other]))
         both = found | {(other, one) for one, other in found}
         return [(rows[one], rows[other]) for one, other in sorted(both)]
 
@@ -130,7 +138,7 @@ class SharedScans:
         """Return what an association executes, as names tell it: a block changes its instance, a function nothing."""
         _, association = row
         if id(association) not in self._found:
-            alone = Step.model_construct(id=0, name="", actions=[association])
+            alone = _ALONE.model_copy(update={"actions": [association]})
             found = step_effects(alone, self._pou, self._dialect)
             own = {path for path in found.calls if path and path[0] in self._names}
             changed = own | {path[:-1] for path in own if len(path) > 1}
@@ -141,12 +149,15 @@ class SharedScans:
         return self._found[id(association)]
 
 
+_ALONE = Step(id=0, name="")
+
+
 def told_orders(scans: SharedScans, rows: Sequence[Row], differ: Callable[[Row, Row], bool], word: str) -> str:
     """Return which of `rows` a target executes before (`word`) or after which others, and the source does not."""
     found: dict[str, None] = {}
     for one, other in scans.sharing(rows):
         names = _called(one), _called(other)
-        if one[1] is other[1] or names[0].casefold() == names[1].casefold() or not differ(one, other):
+        if one[1] is other[1] or not differ(one, other):
             continue
         if scans.meet(one, other) and (shared := scans.shared(one, other)):
             found[
