@@ -26,6 +26,7 @@ from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.simaticml.action_functions import ActionControls, ActionFunctions, ControlNetwork
 from plcopen_sfc.formats.simaticml.added_elements import system_members
 from plcopen_sfc.formats.simaticml.coils_and_contacts import lacks_power, put_assignments, put_in_series, types_of
+from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
 from plcopen_sfc.formats.simaticml.graph_conditions import give_types
 from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, control_label
 from plcopen_sfc.formats.simaticml.network_boxes import mark_call
@@ -325,11 +326,9 @@ class _Planner:
             return self._on(rows, *qualifiers)
 
         def timer(qualifier: Qualifier, role: str, start: str) -> str:
-            times = {row.duration for _, row in rows if row.qualifier is qualifier}
-            if len(times) != 1 or None in times:
-                raise _ImpossibleError
             name = self._variable(draft, f"{role}_time", DerivedType(name="TON_TIME"))
-            draft.lines.append(f"{name}(IN := {self._plain(draft, role, start)}, PT := {times.pop()});")
+            time = self._time(draft, role, [(step, row) for step, row in rows if row.qualifier is qualifier])
+            draft.lines.append(f"{name}(IN := {self._plain(draft, role, start)}, PT := {time});")
             return self._assigned(draft, role, f"{name}.Q")
 
         def stored(role: str, start: str) -> str:
@@ -354,6 +353,19 @@ class _Planner:
         if start := on(Q.SL):
             bit = stored("begun", start)
             yield _and([bit, _not(timer(Q.SL, "end", bit))])
+
+    def _time(self, draft: _Draft, role: str, rows: list[tuple[Step, ActionAssociation]]) -> str:
+        """Return the time of a timer: where the associations have different ones, that of the active step."""
+        times = {row.duration for _, row in rows}
+        if None in times:
+            raise _ImpossibleError
+        if len(times) == 1:
+            return str(times.pop())
+        time = self._variable(draft, f"{role}_preset", ElementaryType(name=Elementary.TIME))
+        draft.lines += [
+            f"IF {self._acts(step, row)} THEN {time} := {row.duration}; END_IF;" for step, row in rows[::-1]
+        ]
+        return time
 
     def _pulses(self, draft: _Draft, rows: list[tuple[Step, ActionAssociation]]) -> Iterator[str]:
         """Return what makes the output TRUE for one scan, without a final one."""
@@ -446,7 +458,7 @@ class _Planner:
         return self._typed(draft, LogicNetwork(nodes=[*drawn.network.nodes, block]))
 
     def _typed(self, draft: _Draft, network: LogicNetwork) -> LdBody:
-        types = self._types | {f"#{v.name.lower()}": "Bool" for v in draft.variables if not _is_timer(v)}
+        types = self._types | {f"#{v.name.lower()}": write_type(v.type) for v in draft.variables if not _is_timer(v)}
         boxes = [node.type_name for node in network.nodes if isinstance(node, Block)]
         if boxes != ["TON"] and give_types(network, types) is not None:
             raise _ImpossibleError

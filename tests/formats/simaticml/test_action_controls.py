@@ -35,6 +35,8 @@ SHARED = {
     "D in two steps": (("Idle", "q", "D", T), ("Work", "q", "D", T), ("Done", "q", "R", None)),
     "S, N and R": (("Idle", "q", "S", None), ("Work", "q", "N", None), ("Done", "q", "R", None)),
     "two resets": (("Idle", "q", "SL", T), ("Work", "q", "R", None), ("Done", "q", "R", None)),
+    "SD with a time of each step": (("Idle", "q", "SD", T), ("Work", "q", "SD", "T#75ms"), ("Done", "q", "R", None)),
+    "L with a time of each step": (("Idle", "q", "L", "T#75ms"), ("Work", "q", "L", T)),
     "two controls": (
         ("Idle", "q", "SD", T),
         ("Work", "r", "DS", T),
@@ -44,7 +46,10 @@ SHARED = {
 }
 
 
-@pytest.mark.parametrize(("name", "source"), [*((name, "plcopen") for name in SHARED), ("N beside SD", "codesys")])
+@pytest.mark.parametrize(
+    ("name", "source"),
+    [*((name, "plcopen") for name in SHARED), *((n, "codesys") for n in ("N beside SD", "L with a time of each step"))],
+)
 def test_associations_of_several_steps_have_one_control(name: str, source: str) -> None:
     """What runs is the same with all inputs, and nothing is lost."""
     project = _chart(*SHARED[name], source=source)
@@ -107,13 +112,6 @@ def test_networks_that_were_edited_count() -> None:
     assert len(main.chart.permanent_post) > 1
     assert "q_waits" in {variable.name for variable in main.variables()}
     assert [each.code for each in project.diagnostics] == ["XML214"]
-
-
-def test_a_time_for_each_step_is_refused() -> None:
-    """One timer has one time: two delays that differ are not executed, and the report says so."""
-    project = _chart(("Idle", "q", "SD", "T#50ms"), ("Work", "q", "SD", "T#75ms"), ("Done", "q", "R", None))
-    _, report = sfc.convert(project, "simaticml", partial=True)
-    assert {"has no qualifier SD" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)} == {True}
 
 
 def test_a_variable_that_others_write_keeps_what_they_write() -> None:
