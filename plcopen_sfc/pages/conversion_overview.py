@@ -146,8 +146,9 @@ def provenance(source: Project, report: ConversionReport, target: Project | None
     # what goes to standard output was read again from a file that is gone now
     written = "" if report.written == ["-"] else _path_of(target)
     rows = [
-        *_file(words("Source"), source, report.source_format, _path_of(source)),
-        *(_file(words("Target"), target, report.target_format, written) if target is not None else ()),
+        *_file(words("Source"), source, report.source_format, _path_of(source), source.header.tool),
+        # the header of what is written still names the tool of the source, which is not what will open it
+        *(_file(words("Target"), target, report.target_format, written, "") if target is not None else ()),
         ("plcopen_sfc", __version__),
     ]
     cells = [element("tr", element("th", name), element("td", element("small", value))) for name, value in rows]
@@ -158,10 +159,10 @@ def _path_of(project: Project | None) -> str:
     return project.source.path or "" if project is not None and project.source is not None else ""
 
 
-def _file(caption: str, project: Project, format_name: str, path: str) -> Iterator[tuple[str, str]]:
+def _file(caption: str, project: Project, format_name: str, path: str, tool: str) -> Iterator[tuple[str, str]]:
     source = project.source
     version = source.version if source is not None else ""
-    yield caption, ", ".join(filter(None, (path, f"{format_name} {version}".strip(), project.header.tool)))
+    yield caption, ", ".join(filter(None, (path, f"{format_name} {version}".strip(), tool)))
     content = getattr(source, "content", None)
     if isinstance(content, bytes):
         yield "SHA-256", sha256(content).hexdigest()

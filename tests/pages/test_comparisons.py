@@ -104,6 +104,7 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     rows = {row[0].text: row[1].text for row in verdicts.findall(".//tbody/tr")}
     assert rows == {"POU Ablauf_Band": "the same, a scan later", "POU Other": "differs", "POU Third": "not compared"}
     assert hashlib.sha256(source.source.content).hexdigest() in words_of(files)
+    assert words_of(files).count(source.header.tool) == 1, "the tool of the source does not open the target"
     tasks = words_of(overview.xpath("ul[@class='tasks']")[0])
     assert "Decide who operates these inputs (--at-rest)POU Ablauf_Band / SFC" in tasks
     assert "Import into TIA Portal" in tasks
