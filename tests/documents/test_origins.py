@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from functools import cache
 
 import pytest
 
@@ -58,17 +59,22 @@ def of_s7() -> sfc.Project:
 
 
 SOURCES = {
-    "iec": sfc.loads(IEC, format="iec-text"),
-    "codesys": saved(sfc.loads(IEC, format="iec-text"), "codesys", as_tool=True),
-    "codesys23": sfc.loads(FLAGS, format="codesys23"),
-    "s7graph": of_s7(),
+    "iec": lambda: sfc.loads(IEC, format="iec-text"),
+    "codesys": lambda: saved(sfc.loads(IEC, format="iec-text"), "codesys", as_tool=True),
+    "codesys23": lambda: sfc.loads(FLAGS, format="codesys23"),
+    "s7graph": of_s7,
 }
+
+
+@cache
+def source_of(name: str) -> sfc.Project:
+    return SOURCES[name]()
 
 
 @pytest.mark.parametrize("target", KEEPING)
 @pytest.mark.parametrize("name", SOURCES)
 def test_what_is_read_back_does_the_same(name: str, target: str) -> None:
-    source = SOURCES[name]
+    source = source_of(name)
     back = saved(source, target)
     pou = back.pou("Main")
     assert default_profile(back).name == default_profile(source).name == name
@@ -78,14 +84,14 @@ def test_what_is_read_back_does_the_same(name: str, target: str) -> None:
 
 
 def test_a_converted_file_is_one_of_its_own_tool_where_that_is_asked_for() -> None:
-    source = SOURCES["codesys"]
+    source = source_of("codesys")
     assert default_profile(saved(source, "simaticml", as_tool=True)).name == "s7graph"
     assert sfc.simulate(saved(source, "plcopen"), scans=1, profile="iec").profile == "iec"
 
 
 @pytest.mark.parametrize("between", KEEPING)
 def test_chains_of_conversions_keep_the_tool_of_the_first(between: str) -> None:
-    source = SOURCES["codesys"]
+    source = source_of("codesys")
     there = saved(source, between)
     further, back = saved(there, "plcopen"), saved(there, "codesys")
     assert (further.tool_format, back.tool_format, back.origin) == ("codesys", "codesys", None)
@@ -95,7 +101,7 @@ def test_chains_of_conversions_keep_the_tool_of_the_first(between: str) -> None:
 
 def test_an_edit_keeps_the_origin() -> None:
     data = io.BytesIO()
-    back = saved(SOURCES["codesys"], "simaticml")
+    back = saved(source_of("codesys"), "simaticml")
     back.pou("Main").chart.rename_step("S2", "Wait")
     sfc.save(back, data)
     edited = sfc.loads(data.getvalue())
