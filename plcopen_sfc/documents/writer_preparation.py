@@ -146,6 +146,8 @@ def _origin(project: Project, kind: Format, options: WriteOptions, *, of_grafcet
         return own if project.source is not None and own != kind.name else project.origin
     if options.flavour or not kind.extension_data or not any(True for _ in project.charts()):
         return None
+    if not project.tool_format:  # made by a script, for the tool that it is saved for
+        return None
     if of_grafcet:
         return None if profile_of_format(kind.name).name == "iec" else _SFC
     profile = default_profile(project).name

@@ -89,6 +89,11 @@ def test_a_converted_file_is_one_of_its_own_tool_where_that_is_asked_for() -> No
     assert sfc.simulate(saved(source, "plcopen"), scans=1, profile="iec").profile == "iec"
 
 
+def test_a_project_without_a_file_is_for_the_tool_that_it_is_saved_for() -> None:
+    project = sfc.Project(pous=[source_of("iec").pou("Main").model_copy(deep=True)])
+    assert default_profile(saved(project, "codesys")).name == "codesys"
+
+
 @pytest.mark.parametrize("between", KEEPING)
 def test_chains_of_conversions_keep_the_tool_of_the_first(between: str) -> None:
     source = source_of("codesys")

@@ -234,7 +234,7 @@ def test_step_actions_that_share_an_action_are_executed_as_often_as_in_codesys(n
 def test_maximum_times_are_lost_where_something_watches_them() -> None:
     project = sfc.loads(_HEAD.format(body=CHARTS["selection"]).encode(), format="iec-text")
     project.pou("Plant").sfc.steps[1].max_time = "T#2s"
-    source = sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys")
+    source = sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys", as_tool=True)
     for each in (project, source):
         assert not _text_for(each)[1].with_outcome(Outcome.NOT_EXECUTED)
     variables = source.pou("Plant").interface.sections[0].variables
@@ -252,7 +252,7 @@ def test_a_loop_at_a_step_of_codesys_whose_time_is_read_is_approximated() -> Non
     chart = project.pou("Plant").sfc
     for step in chart.steps:
         chart.add_transition(step, step, "c")
-    source = sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys")
+    source = sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys", as_tool=True)
     found = [item.path for item in _text_for(source)[1].losses if item.what == "transition"]
     assert found == ["POU Plant / transition S1 -> S1"]
 
