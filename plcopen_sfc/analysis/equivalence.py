@@ -47,7 +47,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.drawn_charts import as_executed
-from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
+from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile, have_equal_rules
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
@@ -229,7 +229,7 @@ def _profiles(
     if given is not None:
         return profile_named(given), profile_named(given)
     chosen, other = (default_profile(each.project) for each in subjects)
-    return chosen, other if other.name == chosen.name else chosen  # a converted file may have steps in other notation
+    return chosen, other if have_equal_rules(chosen, other) else chosen  # a converted file may have another notation
 
 
 class _Tries(NamedTuple):

@@ -34,6 +34,7 @@ from plcopen_sfc.semantics.profile import (
     StepVariables,
     default_profile,
     format_of_profile,
+    have_equal_rules,
     profile_as,
     profile_of_format,
 )
@@ -150,9 +151,10 @@ def _origin(project: Project, kind: Format, options: WriteOptions, *, of_grafcet
         return None
     if of_grafcet:
         return None if profile_of_format(kind.name).name == "iec" else _SFC
-    profile = default_profile(project).name
+    rules = default_profile(project)
+    profile = rules.name
     written = project.model_copy(update={"dialect": kind.dialect or project.dialect, "origin": own})
-    if profile_as(written, kind.name).name == profile:
+    if have_equal_rules(profile_as(written, kind.name), rules):  # texts are in the notation of the file
         return None
     return own if profile_as(written, own).name == profile else format_of_profile(profile)
 

@@ -454,6 +454,11 @@ def profile_of_format(name: str) -> Profile:
     return PROFILES[_BY_FORMAT.get(name, "iec")]
 
 
+def have_equal_rules(one: Profile, other: Profile) -> bool:
+    """True if two profiles differ at most in their names and in how texts name steps."""
+    return replace(one, name=other.name, step_variables=other.step_variables) == other
+
+
 def format_of_profile(name: str) -> str:
     """The format whose files have the profile of this name by their format alone; TC6 for what has none."""
     return next((format for format, profile in _BY_FORMAT.items() if profile == name), "plcopen")
