@@ -11,7 +11,7 @@ from plcopen_sfc.conversion.adaptation import rewrite_project
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
-from plcopen_sfc.formats.registry import TIA_FORMAT
+from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import Site, text_sites
 from plcopen_sfc.languages.s7_boxes import translate_boxes
@@ -57,6 +57,9 @@ class Prepared(NamedTuple):
 def prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Prepared:
     """Return a copy of `project` for the writer of the format `kind`."""
     dialect = kind.dialect or (Dialect.IEC if options.flavour else None)
+    if dialect is None and kind.tool and project.origin is not None and not options.same:
+        # the texts that a file keeps are in its words; back where all dialects are, they are in those of their tool
+        dialect = format_named(project.origin)[0].dialect or Dialect.IEC
     same_dialect = dialect in (None, project.dialect)
     profile = default_profile(project)
     if profile.for_asks_ahead and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
@@ -142,25 +145,19 @@ def _origin(project: Project, kind: Format, options: WriteOptions, *, of_grafcet
 
     Without it, what is read back would be the charts of the source under the rules of the target.
     """
-    own = project.tool_format or _SFC
+    own = project.tool_format
     if kind.name == "json":
         return own if project.source is not None and own != kind.name else project.origin
     if options.flavour or not kind.extension_data or not any(True for _ in project.charts()):
         return None
-    if not project.tool_format:  # made by a script, for the tool that it is saved for
+    if of_grafcet or not project.tool_format:  # put into the words of the target, or made by a script for it
         return None
-    if of_grafcet:
-        return None if profile_of_format(kind.name).name == "iec" else _SFC
     rules = default_profile(project)
     profile = rules.name
     written = project.model_copy(update={"dialect": kind.dialect or project.dialect, "origin": own})
     if have_equal_rules(profile_as(written, kind.name), rules):  # texts are in the notation of the file
         return None
     return own if profile_as(written, own).name == profile else format_of_profile(profile)
-
-
-_SFC = "plcopen"
-"""A format of charts of IEC 61131-3, which is what GRAFCETs become."""
 
 
 def _from(options: WriteOptions, profile: Profile) -> WriteOptions:

@@ -95,6 +95,42 @@ def test_a_project_without_a_file_is_for_the_tool_that_it_is_saved_for() -> None
     assert default_profile(saved(project, "codesys")).name == "codesys"
 
 
+GRAFCET = b"""GRAFCET Press
+
+INPUTS
+S1
+B1
+
+OUTPUTS
+K1
+
+INITIAL STEP 1
+
+1 -> 2 : \xe2\x86\x91S1 * B1
+
+STEP 2
+    K1
+
+2 -> 1 : /S1 * /B1
+"""
+
+
+@pytest.mark.parametrize("target", [name for name in KEEPING if name != "scl"])  # which executes no chart
+def test_a_grafcet_is_a_chart_of_the_tool_that_it_is_written_for(target: str) -> None:
+    """An edge lasts a scan: one that is formed in the order of another tool comes too late."""
+    source = sfc.loads(GRAFCET, format="grafcet-text")
+    s1, b1 = (0, 0, 1, 0, 1, 1, 0), (0, 0, 1, 1, 1, 0, 0)
+
+    def pressed(scan: int, _values: object) -> dict[str, bool]:
+        return {"S1": bool(s1[scan]), "B1": bool(b1[scan])}
+
+    projects = [saved(source, target, as_tool=as_tool) for as_tool in (False, True)]
+    traces = [sfc.simulate(each.pou("Press"), inputs=pressed, scans=len(s1)) for each in projects]
+    runs = [[record["K1"] for record in trace.to_records()] for trace in traces]
+    assert runs[0] == runs[1]
+    assert True in runs[0]
+
+
 @pytest.mark.parametrize("between", KEEPING)
 def test_chains_of_conversions_keep_the_tool_of_the_first(between: str) -> None:
     source = source_of("codesys")
@@ -104,6 +140,14 @@ def test_chains_of_conversions_keep_the_tool_of_the_first(between: str) -> None:
     assert (back.tool_format, back.origin) == ("codesys", None)
     for project in (further, back, saved(back, "simaticml")):
         assert sfc.equivalent(source.pou("Main"), project.pou("Main"), limit=2).equal
+
+
+@pytest.mark.parametrize("between", KEEPING)
+def test_a_text_is_one_of_its_own_dialect_when_it_is_back(between: str) -> None:
+    source = source_of("iec")
+    back = saved(saved(source, between), "iec-text")
+    assert (back.dialect, back.origin) == (source.dialect, None)
+    assert sfc.equivalent(source.pou("Main"), back.pou("Main"), limit=2).equal
 
 
 def test_an_edit_keeps_the_origin() -> None:
