@@ -25,6 +25,7 @@ from plcopen_sfc.formats.text_patch import (
 )
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
+from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project, Tag, TagTable
 from plcopen_sfc.model.text import plain
@@ -167,7 +168,12 @@ class _Writer:
         for place, variable in variables:
             if variable.address:
                 word = write_type(variable.type, Dialect.SCL)
-                yield Tag(name=variable.name, type=word, address=variable.address, comment=variable.comment), place
+                address = translated_address(variable.address, Dialect.IEC, Dialect.SCL)
+                if address.severity is not None:
+                    outcome = Outcome.NOT_EXECUTED if address.severity is Severity.ERROR else Outcome.TRANSLATED
+                    self._report.add(outcome, "address", place, f"{variable.address}: {address.reason}")
+                if address.severity is not Severity.ERROR:
+                    yield Tag(name=variable.name, type=word, address=address.text, comment=variable.comment), place
 
     def _line(self, tag: Tag, path: str) -> str | None:
         """Return the line of a tag; None where STEP 7 V5 has no such symbol."""

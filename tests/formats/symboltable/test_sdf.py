@@ -83,6 +83,15 @@ def test_addresses_of_a_plan_and_flags_of_its_code_are_symbols() -> None:
     assert len(found) == 8 + 7
 
 
+def test_words_are_at_the_bytes_that_s7_counts() -> None:
+    text = b"PROGRAM Pump VAR Level AT %IW2 : INT; Start AT %IX0.1 : BOOL; END_VAR END_PROGRAM"
+    project = sfc.loads(text, format="iec-text")
+    assert [line[:2] for line in lines(sfc.dumps(project, format="sdf", partial=True))] == [
+        ["Level", "IW 4"],
+        ["Start", "I 0.1"],
+    ]
+
+
 @pytest.mark.parametrize(
     ("tag", "why"),
     [
