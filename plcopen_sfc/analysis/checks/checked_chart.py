@@ -281,6 +281,15 @@ _FEW = 3
 """Competing transitions that are compared two by two at once: most selections have no more."""
 
 
+class _JudgedTerms(TermTexts):
+    """Terms of a GRAFCET with what is known of them: at a rising edge the operand is true, at a falling one false."""
+
+    def edge(self, operand: str, *, rising: bool) -> str:
+        """Return an edge and the value that its operand has then."""
+        name = super().edge(operand, rising=rising)
+        return f"({name} AND {'' if rising else 'NOT '}({operand}))"
+
+
 class CheckedChart:
     """A chart with all that rules ask about it. Nothing is worked out before it is asked for."""
 
@@ -297,7 +306,7 @@ class CheckedChart:
         self._conditions: dict[int, NetworkExpression] = {}
         self._truths: dict[int, Truth] = {}
         self._overlaps: dict[tuple[int, ...], list[tuple[int, int]]] = {}
-        self._terms = TermTexts()
+        self._terms = _JudgedTerms()
 
     @cached_property
     def sheets(self) -> tuple[CheckedSheet, ...]:

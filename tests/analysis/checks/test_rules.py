@@ -721,6 +721,9 @@ case("HIE07", grafcet(MACRO % ("X3", "X3", "E3", "E3")), grafcet(MACRO % ("M3", 
 case(
     "HIE07", grafcet(MACRO % ("M3", "M3", "A", "A")), grafcet(MACRO % ("m3", "m3", "e3", "e3")), "entry step", "grafcet"
 )
+EDGED = "1 -> 2 : ↑a * b\n1 -> 3 : %s\nSTEP 2\nSTEP 3"
+case("SEL01", grafcet(EDGED % "a * c"), grafcet(EDGED % "c * /a"), "together with 1 -> 2", "grafcet")
+case("SEL01", grafcet(EDGED % "↑c"), grafcet(EDGED % "↓a"), "together with 1 -> 2", "grafcet")
 UNUSED = "EXPANSION M3 FROM E3 TO S3\nSTEP E3\nSTEP S3\nENCLOSED G2\nSTEP 20"
 case("HIE08", grafcet(UNUSED), grafcet("MACRO M3\nSTEP 2 ENCLOSES G2{20}\n" + UNUSED), "never active", "grafcet")
 
