@@ -200,7 +200,9 @@ class Verdict:
             missed = ""
             if self.kind is VerdictKind.UNTESTED:
                 missed = f"not all was {'compared' if self.gap else 'reached'}{self._missing()}, "
-            head = f"{missed}equal{later} in {run}{times} (no proof: {self.reason}{tried})"
+            # a search that is ended before its first scan has not seen anything that is equal
+            found = f"equal{later} in {run}{times}" if self.scans or not self.runs else "no scan was run"
+            head = f"{missed}{found} (no proof: {self.reason}{tried})"
         return "\n".join([head, *self._covered()])
 
     def _unknown(self) -> Iterator[str]:

@@ -815,6 +815,7 @@ _COMPARED = {
     "equal in {} directed runs, {} scans (no proof: {})": (
         "gleich in {} gerichteten Läufen, {} Zyklen (kein Beweis: {})"
     ),
+    "no scan was run (no proof: {})": "kein Zyklus wurde ausgeführt (kein Beweis: {})",
     "not all was reached ({}), {+}": "nicht alles wurde erreicht ({}), {}",
     "not all was reached, {+}": "nicht alles wurde erreicht, {}",
     "different after {} scans (shortest input trace)": "verschieden nach {} Zyklen (kürzeste Eingangsfolge)",

@@ -54,6 +54,13 @@ def test_long_scans_end_in_time(delay: int | str) -> None:
     assert "time limit" in verdict.reason
 
 
+def test_nothing_is_called_equal_before_the_first_scan() -> None:
+    verdict = equivalent(project("Long.T > T#24h"), project("Long.T > T#25h"), "iec", limit=0.000_001)
+    assert (verdict.equal, verdict.scans) == (False, 0)
+    assert "no scan was run" in str(verdict)
+    assert "equal" not in str(verdict)
+
+
 @pytest.mark.parametrize("limit", ["abc", "5 x", "T#1", "0s", "1,5"])
 def test_a_limit_that_is_none_is_called_so(limit: str) -> None:
     with pytest.raises(InputError, match=f"'{limit}' is no time limit"):
