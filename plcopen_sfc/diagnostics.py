@@ -17,6 +17,10 @@ class Severity(StrEnum):
     INFO = "info"
 
 
+OUTDATED = "XML214"
+"""Code of what a file keeps of its source, and its tool has edited since."""
+
+
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One finding. `code` is stable (``SFC101``) and documented in docs/diagnostics.md, or docs/checks.md (``STR01``).

@@ -57,9 +57,9 @@ class Prepared(NamedTuple):
 def prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Prepared:
     """Return a copy of `project` for the writer of the format `kind`."""
     dialect = kind.dialect or (Dialect.IEC if options.flavour else None)
-    if dialect is None and kind.tool and project.origin is not None and not options.same:
+    if dialect is None and kind.tool and project.origin == project.tool_format and not options.same:
         # the texts that a file keeps are in its words; back where all dialects are, they are in those of their tool
-        dialect = format_named(project.origin)[0].dialect or Dialect.IEC
+        dialect = format_named(project.tool_format)[0].dialect or Dialect.IEC
     same_dialect = dialect in (None, project.dialect)
     profile = default_profile(project)
     if profile.for_asks_ahead and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
@@ -72,7 +72,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
     of_grafcet = not options.same and is_put_into_sfc(project, kind)
-    origin = project.origin if options.same else _origin(project, kind, options, of_grafcet=of_grafcet)
+    kept = project.origin if project.origin == project.tool_format else None
+    origin = kept if options.same else _origin(project, kind, options, of_grafcet=of_grafcet)
     as_it_is = same_dialect and lacks_nothing and not options.flavour and not results and not of_grafcet
     if kind.drawing is DrawingNeed.NONE and as_it_is:
         behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None

@@ -63,7 +63,12 @@ class ModelDifference(NamedTuple):
 def differences(
     left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), path: str = ""
 ) -> Iterator[ModelDifference]:
-    """Return the differences between two model objects. Fields named in `ignore` are not looked at."""
+    """Return the differences between two model objects. Fields named in `ignore` are not looked at.
+
+    The origin of a project is no content: projects are equal wherever they were converted from.
+    """
+    if isinstance(left, Project):
+        ignore |= {"origin"}
     if type(left) is not type(right):
         yield ModelDifference(path, left, right)
     elif isinstance(left, Model | MarkupText | MultilingualText):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 from pydantic import Field, PrivateAttr
 
 from plcopen_sfc.collector import collecting_rarely
+from plcopen_sfc.diagnostics import OUTDATED, Diagnostic
 from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
 from plcopen_sfc.model.base import Element, ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody
@@ -22,7 +23,6 @@ from plcopen_sfc.model.variables import AccessSection, ConfigSection, Interface,
 from plcopen_sfc.operations import provided
 
 if TYPE_CHECKING:
-    from plcopen_sfc.diagnostics import Diagnostic
     from plcopen_sfc.languages.binding import Declaration
     from plcopen_sfc.model.sfc import Step
     from plcopen_sfc.refactor.editor import Editor
@@ -268,8 +268,13 @@ class Project(Owned, Element):
 
     @property
     def tool_format(self) -> str:
-        """The format by whose tool the project is executed: not that of a file which keeps it for the way back."""
-        return self.origin or (self.source.format if self.source is not None else "")
+        """The format by whose tool the project is executed: not that of a file which keeps it for the way back.
+
+        Where the tool of the file has edited what the file keeps, the edit counts, and so do its rules.
+        """
+        if self.origin is not None and not any(each.code == OUTDATED for each in self.diagnostics):
+            return self.origin
+        return self.source.format if self.source is not None else ""
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:

@@ -131,10 +131,10 @@ def test_what_is_no_file_is_said_as_always() -> None:
 
 
 ADDED = {
-    *("PRG_Pumps_DB", "GVL_IO", "MainTask", "E_PumpMode"),
+    *("PRG_Pumps_DB", "GVL_IO", "MainTask", "E_PumpMode", "FB_Runtime_Reset"),
     *("PRG_Pumps_SelectPump_entry", "PRG_Pumps_Swap_entry", "PRG_Pumps_Pumping_active", "PRG_Pumps_Standby_active"),
 }
-"""What only TIA Portal has: an instance, a list, a task, an enumeration, and functions of actions."""
+"""What only TIA Portal has: an instance, a list, a task, an enumeration, and functions of actions and methods."""
 
 
 def test_a_folder_is_read_so_too(tmp_path: Path) -> None:
