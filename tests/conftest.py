@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 
-from tests.sweeps import examples
+from tests.sweeps import WHOLE, examples
 
 settings.register_profile(
     "here", max_examples=examples(100), deadline=None, suppress_health_check=[HealthCheck.too_slow]
@@ -52,6 +52,21 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(20_000)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What installs a whole environment comes first: at the end the other processes would wait for it."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out two of three cases of what is slow and has many, unless all is to be run, or these are asked for.
+
+    What installs a whole environment comes first: at the end the other processes would wait for it.
+    """
+    if not WHOLE and not any("::" in argument for argument in config.args):
+        cases: dict[str, list[pytest.Item]] = {}
+        for item in items:
+            if item.get_closest_marker("slow") is not None:
+                cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
+        left_out = {item for found in cases.values() if len(found) > _FEW for item in found if found.index(item) % 3}
+        config.hook.pytest_deselected(items=[*left_out])
+        items[:] = [item for item in items if item not in left_out]
     items.sort(key=lambda item: item.path.name != "test_wheel.py")
+
+
+_FEW = 3
+"""So many slow cases of one test are all run."""

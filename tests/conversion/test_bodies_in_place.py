@@ -57,6 +57,7 @@ CASES = [(target, language) for target in [*CODESYS_FAMILY, "iec-text"] for lang
 CASES.remove(("iec-text", "IL"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("target", "language"), CASES)
 def test_bodies_in_place_are_executed(target: str, language: str, tmp_path: Path) -> None:
     """Networks went inline into CODESYS XML, `: NOT c` into text, and the report called itself a mistake."""

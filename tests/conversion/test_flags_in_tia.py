@@ -121,6 +121,7 @@ def test_a_chart_is_stepped_through(flags: tuple[str, ...], chart: str) -> None:
     assert verdict.proven, verdict
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("others", [("SFCInit",), ("SFCReset",), ("SFCPause",), FLAGS], ids=" ".join)
 def test_a_push_counts_where_transitions_are_tested(others: tuple[str, ...]) -> None:
     source = chart_with("SFCTip", *others)

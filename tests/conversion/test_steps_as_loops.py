@@ -89,6 +89,7 @@ def built(name: str, inputs: tuple[str, ...] = (), outputs: tuple[str, ...] = ()
     return as_file(feature_project(Feature(name, ("simaticml",), whole), "simaticml"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "name"), [*enumerate(CASES)])
 def test_the_target_does_the_same_and_the_source_comes_back(number: int, name: str) -> None:
     """Two targets for each case, all with PLCOPEN_SFC_FULL."""
@@ -109,6 +110,7 @@ MODES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS[:2])
 @pytest.mark.parametrize("inputs", MODES.values(), ids=MODES.keys())
 def test_operating_modes_are_executed(inputs: tuple[str, ...], target: str) -> None:

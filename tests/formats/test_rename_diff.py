@@ -362,6 +362,7 @@ def test_an_edit_stays_in_its_element(path: Path, edit: Edit) -> None:
 SMALL_PARAMS = [p for p in CORPUS_PARAMS if p.values[0] is None or p.values[0].stat().st_size <= SMALL]  # type: ignore[union-attr]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", EDITS, ids=lambda e: e.__name__)
 @pytest.mark.parametrize("path", SMALL_PARAMS)
 def test_an_edit_of_a_real_file_stays_in_its_element(path: Path, edit: Edit) -> None:

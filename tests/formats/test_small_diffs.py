@@ -56,6 +56,7 @@ def changed_lines(before: bytes, after: bytes) -> list[str]:
     return [line for line in found if line[:1] in "+-" and line[:3] not in ("+++", "---")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_one_edit_changes_few_lines(path: Path) -> None:
     data = path.read_bytes()

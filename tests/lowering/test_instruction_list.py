@@ -13,6 +13,7 @@ from plcopen_sfc.model import IlBody
 FIXTURES = Path("fixtures")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("construction", ["flipflop", "bits"])
 @pytest.mark.parametrize(
     ("file", "pou"),

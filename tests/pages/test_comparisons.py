@@ -114,6 +114,7 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     assert len(listed.findall(".//li")) == len(lost) > 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "target"),
     [

@@ -81,6 +81,7 @@ def projects(kind: str) -> list[tuple[Path, sfc.Project]]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 @pytest.mark.parametrize("kind", ["plcopen", "codesys", "simaticml", "iectext"])
 def test_what_is_found_in_real_files(kind: str) -> None:

@@ -91,6 +91,7 @@ def written(request: pytest.FixtureRequest) -> Written:
     return Written(request.param)
 
 
+@pytest.mark.slow
 def test_a_fresh_document_means_the_same(written: Written) -> None:
     again = sfc.loads(written.fresh)
     if written.path.name not in NOT_EQUAL:

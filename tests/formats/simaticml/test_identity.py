@@ -79,6 +79,7 @@ def test_a_comment_of_a_transition_is_lines_of_its_own(path: Path) -> None:
     assert first_chart(sfc.loads(edited)).transition(transition.id).comment == transition.comment
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", those_with(rb"<SW\.Blocks\.(?!\w*DB\b).*<Member "))
 def test_renaming_a_variable_changes_one_line(path: Path) -> None:
     data = path.read_bytes()
@@ -94,6 +95,7 @@ def test_renaming_a_variable_changes_one_line(path: Path) -> None:
     assert again == [v.name for v in variables]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", those_with(rb'<Part Name="Contact"'))
 def test_the_operand_of_a_contact(path: Path) -> None:
     """In a network that we write as TIA Portal does, the edit is the operand; any other is written anew."""

@@ -93,6 +93,7 @@ def _variable(project: Project) -> None:
         variable.name += "_neu"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", [_condition, _name, _time, _comment, _variable])
 @pytest.mark.parametrize("path", EDITED)
 def test_an_edit_changes_its_line(path: Path, edit: Callable[[Project], None]) -> None:
