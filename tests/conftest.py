@@ -60,7 +60,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if not WHOLE and not any("::" in argument for argument in config.args):
         cases: dict[str, list[pytest.Item]] = {}
         for item in items:
-            if item.get_closest_marker("slow") is not None and item.path.name != "test_docs.py":  # each page is its own
+            if item.get_closest_marker("slow") is not None and not item.nodeid.startswith(_EACH_ITS_OWN):
                 cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
         left_out = {item for found in cases.values() if len(found) > _FEW for item in found if found.index(item) % 3}
         config.hook.pytest_deselected(items=[*left_out])
@@ -68,5 +68,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=lambda item: item.path.name != "test_wheel.py")
 
 
+_EACH_ITS_OWN = ("tests/test_docs.py", "tests/fuzz/")
+"""Pages, and formats: another one does not stand for them."""
 _FEW = 3
 """So many slow cases of one test are all run."""

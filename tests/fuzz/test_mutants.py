@@ -8,7 +8,7 @@ from tests.fuzz.mutation import FORMATS, mutant
 from tests.fuzz.trial import faults
 from tests.sweeps import WHOLE
 
-MUTANTS = 300 if WHOLE else 16
+MUTANTS = 300 if WHOLE else 8
 """Of each format. `python -m tests.fuzz` tries others, as many as are wanted."""
 
 

@@ -34,14 +34,13 @@ pytestmark = [pytest.mark.corpus, pytest.mark.slow]
 
 WANTED = set(os.environ.get("PLCOPEN_SFC_SWEEP", "").split(","))
 PAIRS = [(form, target) for form in FORMS for target in TARGETS]
-EVERY = 3
+EVERY = 6
 """Of so many charts one is in the sample, in one form for one target; those of `LARGE` files are not."""
 WHOLE = Effort(cap=200, runs=2, scans=40)
 SAMPLE = {
-    "broken connections": (0, 0, 0, 0, 0, 1, 1, 0, 0),
-    "nothing to compare": (0, 0, 0, 0, 0, 0, 0, 0, 1),
-    "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 0, 2),
-    "several steps at a time": (0, 0, 0, 0, 0, 0, 0, 1, 0),
+    "code only in a comment": (0, 0, 0, 0, 0, 0, 0, 1, 0),
+    "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 0, 1),
+    "several steps at a time": (0, 0, 0, 0, 0, 0, 0, 1, 1),
 }
 REFUSED = {
     "iectext": {
@@ -131,7 +130,7 @@ def test_a_sample_does_the_same_or_is_refused() -> None:
                 form, target = PAIRS[number // EVERY * 8 % len(PAIRS)]
                 results += sweep.results([form], [target], [name])
     assert refused(results) == SAMPLE
-    assert Counter(result.outcome for result in results)["proven"] > 8
+    assert Counter(result.outcome for result in results)["proven"] >= 4
 
 
 @pytest.mark.parametrize("family", FAMILIES)
