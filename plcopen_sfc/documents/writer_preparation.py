@@ -66,7 +66,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
     if kind.tool and not options.same:
         _note_wider_arithmetic(project, kind, dialect, report)
-        _note_operands(project, kind, report)
+        if not options.flavour:  # which tells so itself
+            _note_operands(project, kind, report)
         _note_falling_edges(project, kind, dialect, report)
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing

@@ -113,5 +113,6 @@ def _acts_first(pou: Pou) -> bool:
 
 
 def is_known(report: ConversionReport, pou: Pou) -> bool:
-    """True if the report names drawn logic or an association of the chart of `pou` that is executed otherwise."""
-    return any(i.what in ("drawn logic", "association") and i.path.startswith(pou.report_path) for i in report.losses)
+    """True if the report names what the chart of `pou` executes otherwise: drawn logic, an association, an input."""
+    known = ("drawn logic", "association", "operating input")
+    return any(i.what in known and i.path.startswith(pou.report_path) for i in report.losses)

@@ -192,7 +192,7 @@ def test_main_actions_are_not_executed_once_more_and_initial_steps_act_first(tmp
     first, second, _ = chart.steps
     first.main_action = m.StBody(text="n := n + 1;")
     second.main_action = m.StBody(text="m := m + 1;")
-    seen = sfc.loads(sfc.dumps(project, format="codesys"), format="codesys")
+    seen = sfc.loads(sfc.dumps(project, format="codesys"), format="codesys", as_tool=True)
     text, _ = _text_for(seen)
     machine = require_matiec().build(text, tmp_path, program="Plant")
     rows = machine.run([{"a": True}, {}, {}, {"c": True}, {}], ["n", "m"], period=10_000_000)
@@ -383,7 +383,7 @@ def test_a_box_of_beremiz_is_computed_where_its_converter_computes_it(left_at_on
     project.pous[0].transitions.append(m.NamedTransition(name="Stop", body=m.FbdBody(networks=[network])))
     chart.transitions[1].condition = m.NamedCondition(name="Stop")
     project.header = FileHeader(company="Unknown", product="Unnamed", version="1")
-    project = sfc.loads(sfc.dumps(project, format="plcopen", fresh=True), format="plcopen")
+    project = sfc.loads(sfc.dumps(project, format="plcopen", fresh=True), format="plcopen", as_tool=True)
     data, report = sfc.convert(project, "iec-text", flavour="matiec", limit=20)
     assert report.losses == []
     assert report.compared["POU Plant"].startswith("equal")
