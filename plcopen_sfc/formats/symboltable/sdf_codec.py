@@ -36,6 +36,7 @@ LINE = re.compile(
     r'[ \t]*"?(?P<type>[^",\r\n]*)"(?:[ \t]*,[ \t]*"(?P<comment>[^\r\n]*)")?[ \t]*(?:\Z|(?=[\r\n]))'
 )
 """A symbol. The manual has an example that lacks an opening quotation mark."""
+_CODE_PAGE = "cp1252"
 TABLE = "Symbols"
 """Name of the table that a file is: it has none itself."""
 _WIDTHS = (24, 12, 10, 80)
@@ -115,7 +116,7 @@ class SdfCodec(TextCodec):
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write a whole file in the code page of Windows, with CRLF."""
         text = self.to_blocks(project, options, report).whole()
-        return f"{text}\n".replace("\n", "\r\n").encode("cp1252", errors="replace")
+        return f"{text}\n".replace("\n", "\r\n").encode(_CODE_PAGE, errors="replace")  # told by `_Writer`
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the lines of a project, each a block that an edit replaces."""
@@ -185,6 +186,8 @@ class _Writer:
             why = f"{tag.address or 'no address'} is no address of a symbol in STEP 7 V5"
         elif word not in _TYPES:
             why = f"STEP 7 V5 has no type {tag.type}"
+        elif _not_in_code_page(tag.name):
+            why = f"the code page of STEP 7 V5 has no {_not_in_code_page(tag.name)}"
         elif known not in (None, address):
             why = f"the symbol {tag.name} is {known} already"
         if why:
@@ -196,11 +199,19 @@ class _Writer:
             why = f"a symbol of STEP 7 V5 has up to {_WIDTHS[0]} characters"
             self._report.add(Outcome.APPROXIMATED, "tag", path, why)
         comment = " ".join(plain(tag.comment).split())
+        if missing := _not_in_code_page(comment):
+            why = f"a question mark stands for {missing}, which the code page of STEP 7 V5 does not have"
+            self._report.add(Outcome.DROPPED, "comment", path, why)
         cells = (tag.name, address, word, comment.replace('"', "'"))
         return ",".join(f'"{cell:<{width}}"' for cell, width in zip(cells, _WIDTHS, strict=True))
 
     def _lost(self, what: str, path: str, why: str) -> None:
         self._report.add(Outcome.NOT_EXECUTED, what, path, why)
+
+
+def _not_in_code_page(text: str) -> str:
+    """Return the characters of a text that the code page of the files does not have."""
+    return "".join(sorted({letter for letter in text if not letter.encode(_CODE_PAGE, errors="ignore")}))
 
 
 CODEC = SdfCodec()

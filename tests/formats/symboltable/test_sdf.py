@@ -83,6 +83,15 @@ def test_addresses_of_a_plan_and_flags_of_its_code_are_symbols() -> None:
     assert len(found) == 8 + 7
 
 
+def test_a_comment_in_another_alphabet_is_told() -> None:
+    project = sfc.load(FILE)
+    project.tag_tables[0].tags.append(Tag(name="a", type="Bool", address="%M9.0", comment="Ω und Ж"))
+    data, report = sfc.convert(project, "sdf", partial=True, fresh=True)
+    assert ["a", "M 9.0", "BOOL", "? und ?"] in lines(data)
+    (told,) = (item.why for item in report.items if item.what == "comment")
+    assert told.startswith("a question mark stands for ΩЖ")
+
+
 def test_words_are_at_the_bytes_that_s7_counts() -> None:
     text = b"PROGRAM Pump VAR Level AT %IW2 : INT; Start AT %IX0.1 : BOOL; END_VAR END_PROGRAM"
     project = sfc.loads(text, format="iec-text")
@@ -100,6 +109,7 @@ def test_words_are_at_the_bytes_that_s7_counts() -> None:
         (Tag(name="a", type="LReal", address="%MD8"), "STEP 7 V5 has no type LReal"),
         (Tag(name="START", type="Bool", address="%M9.0"), "the symbol START is E 0.0 already"),
         (Tag(name="a" * 25, type="Bool", address="%M9.0"), "has up to 24 characters"),
+        (Tag(name="Ω1", type="Bool", address="%M9.0"), "the code page of STEP 7 V5 has no Ω"),
     ],
 )
 def test_what_is_no_symbol_is_told(tag: Tag, why: str) -> None:
