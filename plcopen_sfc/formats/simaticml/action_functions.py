@@ -15,9 +15,10 @@ it, as CODESYS has one chart: it goes on from where it was when it was last exec
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
+from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites, text_sites_in
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.edits import Edit, apply_edits
@@ -237,13 +238,26 @@ class ActionFunctions:
         )
         return ActionChart(owner, action, block, Variable(name=name, type=DerivedType(name=block.name)))
 
+    def _extends(self, pou: Pou, owner: Pou) -> bool:
+        """True if a block extends `owner`, or one that does."""
+        pending, seen = [pou], {pou.name.casefold()}
+        while pending:
+            for base in _bases(pending.pop()):
+                name = base.rpartition(".")[2].casefold()
+                if name == owner.name.casefold():
+                    return True
+                if name in self._pous and name not in seen:
+                    seen.add(name)
+                    pending.append(self._pous[name])
+        return False
+
     def _make_method(self, owner: Pou, method: Method) -> MethodFunction | str:
         """Make the function for a method, with the parameters of that and the variables of the block that it uses."""
         if self._is_of_folder:
             return "the function for it is a file of its own, which an edit of the folder does not write"
         if method.name.casefold() in _IMPLICIT_METHODS:
             return "its tool calls it when an instance is made or goes"
-        heirs = [each.name for each in self._pous.values() if _overrides(each, owner, method)]
+        heirs = [each.name for each in self._pous.values() if _has_method(each, method) and self._extends(each, owner)]
         if heirs:
             return f"{heirs[0]} has a method {method.name} too, and only the running program tells which one is called"
         text = _text(method.body) if method.body is not None else ""
@@ -494,12 +508,16 @@ def _text(body: Body) -> str | None:
     return body.text if isinstance(body, StBody) else None
 
 
-def _overrides(pou: Pou, owner: Pou, method: Method) -> bool:
-    """True if a block that extends `owner` has a method of this name of its own."""
-    extended = {name.rpartition(".")[2].casefold() for name in inheritance(pou.interface).extends}
-    return owner.name.casefold() in extended and any(
-        each.name.casefold() == method.name.casefold() for each in pou.methods
-    )
+def _bases(pou: Pou) -> Sequence[str]:
+    """Return what a block extends, which the copy that is written keeps as markup of another tool."""
+    interface = pou.interface.model_copy(deep=True) if pou.interface is not None else None
+    if interface is not None:
+        exchange_markup(interface, Markup.SIMATICML, Markup.TC6)
+    return inheritance(interface).extends
+
+
+def _has_method(pou: Pou, method: Method) -> bool:
+    return any(each.name.casefold() == method.name.casefold() for each in pou.methods)
 
 
 def _passed_inputs(project: Project) -> Iterator[str]:

@@ -493,6 +493,19 @@ def test_a_method_that_no_function_holds_says_why(change: object, why: str) -> N
     assert why in item.why
 
 
+def test_a_method_that_a_block_further_down_has_too_is_no_function() -> None:
+    """Which of both is called, only the running program tells."""
+    project = project_of(methods)
+    heirs = "FUNCTION_BLOCK Geared EXTENDS Motor\nEND_FUNCTION_BLOCK\nFUNCTION_BLOCK Slow EXTENDS Geared\n"
+    read = sfc.loads(f"{heirs}END_FUNCTION_BLOCK\n".encode(), format="iec-text")
+    read.pou("Slow").methods = [method("Toggle", "run := FALSE;")]
+    project.pous += read.pous
+    project = sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys")
+    report = sfc.convert(project, "simaticml", partial=True).report
+    told = {item.path: item.why for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "method"}
+    assert "Slow has a method Toggle too" in told["POU Motor / method Toggle"]
+
+
 def test_a_method_that_uses_a_step_names_it() -> None:
     def build(rig: Rig) -> None:
         rig.pou.methods = [method("Look", "q := Done.x;")]
