@@ -8,10 +8,10 @@ from __future__ import annotations
 import re
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.causes import concerns, times_among, told_apart, told_difference, told_while_held
 from plcopen_sfc.conversion.comparison import ExecutionDifference
@@ -45,6 +45,8 @@ from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
 
 if TYPE_CHECKING:
+    from plcopen_sfc.analysis.verdict import Counterexample, Verdict
+
     pass
 
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
@@ -112,34 +114,61 @@ def report_running(
         except SfcError as error:
             _note_untested(report, there.report_path, f"not run: {error.message}")
             continue
+        run = _Run(there, verdict, as_run, profiles, tool)
         if named:
-            example = as_run.counterexample
-            told = told_difference(example, there, losses, profiles, tool) if example else str(as_run).splitlines()[0]
-            report.compared[there.report_path] = f"{told}; what the report names as approximated is in it"
-            continue
-        if verdict.kind is VerdictKind.UNTESTED:
+            report.compared[there.report_path] = run.told_with(losses)
+        elif verdict.kind is VerdictKind.UNTESTED:
             _note_untested(report, there.report_path, *str(verdict).splitlines())
-            continue
-        report.compared[there.report_path] = str(as_run).splitlines()[0]
-        if not as_run.equal and verdict.equal:
-            report.compared[there.report_path] += "; the same but for the inputs that actions see, and the first scan"
-        usual = 1 if profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result has passed other situations
-        if verdict.kind is VerdictKind.PROVEN and abs(verdict.delay.scans) <= usual:
-            _note_proven(report, there.report_path, STABILITY, "which fires transitions once in a scan")
-        if verdict.kind is VerdictKind.PROVEN:
-            _note_proven(report, there.report_path, CHART_OF_ACTION, "which calls a block for the chart of the action")
-            _note_proven(report, there.report_path, ORDER_OF_ACTIONS, "which executes actions in another order")
-            _note_proven(report, there.report_path, FALLING_EDGE, "which sees another first edge of F_TRIG")
-        if verdict.counterexample is not None:
-            why = told_difference(verdict.counterexample, there, report.losses, profiles, tool)
+        else:
             times, left = times_among(verdict.inputs, there), end - time.monotonic()
-            if times and left > 0:
-                why += told_while_held(compared(delay="auto", limit=left, fixed=times), times)
-            report.add(Outcome.APPROXIMATED, "chart", there.report_path, why)
-        elif not as_run.equal:
-            example = as_run.counterexample
-            why = told_difference(example, there, (), profiles, tool) if example else "it is not known to do the same"
-            report.add(Outcome.APPROXIMATED, "chart", there.report_path, why + told_apart(profiles, tool))
+            is_held = verdict.counterexample is not None and times and left > 0
+            held = told_while_held(compared(delay="auto", limit=left, fixed=times), times) if is_held else ""
+            _report_run(report, run, held)
+
+
+class _Run(NamedTuple):
+    """A chart of the source that was run against its result.
+
+    `verdict`: what was found; `as_run`: the same with a constant delay only, where that is another question.
+    """
+
+    place: Chart
+    verdict: Verdict
+    as_run: Verdict
+    profiles: tuple[Profile, Profile]
+    tool: str
+
+    def told_with(self, losses: Sequence[Item]) -> str:
+        """Return what was found of a chart in which the report names something as approximated."""
+        example = self.as_run.counterexample
+        told = self.told(example, losses) if example is not None else str(self.as_run).splitlines()[0]
+        return f"{told}; what the report names as approximated is in it"
+
+    def told(self, example: Counterexample, losses: Sequence[Item]) -> str:
+        """Return a difference in words, with its cause."""
+        return told_difference(example, self.place, losses, self.profiles, self.tool)
+
+
+def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
+    """Report what was found of a chart of which the report names no loss; `held`: while times of actions stay."""
+    verdict, as_run, path = run.verdict, run.as_run, run.place.report_path
+    report.compared[path] = str(as_run).splitlines()[0]
+    if not as_run.equal and verdict.equal:
+        report.compared[path] += "; the same but for the inputs that actions see, and the first scan"
+    if verdict.proven:
+        usual = 1 if run.profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result passed other situations
+        if abs(verdict.delay.scans) <= usual:
+            _note_proven(report, path, STABILITY, "which fires transitions once in a scan")
+        _note_proven(report, path, CHART_OF_ACTION, "which calls a block for the chart of the action")
+        _note_proven(report, path, ORDER_OF_ACTIONS, "which executes actions in another order")
+        _note_proven(report, path, FALLING_EDGE, "which sees another first edge of F_TRIG")
+    if verdict.counterexample is not None:
+        why = run.told(verdict.counterexample, report.losses)
+        report.add(Outcome.APPROXIMATED, "chart", path, why + held)
+    elif not as_run.equal:
+        example = as_run.counterexample
+        why = run.told(example, ()) if example is not None else "it is not known to do the same"
+        report.add(Outcome.APPROXIMATED, "chart", path, why + told_apart(run.profiles, run.tool))
 
 
 def _lasts(chart: Chart, project: Project, inputs: Iterable[str], *, has_other_inputs: bool) -> bool:

@@ -97,7 +97,7 @@ def _report_edits(
     from plcopen_sfc.semantics.profile import default_profile, profile_of_format  # noqa: PLC0415  # no interpreter
 
     codec, rules = kind.codec(source.version), default_profile(project)
-    its = rules if project.origin != project.tool_format else profile_of_format(kind.name)
+    its = rules if not project.is_converted else profile_of_format(kind.name)
 
     def notes(meant: Project, content: bytes, told: Sequence[Item], known: Project | None = None) -> ConversionReport:
         shown = codec.as_tool_sees(content)

@@ -56,25 +56,20 @@ class Prepared(NamedTuple):
 
 def prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Prepared:
     """Return a copy of `project` for the writer of the format `kind`."""
-    dialect = kind.dialect or (Dialect.IEC if options.flavour else None)
-    if dialect is None and kind.tool and project.origin == project.tool_format and not options.same:
-        # the texts that a file keeps are in its words; back where all dialects are, they are in those of their tool
-        dialect = format_named(project.tool_format)[0].dialect or Dialect.IEC
+    dialect = _dialect(project, kind, options)
     same_dialect = dialect in (None, project.dialect)
     profile = default_profile(project)
     if profile.for_asks_ahead and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
     if kind.tool and not options.same:
         _note_wider_arithmetic(project, kind, dialect, report)
-        if not options.flavour:  # which tells so itself
-            _note_operands(project, kind, report)
+        _note_operands(project, kind, options, report)
         _note_falling_edges(project, kind, dialect, report)
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
     of_grafcet = not options.same and is_put_into_sfc(project, kind)
-    kept = project.origin if project.origin == project.tool_format else None
-    origin = kept if options.same else _origin(project, kind, options, of_grafcet=of_grafcet)
+    origin = _origin(project, kind, options, of_grafcet=of_grafcet)
     as_it_is = same_dialect and lacks_nothing and not options.flavour and not results and not of_grafcet
     if kind.drawing is DrawingNeed.NONE and as_it_is:
         behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None
@@ -142,12 +137,27 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     return Prepared(copy, meant, options, behaviour)
 
 
+def _dialect(project: Project, kind: Format, options: WriteOptions) -> Dialect | None:
+    """Return the dialect of the texts in a file; None: that of the project.
+
+    The texts that a converted file keeps are in its words. Where the format has all dialects, they are put back into
+    that of their tool.
+    """
+    if kind.dialect is None and options.flavour:
+        return Dialect.IEC
+    if kind.dialect is None and kind.tool and project.is_converted and not options.same:
+        return format_named(project.tool_format)[0].dialect or Dialect.IEC
+    return kind.dialect
+
+
 def _origin(project: Project, kind: Format, options: WriteOptions, *, of_grafcet: bool) -> str | None:
     """Return the format whose tool executes the charts that a file keeps; None where the file itself tells that.
 
     Without it, what is read back would be the charts of the source under the rules of the target.
     """
     own = project.tool_format
+    if options.same:
+        return own if project.is_converted else None
     if kind.name == "json":
         return own if project.source is not None and own != kind.name else project.origin
     if options.flavour or not kind.extension_data or not any(True for _ in project.charts()):
@@ -286,8 +296,10 @@ _OUTCOMES = {
 """Outcome of a text by the severity of the notes of its translation: without a counterpart it is left as it is."""
 
 
-def _note_operands(project: Project, kind: Format, report: ConversionReport) -> None:
+def _note_operands(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> None:
     """Report actions on variables that are not Boolean: no tool compiles them, and some write another type."""
+    if options.flavour:  # what fits a project to that tells so
+        return
     resolver = Resolver(project, project.dialect)
     for chart in project.charts():
         names = {association.target for _, association in chart.chart.associations()} - {None}

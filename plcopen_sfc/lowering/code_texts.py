@@ -94,7 +94,7 @@ _GERMAN_SUFFIXES: Mapping[Suffix, str] = {
 }
 
 
-class Words:
+class CodeWords:
     """Text in English and in German; an object with a `language` has it in that one."""
 
     def __init__(self, english: str, german: str) -> None:
@@ -108,7 +108,7 @@ class Phrase:
     """Words with a place ``{}`` for each argument with which they are called."""
 
     def __init__(self, english: str, german: str) -> None:
-        self._words = Words(english, german)
+        self._words = CodeWords(english, german)
 
     def __get__(self, texts: Texts | GraphTexts, kind: object = None) -> Callable[..., str]:
         return self._words.__get__(texts).format
@@ -117,113 +117,115 @@ class Phrase:
 class Texts:
     """Texts in one `language`: ``en`` or ``de``."""
 
-    culture = Words("", "de-DE")
-    init = Words("Start the chain anew", "Kette initialisieren")
-    init_input = Words("Init", "Init")
-    stop = Words("holds the chain at its initial step", "hält die Kette im Initialschritt")
-    restart = Words("Restart", "Grundstellung")
-    restart_comment = Words("the chain starts anew", "die Kette beginnt neu")
-    initial_steps = Words("First scan: initial steps", "Richtimpuls: Initialschritte")
-    flag_list = Words("StepFlags", "Schrittmerker")
-    drive = Words("Actions", "Ansteuerung")
-    drive_call = Words("Actions", "Ansteuerung der Aktionen")
-    drive_stored = Words("StoredActions", "Speicherung")
-    drive_stored_call = Words("Stored actions", "Gespeichert wirkende Aktionen")
-    event = Words("event", "ereignis")
-    modes = Words("Operating modes", "Betriebsarten")
-    enable = Words("Enable", "Freigabe")
-    enable_comment = Words("transitions may fire", "Transitionen dürfen schalten")
-    single_step = Words("SingleStep", "Einzelschritt")
-    single_step_comment = Words(
+    culture = CodeWords("", "de-DE")
+    init = CodeWords("Start the chain anew", "Kette initialisieren")
+    init_input = CodeWords("Init", "Init")
+    stop = CodeWords("holds the chain at its initial step", "hält die Kette im Initialschritt")
+    restart = CodeWords("Restart", "Grundstellung")
+    restart_comment = CodeWords("the chain starts anew", "die Kette beginnt neu")
+    initial_steps = CodeWords("First scan: initial steps", "Richtimpuls: Initialschritte")
+    flag_list = CodeWords("StepFlags", "Schrittmerker")
+    drive = CodeWords("Actions", "Ansteuerung")
+    drive_call = CodeWords("Actions", "Ansteuerung der Aktionen")
+    drive_stored = CodeWords("StoredActions", "Speicherung")
+    drive_stored_call = CodeWords("Stored actions", "Gespeichert wirkende Aktionen")
+    event = CodeWords("event", "ereignis")
+    modes = CodeWords("Operating modes", "Betriebsarten")
+    enable = CodeWords("Enable", "Freigabe")
+    enable_comment = CodeWords("transitions may fire", "Transitionen dürfen schalten")
+    single_step = CodeWords("SingleStep", "Einzelschritt")
+    single_step_comment = CodeWords(
         "transitions fire by a push of Advance only", "Transitionen schalten nur mit Weiterschalten"
     )
-    without_conditions = Words("WithoutConditions", "OhneBedingungen")
-    without_conditions_comment = Words(
+    without_conditions = CodeWords("WithoutConditions", "OhneBedingungen")
+    without_conditions_comment = CodeWords(
         "a push of Advance leads on whatever the conditions are", "Weiterschalten wirkt ohne Rücksicht auf Bedingungen"
     )
-    advance = Words("Advance", "Weiterschalten")
-    advance_comment = Words("leads one step on", "schaltet um einen Schritt weiter")
-    select = Words("Select", "Anwahl")
-    select_comment = Words(
+    advance = CodeWords("Advance", "Weiterschalten")
+    advance_comment = CodeWords("leads one step on", "schaltet um einen Schritt weiter")
+    select = CodeWords("Select", "Anwahl")
+    select_comment = CodeWords(
         "makes the selected step the only active one", "macht den angewählten Schritt zum einzigen aktiven"
     )
-    selected = Words("SelectedStep", "Schrittanwahl")
-    selected_comment = Words("number of the step to be selected", "Nummer des Schritts, der angewählt wird")
-    selecting = Words("Selecting", "Anwahlimpuls")
-    selection = Words("Selected step", "Angewählter Schritt")
-    free = Words("MayFire", "Schaltfreigabe")
-    forced = Words("Forced", "Zwangsweiterschaltung")
-    transitions = Words("Transitions", "Transitionen")
-    logic = Words("Logic drawn in the chart", "Logik im Ablauf")
-    times = Words("Step times", "Schrittzeiten")
-    step_actions = Words("Steps that have changed: their actions", "Aktionen bei Schrittwechsel")
-    main_actions = Words("Actions of the active steps", "Aktionen der aktiven Schritte")
-    conditions = Words("Conditions of actions", "Bedingungen der Aktionen")
-    actions_end = Words("Back at the initial step", "Zurück im Initialschritt")
-    quit_error = Words("The error is quitted", "Fehler quittieren")
-    pause = Words("Pause", "Pause")
-    tip = Words("Step by step", "Schrittweise")
-    current_step = Words("Active step", "Aktiver Schritt")
-    table_row = Words("table_row", "tabellenzeile")
-    first_scan = Words("End of the first scan", "Ende des Richtimpulses")
-    pulse = Words("FirstScan", "Richtimpuls")
-    condition = Words("Condition", "Bedingung")
-    chain = Words("Step sequence", "Schrittfolge")
-    state = Words("step_number", "schrittnummer")
-    state_comment = Words("number of the active step", "Nummer des aktiven Schritts")
-    next_state = Words("next_step_number", "neue_schrittnummer")
-    next_state_comment = Words("number of the step that will be active", "Nummer des Schritts, der aktiv wird")
-    last_state = Words("last_step_number", "letzte_schrittnummer")
-    last_step = Words("last_step", "letzter_schritt")
-    step_time = Words("step_time", "schrittzeit")
-    entered = Words("step_entered", "schritt_neu")
-    entered_comment = Words("the active step has just become active", "der aktive Schritt ist gerade aktiv geworden")
-    held = Words("no transition fires meanwhile", "solange schaltet keine Transition")
-    last_state_comment = Words(
+    selected = CodeWords("SelectedStep", "Schrittanwahl")
+    selected_comment = CodeWords("number of the step to be selected", "Nummer des Schritts, der angewählt wird")
+    selecting = CodeWords("Selecting", "Anwahlimpuls")
+    selection = CodeWords("Selected step", "Angewählter Schritt")
+    free = CodeWords("MayFire", "Schaltfreigabe")
+    forced = CodeWords("Forced", "Zwangsweiterschaltung")
+    transitions = CodeWords("Transitions", "Transitionen")
+    logic = CodeWords("Logic drawn in the chart", "Logik im Ablauf")
+    times = CodeWords("Step times", "Schrittzeiten")
+    step_actions = CodeWords("Steps that have changed: their actions", "Aktionen bei Schrittwechsel")
+    main_actions = CodeWords("Actions of the active steps", "Aktionen der aktiven Schritte")
+    conditions = CodeWords("Conditions of actions", "Bedingungen der Aktionen")
+    actions_end = CodeWords("Back at the initial step", "Zurück im Initialschritt")
+    quit_error = CodeWords("The error is quitted", "Fehler quittieren")
+    pause = CodeWords("Pause", "Pause")
+    tip = CodeWords("Step by step", "Schrittweise")
+    current_step = CodeWords("Active step", "Aktiver Schritt")
+    table_row = CodeWords("table_row", "tabellenzeile")
+    first_scan = CodeWords("End of the first scan", "Ende des Richtimpulses")
+    pulse = CodeWords("FirstScan", "Richtimpuls")
+    condition = CodeWords("Condition", "Bedingung")
+    chain = CodeWords("Step sequence", "Schrittfolge")
+    state = CodeWords("step_number", "schrittnummer")
+    state_comment = CodeWords("number of the active step", "Nummer des aktiven Schritts")
+    next_state = CodeWords("next_step_number", "neue_schrittnummer")
+    next_state_comment = CodeWords("number of the step that will be active", "Nummer des Schritts, der aktiv wird")
+    last_state = CodeWords("last_step_number", "letzte_schrittnummer")
+    last_step = CodeWords("last_step", "letzter_schritt")
+    step_time = CodeWords("step_time", "schrittzeit")
+    entered = CodeWords("step_entered", "schritt_neu")
+    entered_comment = CodeWords(
+        "the active step has just become active", "der aktive Schritt ist gerade aktiv geworden"
+    )
+    held = CodeWords("no transition fires meanwhile", "solange schaltet keine Transition")
+    last_state_comment = CodeWords(
         "number of the step that was active in the scan before", "Nummer des Schritts, der im Zyklus davor aktiv war"
     )
-    active_step = Words("active_step", "aktiver_schritt")
-    active_step_comment = Words("the active step", "der aktive Schritt")
-    next_step = Words("next_step", "neuer_schritt")
-    next_step_comment = Words("the step that will be active", "der Schritt, der aktiv wird")
-    moves = Words("Steps that become active", "Schritte, die aktiv werden")
-    control = Words("Which actions are active", "Welche Aktionen aktiv sind")
-    ended = Words("Actions that have ended", "Beendete Aktionen")
-    steps_before = Words("Active steps, for the next scan", "Aktive Schritte, für den nächsten Zyklus")
-    until_joined = Words(
+    active_step = CodeWords("active_step", "aktiver_schritt")
+    active_step_comment = CodeWords("the active step", "der aktive Schritt")
+    next_step = CodeWords("next_step", "neuer_schritt")
+    next_step_comment = CodeWords("the step that will be active", "der Schritt, der aktiv wird")
+    moves = CodeWords("Steps that become active", "Schritte, die aktiv werden")
+    control = CodeWords("Which actions are active", "Welche Aktionen aktiv sind")
+    ended = CodeWords("Actions that have ended", "Beendete Aktionen")
+    steps_before = CodeWords("Active steps, for the next scan", "Aktive Schritte, für den nächsten Zyklus")
+    until_joined = CodeWords(
         "until the simultaneous branches are joined", "bis die parallelen Zweige zusammengeführt werden"
     )
-    step_constant = Words("STEP", "SCHRITT")
-    waiting_constant = Words("PARALLEL", "PARALLEL")
-    no_step = Words("NO_STEP", "KEIN_SCHRITT")
-    no_step_comment = Words("no step", "kein Schritt")
-    enumeration = Words("Step", "Schritt")
-    actions = Words("Actions", "Aktionen")
-    transition = Words("Transition", "Transition")
-    set_action = Words("set action", "Aktion setzen")
-    reset_action = Words("reset action", "Aktion zurücksetzen")
-    reset_actions = Words("reset actions", "Aktionen zurücksetzen")
-    stability = Words("Search for a stable situation", "Suche nach einer stabilen Situation")
-    next_evolution = Words("NextEvolution", "NaechsterLauf")
-    next_evolution_title = Words(
+    step_constant = CodeWords("STEP", "SCHRITT")
+    waiting_constant = CodeWords("PARALLEL", "PARALLEL")
+    no_step = CodeWords("NO_STEP", "KEIN_SCHRITT")
+    no_step_comment = CodeWords("no step", "kein Schritt")
+    enumeration = CodeWords("Step", "Schritt")
+    actions = CodeWords("Actions", "Aktionen")
+    transition = CodeWords("Transition", "Transition")
+    set_action = CodeWords("set action", "Aktion setzen")
+    reset_action = CodeWords("reset action", "Aktion zurücksetzen")
+    reset_actions = CodeWords("reset actions", "Aktionen zurücksetzen")
+    stability = CodeWords("Search for a stable situation", "Suche nach einer stabilen Situation")
+    next_evolution = CodeWords("NextEvolution", "NaechsterLauf")
+    next_evolution_title = CodeWords(
         "Next evolution, until the situation is stable", "Nächster Durchlauf, bis die Situation stabil ist"
     )
-    first_evolution = Words("FirstEvolution", "ErsterLauf")
-    first_evolution_ends = Words("End of the first evolution", "Ende des ersten Durchlaufs")
-    start = Words("Start", "Start")
-    terms = Words("Edges and times", "Flanken und Zeiten")
-    events = Words("Actions on events", "Aktionen bei Ereignissen")
-    before = Words("Steps as they were before", "Schritte, wie sie zuvor waren")
-    forcing = Words("Charts that others rule", "Zwangsgesteuerte und eingeschlossene Teilpläne")
-    passed = Words("Steps that the scan passes", "Durchlaufene Schritte")
-    stored = Words("Stored actions", "Gespeichert wirkende Aktionen")
-    evolutions = Words("evolutions", "durchlaeufe")
-    moving = Words("moving", "in_bewegung")
-    moving_comment = Words("a transition was cleared", "eine Transition hat geschaltet")
-    unstable = Words("unstable", "instabil")
-    unstable_comment = Words("no stable situation was found", "es wurde keine stabile Situation gefunden")
-    not_compared = Words("Not compared with the chart.", "Nicht mit dem Ablauf verglichen.")
-    read_flags = Words(
+    first_evolution = CodeWords("FirstEvolution", "ErsterLauf")
+    first_evolution_ends = CodeWords("End of the first evolution", "Ende des ersten Durchlaufs")
+    start = CodeWords("Start", "Start")
+    terms = CodeWords("Edges and times", "Flanken und Zeiten")
+    events = CodeWords("Actions on events", "Aktionen bei Ereignissen")
+    before = CodeWords("Steps as they were before", "Schritte, wie sie zuvor waren")
+    forcing = CodeWords("Charts that others rule", "Zwangsgesteuerte und eingeschlossene Teilpläne")
+    passed = CodeWords("Steps that the scan passes", "Durchlaufene Schritte")
+    stored = CodeWords("Stored actions", "Gespeichert wirkende Aktionen")
+    evolutions = CodeWords("evolutions", "durchlaeufe")
+    moving = CodeWords("moving", "in_bewegung")
+    moving_comment = CodeWords("a transition was cleared", "eine Transition hat geschaltet")
+    unstable = CodeWords("unstable", "instabil")
+    unstable_comment = CodeWords("no stable situation was found", "es wurde keine stabile Situation gefunden")
+    not_compared = CodeWords("Not compared with the chart.", "Nicht mit dem Ablauf verglichen.")
+    read_flags = CodeWords(
         "X.. are the active steps, T.. the transitions that fire in this scan.",
         "X.. sind die aktiven Schritte, T.. die Transitionen, die in diesem Zyklus schalten.",
     )
@@ -257,11 +259,11 @@ class Texts:
         "{} are the active steps, one of each part of the chart.",
         "{} sind die aktiven Schritte, einer für jeden Teil des Ablaufs.",
     )
-    _branches = Words(
+    _branches = CodeWords(
         "Each branch is a step with its transitions in their order; what steps do comes behind.",
         "Jeder Zweig ist ein Schritt mit seinen Transitionen; was Schritte tun, kommt dahinter.",
     )
-    _branches_with_actions = Words(
+    _branches_with_actions = CodeWords(
         "Each branch is a step: what it does, then its transitions in their order.",
         "Jeder Zweig ist ein Schritt: was er tut, dann seine Transitionen der Reihe nach.",
     )
@@ -272,14 +274,14 @@ class Texts:
     _while_some = Phrase(", while {} are FALSE", ", solange {} FALSE sind")
     _reached = Phrase("Reached: {}.", "Erreicht: {}.")
     _of_all = Phrase("{} of {} {}", "{} von {} {}")
-    _initial = Words("initial step", "Initialschritt")
+    _initial = CodeWords("initial step", "Initialschritt")
     _step = Phrase("Step {}", "Schritt {}")
-    _to_first = Words("jump to the first step", "Sprung zum ersten Schritt")
+    _to_first = CodeWords("jump to the first step", "Sprung zum ersten Schritt")
     _back = Phrase("jump to step {}", "Sprung zu Schritt {}")
-    _onward = Words("go on to the next step", "In den nächsten Schritt schalten")
+    _onward = CodeWords("go on to the next step", "In den nächsten Schritt schalten")
     _waiting = Phrase("simultaneous branches from {}", "parallele Zweige ab {}")
-    _rises = Words("rises", "steigt")
-    _falls = Words("falls", "faellt")
+    _rises = CodeWords("rises", "steigt")
+    _falls = CodeWords("falls", "faellt")
 
     def __init__(self, language: str = "en") -> None:
         self.language = language
@@ -398,10 +400,10 @@ class Texts:
         return self._reached(", ".join(parts))
 
 
-_REACHED: Mapping[str, Words] = {
-    "step": Words("steps", "Schritten"),
-    "transition": Words("transitions", "Transitionen"),
-    "action": Words("actions", "Aktionen"),
+_REACHED: Mapping[str, CodeWords] = {
+    "step": CodeWords("steps", "Schritten"),
+    "transition": CodeWords("transitions", "Transitionen"),
+    "action": CodeWords("actions", "Aktionen"),
 }
 """Things that a header counts."""
 
@@ -412,42 +414,44 @@ TEXTS = {language: Texts(language) for language in ("en", "de")}
 class GraphTexts:
     """Texts about sequencers in one `language`: ``en-US`` or ``de-DE``."""
 
-    before = Words("Permanent operations before the sequence", "Permanente Operationen vor der Kette")
-    after = Words("Permanent operations after the sequence", "Permanente Operationen nach der Kette")
-    commands = Words("Commands and operating mode", "Befehle und Betriebsart")
-    checks = Words(
+    before = CodeWords("Permanent operations before the sequence", "Permanente Operationen vor der Kette")
+    after = CodeWords("Permanent operations after the sequence", "Permanente Operationen nach der Kette")
+    commands = CodeWords("Commands and operating mode", "Befehle und Betriebsart")
+    checks = CodeWords(
         "Interlocks and supervisions of the active steps", "Verriegelungen und Überwachungen der aktiven Schritte"
     )
-    checks_behind = Words("Interlocks and supervisions", "Verriegelungen und Überwachungen")
-    undisturbed = Words("Step times without disturbance", "Schrittzeiten ohne Störung")
-    manual = Words("Steps switched by hand", "Von Hand geschaltete Schritte")
-    start = Words("Start of the sequence", "Start der Kette")
-    off = Words("End of the sequence", "Ende der Kette")
-    skips = Words("Steps that are skipped", "Übersprungene Schritte")
-    again = Words("more_skipped", "weitere_uebersprungen")
-    events = Words("Events of steps", "Ereignisse der Schritte")
-    switched = Words("Steps that actions switch on and off", "Schritte, die von Aktionen ein- und ausgeschaltet werden")
-    reports = Words("Operating mode and errors", "Betriebsart und Fehler")
-    display = Words("Step displayed", "Angezeigter Schritt")
-    shown_data = Words("Data of steps that other blocks read", "Schrittdaten, die andere Bausteine lesen")
-    mode = Words("operating_mode", "betriebsart")
-    mode_comment = Words(
+    checks_behind = CodeWords("Interlocks and supervisions", "Verriegelungen und Überwachungen")
+    undisturbed = CodeWords("Step times without disturbance", "Schrittzeiten ohne Störung")
+    manual = CodeWords("Steps switched by hand", "Von Hand geschaltete Schritte")
+    start = CodeWords("Start of the sequence", "Start der Kette")
+    off = CodeWords("End of the sequence", "Ende der Kette")
+    skips = CodeWords("Steps that are skipped", "Übersprungene Schritte")
+    again = CodeWords("more_skipped", "weitere_uebersprungen")
+    events = CodeWords("Events of steps", "Ereignisse der Schritte")
+    switched = CodeWords(
+        "Steps that actions switch on and off", "Schritte, die von Aktionen ein- und ausgeschaltet werden"
+    )
+    reports = CodeWords("Operating mode and errors", "Betriebsart und Fehler")
+    display = CodeWords("Step displayed", "Angezeigter Schritt")
+    shown_data = CodeWords("Data of steps that other blocks read", "Schrittdaten, die andere Bausteine lesen")
+    mode = CodeWords("operating_mode", "betriebsart")
+    mode_comment = CodeWords(
         "0: automatic, 1: manual, 2: inching, 3: automatic or step by step",
         "0: Automatik, 1: Hand, 2: Tippen, 3: Automatik oder Tippen",
     )
-    permitted = Words("satisfied_switch", "erfuellte_schalten")
-    pushed = Words("all_switch", "alle_schalten")
-    shown = Words("displayed_step", "angezeigter_schritt")
-    shown_comment = Words("number of the step displayed", "Nummer des angezeigten Schritts")
-    shown_active = Words("displayed_step_active", "angezeigter_schritt_aktiv")
-    any_active = Words("any_step_active", "ein_schritt_aktiv")
-    leaving_one = Words("Actions of the step that was left", "Aktionen des verlassenen Schritts")
-    acting_one = Words("Actions of the active step", "Aktionen des aktiven Schritts")
-    timer_mode = Words(
+    permitted = CodeWords("satisfied_switch", "erfuellte_schalten")
+    pushed = CodeWords("all_switch", "alle_schalten")
+    shown = CodeWords("displayed_step", "angezeigter_schritt")
+    shown_comment = CodeWords("number of the step displayed", "Nummer des angezeigten Schritts")
+    shown_active = CodeWords("displayed_step_active", "angezeigter_schritt_aktiv")
+    any_active = CodeWords("any_step_active", "ein_schritt_aktiv")
+    leaving_one = CodeWords("Actions of the step that was left", "Aktionen des verlassenen Schritts")
+    acting_one = CodeWords("Actions of the active step", "Aktionen des aktiven Schritts")
+    timer_mode = CodeWords(
         "0: stopped, 1: extended pulse, 2: on-delay, 3: off-delay",
         "0: angehalten, 1: verlängerter Impuls, 2: Einschaltverzögerung, 3: Ausschaltverzögerung",
     )
-    first_cycle = Words("the sequence has not been started yet", "die Kette wurde noch nicht gestartet")
+    first_cycle = CodeWords("the sequence has not been started yet", "die Kette wurde noch nicht gestartet")
 
     wanted_of = Phrase(
         "step {} is active at the start of the next cycle", "Schritt {} ist zu Beginn des nächsten Zyklus aktiv"
@@ -465,16 +469,16 @@ class GraphTexts:
         return self._check(path, _CHECKS[what].__get__(self))
 
 
-_CHECKS: Mapping[str, Words] = {
-    "LS": Words("the interlock is satisfied", "die Verriegelung ist erfüllt"),
-    "LA": Words("an error, the interlock is not satisfied", "ein Fehler, die Verriegelung ist nicht erfüllt"),
-    "L1": Words("the interlock is not satisfied any more", "die Verriegelung ist nicht mehr erfüllt"),
-    "L0": Words("the interlock is satisfied again", "die Verriegelung ist wieder erfüllt"),
-    "fault": Words("the supervision is satisfied now", "die Überwachung ist jetzt erfüllt"),
-    "VS": Words("the supervision is satisfied", "die Überwachung ist erfüllt"),
-    "VA": Words("a fault holds the step", "eine Störung hält den Schritt"),
-    "V1": Words("the supervision becomes satisfied", "die Überwachung wird erfüllt"),
-    "V0": Words("the supervision is not satisfied any more", "die Überwachung ist nicht mehr erfüllt"),
-    "A1": Words("the fault is acknowledged now", "die Störung wird quittiert"),
-    "acknowledged": Words("the fault is acknowledged", "die Störung ist quittiert"),
+_CHECKS: Mapping[str, CodeWords] = {
+    "LS": CodeWords("the interlock is satisfied", "die Verriegelung ist erfüllt"),
+    "LA": CodeWords("an error, the interlock is not satisfied", "ein Fehler, die Verriegelung ist nicht erfüllt"),
+    "L1": CodeWords("the interlock is not satisfied any more", "die Verriegelung ist nicht mehr erfüllt"),
+    "L0": CodeWords("the interlock is satisfied again", "die Verriegelung ist wieder erfüllt"),
+    "fault": CodeWords("the supervision is satisfied now", "die Überwachung ist jetzt erfüllt"),
+    "VS": CodeWords("the supervision is satisfied", "die Überwachung ist erfüllt"),
+    "VA": CodeWords("a fault holds the step", "eine Störung hält den Schritt"),
+    "V1": CodeWords("the supervision becomes satisfied", "die Überwachung wird erfüllt"),
+    "V0": CodeWords("the supervision is not satisfied any more", "die Überwachung ist nicht mehr erfüllt"),
+    "A1": CodeWords("the fault is acknowledged now", "die Störung wird quittiert"),
+    "acknowledged": CodeWords("the fault is acknowledged", "die Störung ist quittiert"),
 }

@@ -268,13 +268,18 @@ class Project(Owned, Element):
 
     @property
     def tool_format(self) -> str:
-        """The format by whose tool the project is executed: not that of a file which keeps it for the way back.
+        """The format by whose tool the project is executed: not that of a file which keeps it for the way back."""
+        if self.origin is not None and self.is_converted:
+            return self.origin
+        return self.source.format if self.source is not None else ""
+
+    @property
+    def is_converted(self) -> bool:
+        """True if the project is what its file keeps of its origin. Reads every chart of a project with an origin.
 
         Where the tool of the file has edited what the file keeps, the edit counts, and so do its rules.
         """
-        if self.origin is not None and not any(each.code == OUTDATED for each in self.diagnostics):
-            return self.origin
-        return self.source.format if self.source is not None else ""
+        return self.origin is not None and not any(each.code == OUTDATED for each in self.diagnostics)
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:

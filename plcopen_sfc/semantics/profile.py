@@ -430,7 +430,7 @@ def default_profile(project: Project) -> Profile:
     """
     found = profile_as(project, project.tool_format)
     source, flag = project.source, StepVariables.FLAG
-    if project.origin != project.tool_format or source is None or source.format == "json":  # which is all of a model
+    if not project.is_converted or source is None or source.format == "json":  # which is all of a model
         return found
     notation = profile_of_format(source.format).step_variables
     is_other = flag in (found.step_variables, notation) and not found.graph_parameters  # which needs the data of steps

@@ -12,7 +12,7 @@ import pytest
 from plcopen_sfc import load
 from plcopen_sfc import model as m
 from plcopen_sfc.lowering import lower
-from plcopen_sfc.lowering.code_texts import TEXTS, GraphTexts, Phrase, Suffix, Texts, Words
+from plcopen_sfc.lowering.code_texts import TEXTS, CodeWords, GraphTexts, Phrase, Suffix, Texts
 from tests.lowering.charts import act, boolean, training_chain
 from tests.lowering.grafcets import pou_with
 from tests.samples import FIXTURES
@@ -30,7 +30,7 @@ SAME = {
 
 def test_german_has_words_of_its_own_for_everything() -> None:
     english, german = (TEXTS[language] for language in ("en", "de"))
-    names = [name for name, words in vars(Texts).items() if isinstance(words, Words)]
+    names = [name for name, words in vars(Texts).items() if isinstance(words, CodeWords)]
     assert {name for name in names if getattr(english, name) == getattr(german, name)} == SAME - {"transition_title"}
     phrases = [name for name, words in vars(Texts).items() if isinstance(words, Phrase)]
     filled = {name: [getattr(each, name)("a", "b", "c") for each in (english, german)] for name in phrases}

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from plcopen_sfc.drawing.chart_nesting import ChartGraph, ChartSegment, NestedDivergence, NestedJump, NestedNode, nest
-from plcopen_sfc.drawing.pictures.svg_canvas import Canvas
+from plcopen_sfc.drawing.pictures.svg_canvas import DOUBLE, Canvas
 from plcopen_sfc.drawing.pictures.symbol_pictures import (
     JumpSymbol,
     PictureSheet,
@@ -92,7 +92,6 @@ def _short(outline: Outline) -> Outline:
 _BETWEEN_BRANCHES = 26
 _BETWEEN_SEGMENTS = 48
 _BAR_LEAD = 12
-_DOUBLE = 4
 _OVERHANG = 16
 _WIRE = 12
 _LONG_LINE = 240
@@ -158,12 +157,12 @@ class _Fan:
     @property
     def top(self) -> int:
         """Height of the bar above the columns with the wire to it."""
-        return 0 if len(self.columns) == 1 else self.lead + (_DOUBLE if self.parallel else 0)
+        return 0 if len(self.columns) == 1 else self.lead + (DOUBLE if self.parallel else 0)
 
     @property
     def bottom(self) -> int:
         """Height of the bar below the columns with the wire from it."""
-        return 8 + (_DOUBLE if self.parallel else 0) if self.converges else 0
+        return 8 + (DOUBLE if self.parallel else 0) if self.converges else 0
 
     @property
     def converges(self) -> bool:
@@ -189,7 +188,7 @@ class _Fan:
         if len(ends) > 1:
             _bar(canvas, ends, bottom, parallel=self.parallel)
         if ends and not self.shares_bottom:
-            canvas.wire((x, bottom + (_DOUBLE if self.parallel and len(ends) > 1 else 0)), (x, y + self.height))
+            canvas.wire((x, bottom + (DOUBLE if self.parallel and len(ends) > 1 else 0)), (x, y + self.height))
 
 
 class _PlacedColumn(NamedTuple):
@@ -204,8 +203,7 @@ class _PlacedColumn(NamedTuple):
 
 def _bar(canvas: Canvas, axes: Sequence[int], y: int, *, parallel: bool) -> None:
     overhang = _OVERHANG if parallel else 0
-    for level in (y, y + _DOUBLE) if parallel else (y,):
-        canvas.wire((min(axes) - overhang, level), (max(axes) + overhang, level))
+    canvas.bar(min(axes) - overhang, max(axes) + overhang, y, parallel=parallel)
 
 
 @dataclass(slots=True)

@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from plcopen_sfc.drawing.drawing_style import fits
-from plcopen_sfc.drawing.pictures.svg_canvas import Canvas
+from plcopen_sfc.drawing.pictures.svg_canvas import DOUBLE, Canvas
 from plcopen_sfc.drawing.pictures.symbol_pictures import (
     JumpSymbol,
     PictureSheet,
@@ -32,7 +32,6 @@ from plcopen_sfc.model.sfc import SfcNetwork
 
 _WIDEST_GAP = 36
 """Room between symbols and wires of the file is kept up to here."""
-_DOUBLE = 4
 _BEND = 8
 _NEAR = 12
 """So far a wire of the file may end beside its symbol, and symbols may be out of line with each other."""
@@ -177,7 +176,7 @@ class FileArrangement:
         box, shown = placed.box, placed.shown
         if shown is None:
             self._x.apart(box.left, box.right, 0)
-            self._y.apart(box.top, box.bottom, _DOUBLE + 2 if placed.kind in _SIMULTANEOUS else 2)
+            self._y.apart(box.top, box.bottom, DOUBLE + 2 if placed.kind in _SIMULTANEOUS else 2)
         else:
             self._x.apart(box.left, box.axis, shown.left)
             self._x.apart(box.axis, box.right, shown.right)
@@ -187,7 +186,7 @@ class FileArrangement:
         path = [(left + self._x[x], top + self._y[y]) for x, y in link.points]
         source = link.source
         if source.kind in BARS:
-            path[-1] = (path[-1][0], top + self._y[source.box.top] + (_DOUBLE if source.kind in _SIMULTANEOUS else 0))
+            path[-1] = (path[-1][0], top + self._y[source.box.top] + (DOUBLE if source.kind in _SIMULTANEOUS else 0))
         path = [point for point, after in pairwise([*path, (-1, -1)]) if point != after]
         if len(path) > 1:
             canvas.wire(*path)
@@ -201,8 +200,7 @@ class FileArrangement:
         parallel = placed.kind in _SIMULTANEOUS
         edges = [placed.box.left, placed.box.right] if parallel or not placed.axes else []
         ends = [left + self._x[x] for x in (*placed.axes, *edges)]
-        for level in (y, y + _DOUBLE) if parallel else (y,):
-            canvas.wire((min(ends), level), (max(ends), level))
+        canvas.bar(min(ends), max(ends), y, parallel=parallel)
         if placed.starred:
             canvas.star(min(ends) + 6, y + 1)
 

@@ -234,6 +234,8 @@ _RULES = {
 }
 
 
+DOUBLE = 4
+"""The distance between the two lines of the bar of simultaneous branches."""
 _PROGRAM = frozenset({"plain", "small"})
 """Kinds of texts that are program text."""
 _WORD = re.compile(r"\w+")
@@ -279,6 +281,11 @@ class Canvas:
         if drawn not in self._paths:  # drawn twice it would look thicker
             self._paths.add(drawn)
             self._wires.append(drawn)
+
+    def bar(self, left: int, right: int, y: int, *, parallel: bool) -> None:
+        """Draw the bar of a selection, or the double one of simultaneous branches, which goes down by `DOUBLE`."""
+        for level in (y, y + DOUBLE) if parallel else (y,):
+            self.wire((left, level), (right, level))
 
     @contextmanager
     def element(self, kind: str, identifier: str, title: str, area: tuple[int, int, int, int]) -> Iterator[None]:
