@@ -13,12 +13,12 @@ from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import Location, LoweringError, check_argument, listed_names, nearest
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.lowering.code.lowered_code import flags_of_several
+from plcopen_sfc.lowering.code.lowered_code import flags_of_part, flags_of_several
 from plcopen_sfc.lowering.code_texts import TEXTS, Texts
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
 from plcopen_sfc.lowering.faults.fault_kinds import Fault
 from plcopen_sfc.lowering.faults.fault_search import find_faults
-from plcopen_sfc.lowering.grafcet.grafcet_reading import read_plain, without_emergency_stop
+from plcopen_sfc.lowering.grafcet.grafcet_reading import read_plain, stop_condition, without_emergency_stop
 from plcopen_sfc.lowering.lowering_losses import losses
 from plcopen_sfc.lowering.lowering_options import (
     ActionPlace,
@@ -192,7 +192,7 @@ def lower(
         semantics,
         _texts(lang, flag_names),
         init,
-        stop,
+        stop_condition(stop, found, semantics) if stop is not None else None,
         reset_actions,
         _chosen(States, str(states)) if states is not None else None,
         _chosen(ActionPlace, str(actions)),
@@ -205,7 +205,8 @@ def lower(
     if wanted.style is Style.CLASSIC:
         meant, pressed = without_emergency_stop(meant, semantics)
         if pressed:
-            rules = replace(rules, stop=rules.stop or pressed, init=rules.init or "")
+            flags_left = flags_of_part(flags, _chart_of(found), _chart_of(meant))
+            rules = replace(rules, stop=rules.stop or pressed, init=rules.init or "", flags=flags_left)
     with collecting_rarely(), errors_of(found.project, found.pou, found.name):
         made = _constructed(found, meant, wanted, rules)
         if pressed:

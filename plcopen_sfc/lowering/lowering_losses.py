@@ -11,7 +11,7 @@ from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import ExtensionData, Model
-from plcopen_sfc.model.body import SfcBody, StBody
+from plcopen_sfc.model.body import IlBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import NodeBase
@@ -69,7 +69,7 @@ def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption
                 yield from captions(transition, f"{path} / transition {labels[transition.id]}", dialect)
         elif isinstance(value, (Model, list)):
             yield from captions(value, path, dialect)
-    if isinstance(thing, StBody | Expression):
+    if isinstance(thing, StBody | IlBody | Expression):
         yield from _inside(thing.text, path, dialect)
 
 

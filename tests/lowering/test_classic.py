@@ -207,6 +207,16 @@ def test_a_chart_of_an_emergency_stop_is_the_reset_of_the_textbook() -> None:
     assert {"G1.1", "G1.5"} <= made.step_flags.keys(), "by the names in the chart"
 
 
+@pytest.mark.parametrize("stop", ["NOT NOT_AUS", "/NOT_AUS", "¬NOT_AUS", "!NOT_AUS"])
+def test_the_stop_of_a_grafcet_is_written_as_its_conditions(stop: str) -> None:
+    project = sfc.load(FIXTURES / "grafcet" / "four_steps.gct")
+    made = sfc.lower(project, "fup", style="classic", language="ST", stop=stop, verify=False)
+    assert isinstance(made.pou.body, StBody)
+    assert "Restart := Init OR NOT NOT_AUS;" in made.pou.body.text
+    with pytest.raises(LoweringError, match="it has an edge or a time"):
+        sfc.lower(project, "fup", style="classic", stop="↑NOT_AUS", verify=False)
+
+
 def test_a_chart_of_an_emergency_stop_that_does_more_is_refused() -> None:
     text = (FIXTURES / "grafcet" / "two_cylinders.gct").read_text(encoding="utf-8")
     for old, new in (

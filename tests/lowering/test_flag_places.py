@@ -115,6 +115,15 @@ def test_partial_charts_have_ranges_of_their_own(construction: str, target: str)
     assert found == [("X1", "%M20.0"), ("X2", "%M20.1"), ("X10", "%M24.0"), ("X11", "%M24.1")]
 
 
+@pytest.mark.parametrize("flags", ["M20.0", "G1=M20.0", "G1=M20.0,G2=M24.0"])
+def test_the_chart_beside_an_emergency_stop_has_its_range(flags: str) -> None:
+    """Its chart has no steps in the textbook form, so that a range for it is not used."""
+    plan = sfc.load("fixtures/grafcet/two_cylinders.gct")
+    lowered = lower(plan, "fup", style="classic", flags=flags, target="simaticml", lang="de", verify=False)
+    found = [(tag.name, tag.address) for tag in lowered.project.tag_tables[-1].tags]
+    assert found == [(f"X{step}", f"%M20.{step - 1}") for step in range(1, 6)]
+
+
 @pytest.mark.parametrize(
     ("flags", "message"),
     [

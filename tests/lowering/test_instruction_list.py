@@ -26,6 +26,14 @@ def test_charts_are_instructions(file: str, pou: str, construction: str) -> None
     assert lowered.proof.equal
 
 
+def test_comments_of_the_chart_are_those_of_the_instructions() -> None:
+    text = (FIXTURES / "grafcet/four_steps.gct").read_text(encoding="utf-8").replace("STEP 2", 'STEP 2 "Antrieb ein"')
+    lowered = sfc.lower(sfc.loads(text.encode()), "fup", style="classic", language="IL", verify=False)
+    assert isinstance(lowered.pou.body, IlBody)
+    assert "(* Antrieb ein *)" in lowered.pou.body.text
+    assert lowered.losses == ()
+
+
 @pytest.mark.parametrize("target", ["plcopen-2.01", "codesys", "codesys23", "iec-text"])
 def test_a_file_with_instructions_does_what_the_chart_does(target: str, tmp_path: Path) -> None:
     chain = sfc.load(FIXTURES / "training-chain/plcopen_2.01.xml")

@@ -19,6 +19,7 @@ from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Chart, Configuration, Project, Tag, TagTable
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import MultilingualText, Text
 from plcopen_sfc.model.types import (
     DataType,
@@ -225,6 +226,15 @@ def flags_of_several(flags: str, chart: Chart, following: str) -> str:
         own = {name.casefold() for name in _names_of(chart)}
         return ",".join(each for each in flags.split(",") if each.partition("=")[0].strip().casefold() in own) or flags
     return f"{flags}_{chart.name.replace('.', '_')}"
+
+
+def flags_of_part(flags: str, whole: SfcNetwork, part: SfcNetwork) -> str:
+    """Return where the flags of `part` go, which may be a partial chart of `whole` that is lowered alone."""
+    ranges = _ranges(flags)
+    name = next((each.name.casefold() for each in whole.partial_charts if each.chart is part), "")
+    if name not in ranges or not name:
+        return flags
+    return f"M{ranges[name] // _BYTE}.{ranges[name] % _BYTE}"
 
 
 def _ranges(flags: str) -> dict[str, int]:

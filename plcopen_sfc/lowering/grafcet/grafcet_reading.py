@@ -214,6 +214,21 @@ def read_plain(pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile) 
     return read_chart(pou, chart, dialect, profile)
 
 
+def stop_condition(text: str, chart: Subject, profile: Profile) -> str:
+    """Return the condition of an emergency stop as structured text: a GRAFCET's may be written as its conditions are.
+
+    Raises `LoweringError` for an edge or a time, since it is a level that holds the chart.
+    """
+    whole = chart.pou.chart
+    if whole is None or not is_grafcet(whole, profile):
+        return text
+    terms = TermTexts()
+    read = terms.read(text)
+    if terms.edges or terms.timers:
+        raise LoweringError(f"{text!r} is no condition of an emergency stop: it has an edge or a time")
+    return read
+
+
 def without_emergency_stop(chart: Subject, profile: Profile) -> tuple[Subject, str]:
     """Return a chart without the one that only forces it into its initial steps, and the condition of that.
 
