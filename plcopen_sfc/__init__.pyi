@@ -91,6 +91,7 @@ from plcopen_sfc.refactor.builder import (
     step as step,
     transition as transition,
 )
+from plcopen_sfc.refactor.editor import Editor as Editor
 from plcopen_sfc.report import (
     ConversionReport as ConversionReport,
     Converted as Converted,

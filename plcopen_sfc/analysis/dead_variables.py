@@ -16,8 +16,8 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 from plcopen_sfc.languages.binding import bind, is_named_elsewhere
+from plcopen_sfc.languages.effects import plain_path
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.effects import plain_path
 from plcopen_sfc.languages.st.walking import children, walk
 from plcopen_sfc.model.body import IlBody
 from plcopen_sfc.model.pou import PouKind

@@ -22,10 +22,10 @@ from plcopen_sfc.analysis.product import Explored, Progress, Search, StopError, 
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.errors import SfcError, SimulationError
 from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.effects import ANYTHING, Path, is_standard_call, path_of, reads, writes
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
-from plcopen_sfc.languages.st.effects import ANYTHING, Path, is_standard_call, path_of, reads, writes
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.model.actions import ActionAssociation

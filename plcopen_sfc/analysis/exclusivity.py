@@ -15,10 +15,10 @@ from typing import TypeAlias
 from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, Situation, disjunction, negation
 from plcopen_sfc.analysis.knowledge import Knowledge
 from plcopen_sfc.analysis.search_limits import Answer
+from plcopen_sfc.languages.effects import targets
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
-from plcopen_sfc.languages.st.effects import targets
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import Expression as Condition

@@ -29,10 +29,10 @@ from plcopen_sfc.analysis.knowledge import (
     constant_of,
 )
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.languages.effects import is_standard_call, path_of
 from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.languages.st.effects import is_standard_call, path_of
 from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, write_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.model.dialect import Dialect

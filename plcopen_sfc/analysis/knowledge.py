@@ -12,13 +12,14 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.name_uses import dialect_of
-from plcopen_sfc.languages.binding.symbols import Declaration, Kind, inside
+from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES, TIME_RANGES, LiteralKind, LiteralValue, literal_value
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model import types as t
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project

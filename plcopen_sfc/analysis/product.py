@@ -163,14 +163,6 @@ Search = Generator[Progress, None, Explored]
 """A search that can be interrupted: it says how far it is before each state, and ends where `StopError` is thrown."""
 
 
-def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Explored:
-    """Search the product of two systems up to `cap` states, and four scans for each of them.
-
-    The domains grow by the constants that are found.
-    """
-    return ended(search(left, right, domains, cap))
-
-
 def ended(searching: Search, look: Callable[[int], str] = lambda _: "") -> Explored:
     """Let a search run to its end, or until `look` says why it must end."""
     found, _ = advanced(searching, look)
@@ -198,9 +190,10 @@ def search(
     cap: int,
     follow: Callable[[Branching], None] | None = None,
 ) -> Search:
-    """Do what `explore` does, state by state. Meanwhile nothing else may use the systems.
+    """Search the product of two systems, state by state: up to `cap` states, and four scans for each of them.
 
-    `follow` is told what tries the inputs of all scans, where something else must be tried too.
+    The domains grow by the constants that are found. Meanwhile nothing else may use the systems. `follow` is told what
+    tries the inputs of all scans, where something else must be tried too.
     """
     split = {name for name, domain in domains.items() if domain.is_number}
     try:

@@ -56,16 +56,6 @@ class Regions:
     blocks: tuple[ParallelBlock, ...]
     region_of: tuple[int | None, ...]
 
-    @property
-    def single_token(self) -> bool:
-        """True if exactly one step is active at any time."""
-        return len(self.regions) == 1
-
-    @property
-    def single_fork_and_join(self) -> bool:
-        """True if each block has one fork and one join."""
-        return all(len(block.forks) == len(block.joins) == 1 for block in self.blocks)
-
     def first_step(self, region: Region) -> int:
         """The step with which a region starts: its initial one, or that which the first fork of its block enters."""
         if region.block is None:

@@ -19,10 +19,10 @@ from typing import Any
 from plcopen_sfc.analysis.dead_variables import all_nodes
 from plcopen_sfc.languages.binding import BoundText, texts_in
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind
+from plcopen_sfc.languages.effects import plain_path
 from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
-from plcopen_sfc.languages.st.effects import plain_path
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.model.body import SfcBody

@@ -13,8 +13,8 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from plcopen_sfc.conversion.meaning import Meaning, literal_meaning
-from plcopen_sfc.languages.binding.symbols import NamedObject
 from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS
+from plcopen_sfc.model.declaration import NamedObject
 from plcopen_sfc.model.sfc import SfcFlag
 
 UNDECLARED = "undeclared name"

@@ -36,7 +36,6 @@ from plcopen_sfc.conversion.meaning import (
 from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence
-from plcopen_sfc.languages.binding.symbols import NamedObject
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept
 from plcopen_sfc.languages.networks.network_graph import without_places
@@ -51,6 +50,7 @@ from plcopen_sfc.languages.task_schedules import schedule_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.declaration import NamedObject
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.network import Block, Node
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind

@@ -18,8 +18,8 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.provenance import as_in_file, place_in_folder
 from plcopen_sfc.model.base import ExtensionData
+from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.project import FileHeader, Project
-from plcopen_sfc.model.project_object import ProjectObject
 
 if TYPE_CHECKING:
     from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart

@@ -50,8 +50,8 @@ from plcopen_sfc.formats.file_recognition import named_like, recognised_as
 from plcopen_sfc.formats.format_interface import HEAD, Format, WriteOptions
 from plcopen_sfc.formats.provenance import place_in_folder, put_in_folder, take_provenance
 from plcopen_sfc.formats.registry import all_formats, format_named
+from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.report import ConversionReport
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from plcopen_sfc.errors import FormatError, Location
 from plcopen_sfc.formats.provenance import place_in_folder
 from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import line_of
 

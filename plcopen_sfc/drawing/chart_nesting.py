@@ -121,11 +121,6 @@ class DrawnTransition:
         """Steps of all alternatives."""
         return tuple(dict.fromkeys(step for alternative in self.alternatives for step in alternative))
 
-    @property
-    def synchronizing(self) -> bool:
-        """True if several steps have to be active."""
-        return len(self.alternatives[0]) > 1
-
 
 @dataclass(slots=True)
 class ChartGraph:

@@ -17,9 +17,8 @@ from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.drawing import Drawing
-from plcopen_sfc.model.late import Late
+from plcopen_sfc.model.late import Late, ProjectObject
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 
 L = TypeVar("L", bound=Late)

@@ -438,8 +438,6 @@ def _joined(edits: list[Edit]) -> list[Edit]:
     return joined
 
 
-_SIMILAR = 0.6
-"""So much of its words a text must keep to be changed word by word."""
 _Word: TypeAlias = re.Match[str]
 _WORDS = re.compile(
     r"TITLE\s*=[^\r\n]*|//[^\r\n]*|\(\*(?:(?!\*\))[\s\S])*\*\)|'[^'\r\n]*'|\"[^\"\r\n]*\"|%[\w.*]+|\w+#[\w.+-]+|\w+|:=|=>|\.\.|[^\w\s]"

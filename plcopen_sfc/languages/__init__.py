@@ -1,7 +1,8 @@
 """Program text: structured text, instruction lists, networks, declarations, and the names in them.
 
 * `st`: structured text. `il`: instruction lists. `networks`: FBD and LD. `declarations`: to the model and back.
-* `binding`: name sites, scopes and effects. `pragmas`: the remainder of the model in texts.
+* `binding`: name sites, scopes, and effects of bodies; `effects`: those of syntax trees.
+* `pragmas`: the remainder of the model in texts.
 * `translation`: between dialects, with `expression_types`, `standard_blocks`, `start_values` and `words` (keywords).
 * S7 has its own `s7_actions`, `s7_boxes`, `s7_globals`, `s7_programs` and `s7_types`.
 * `task_schedules`: times of tasks.

@@ -22,7 +22,6 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_sites import named
-from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.binding.text_sites import Site, TextSite
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.networks import body_statements
@@ -32,6 +31,7 @@ from plcopen_sfc.languages.st import parse_statements, print_node, walk
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method, Pou
 from plcopen_sfc.model.project import Project

@@ -2,7 +2,7 @@
 
 `plcopen_sfc.model.project.Project` is the root; `plcopen_sfc.model.sfc.SfcNetwork` is a chart.
 
-* Projects: `project`, `project_object`, `pou`, `variables`, `types`, `body`, `network`, `dialect`.
+* Projects: `project`, `pou`, `variables`, `types`, `body`, `network`, `dialect`; `declaration`, what of it has a name.
 * Charts: `sfc`, `actions`, `conditions`, `times`; `drawing`, and `wiring`, which interprets its wires.
 * Every object: `base`, `checked` (fields are checked), `owners` (what it is in), `text` (comments), `late` (read at the
   first access), `compare`, `numbering`.

@@ -11,13 +11,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection
 from functools import cache
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import PrivateAttr, SerializerFunctionWrapHandler, model_serializer
 from pydantic_core import PydanticSerializationError
 
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.owners import Owned
+from plcopen_sfc.model.owners import Owned, OwnedName
 
 
 class Late(Owned):
@@ -137,6 +137,25 @@ class Late(Owned):
 
 class LateElement(Late, Element):
     """An element that may be unread."""
+
+
+class ProjectObject(OwnedName, LateElement):
+    """Common to the objects of a project that have files of their own in some tools: POUs, data blocks, data types ..
+
+    `folder` is where the object is among the files of its project, relative to the project's own folder, with ``/``
+    between names (``Program blocks/Station 1``); empty for that folder itself, None where the project is one file.
+    """
+
+    name: str
+    folder: str | None = None
+
+    kind_in_reports: ClassVar[str] = ""
+    """Word for such an object in messages and reports."""
+
+    @property
+    def report_path(self) -> str:
+        """The object in the words of messages and reports: ``POU Main``, ``data block Settings``."""
+        return f"{self.kind_in_reports} {self.name}"
 
 
 _ELSEWHERE_WRITTEN = re.compile(r"""[^\x20-\x7e]|["'&<>\\]""")

@@ -11,8 +11,8 @@ from pydantic import Field
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody, StBody
+from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.owners import OwnedName
-from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text, local_name
 from plcopen_sfc.model.types import DataType, Variable

@@ -12,20 +12,19 @@ from plcopen_sfc.diagnostics import OUTDATED, Diagnostic
 from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
 from plcopen_sfc.model.base import Element, ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import DataBlock, NamedBody, Pou, PouKind
-from plcopen_sfc.model.project_object import ProjectObject
-from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import AccessSection, ConfigSection, Interface, VariableSection
 from plcopen_sfc.operations import provided
 
 if TYPE_CHECKING:
-    from plcopen_sfc.languages.binding import Declaration
-    from plcopen_sfc.model.sfc import Step
-    from plcopen_sfc.refactor.editor import Editor
+    import plcopen_sfc as sfc  # it provides the operation, and its public names have the result: decision 0010
     from plcopen_sfc.report import RenameResult, Use
 
 
@@ -346,13 +345,13 @@ class Project(Owned, Element):
             raise
         return pou
 
-    def edit(self, *, clean: bool = False, prove: bool = False, limit: float | str | None = None) -> Editor:
+    def edit(self, *, clean: bool = False, prove: bool = False, limit: float | str | None = None) -> sfc.Editor:
         """The editor of the project: edits that are made whole or not at all, and can be undone.
 
         `clean`: remove what an edit leaves without a use. `prove`: refuse an edit that changes what charts do, after
         running them for at most `limit` each. See `plcopen_sfc.refactor.editor.Editor`.
         """
-        editor: Editor = provided("edit")(self, clean=clean, prove=prove, limit=limit)
+        editor: sfc.Editor = provided("edit")(self, clean=clean, prove=prove, limit=limit)
         return editor
 
     def rename(self, path: str, new: str) -> RenameResult:
@@ -378,7 +377,7 @@ class Project(Owned, Element):
         """Return what the project declares by this pattern (``*`` and ``?``): ``project.find("Motor*", "variable")``.
 
         It is compared with the whole path (``Main.Motor1``) and with its end (``Motor1``); case does not matter. `kind`
-        is one of `plcopen_sfc.languages.binding.Kind`. Each has its `kind`, `path`, and the object (`holder`).
+        is one of `plcopen_sfc.model.declaration.Kind`. Each has its `kind`, `path`, and the object (`holder`).
         """
         found: list[Declaration] = provided("find_declared")(self, pattern, kind)
         return found

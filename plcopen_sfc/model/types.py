@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field
 
 from plcopen_sfc.model.base import Element, ExtensionData, Model
-from plcopen_sfc.model.project_object import ProjectObject
+from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.text import Text
 
 

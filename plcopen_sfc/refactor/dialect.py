@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
-from plcopen_sfc.languages.binding.symbols import Kind, inside
+from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.expression_types import BIT_STRINGS, CALCULATING, ExpressionTypes
 from plcopen_sfc.languages.networks import body_statements, condition_reader, is_empty_network
@@ -51,6 +51,7 @@ from plcopen_sfc.model import (
 )
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, WiredCondition
+from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.types import (
     ArrayType,

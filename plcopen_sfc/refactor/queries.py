@@ -10,8 +10,8 @@ from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.languages.binding import Declaration, Effects, Kind, Names, step_effects
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import dialect_of
+from plcopen_sfc.languages.effects import effects
 from plcopen_sfc.languages.networks.condition_reading import condition_reader, shown_condition
-from plcopen_sfc.languages.st.effects import effects
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned

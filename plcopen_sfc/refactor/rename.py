@@ -16,7 +16,6 @@ from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import Location, ModelError, check_argument
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, unique_declaration
-from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
@@ -24,6 +23,7 @@ from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable, Iterator
 
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence
-from plcopen_sfc.languages.binding.symbols import Kind
 from plcopen_sfc.languages.binding.text_sites import SiteKind
 from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.refactor.journal import Journal

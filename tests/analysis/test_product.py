@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe
-from plcopen_sfc.analysis.product import Branching, Explored, explore
+from plcopen_sfc.analysis.product import Branching, Explored, ended
+from plcopen_sfc.analysis.product import search as search_product
 from plcopen_sfc.errors import ModelError, UnknownBehaviourError, UnstableChartError
 from plcopen_sfc.semantics.signals import Signal, SignalKind
 from tests.sweeps import examples
@@ -48,7 +49,7 @@ class Machine:
 def search(left: Step, right: Step, start: Any = (0,), cap: int = 1000, **signals: Signal) -> Explored:
     names = signals or {"a": BOOL, "b": BOOL, "c": BOOL}
     domains = {name: Domain(name, signal) for name, signal in names.items()}
-    return explore(Machine(left, start), Machine(right, start), domains, cap)
+    return ended(search_product(Machine(left, start), Machine(right, start), domains, cap))
 
 
 def counter(limit: int) -> Step:
@@ -79,7 +80,7 @@ def test_only_inputs_that_are_read_make_branches() -> None:
         return (place,), (place,)
 
     left = Machine(ring, (0,))
-    found = explore(left, Machine(ring, (0,)), {n: Domain(n, s) for n, s in names.items()}, 1000)
+    found = ended(search_product(left, Machine(ring, (0,)), {n: Domain(n, s) for n, s in names.items()}, 1000))
     assert found.complete
     assert left.scans == 2 * 201
 
@@ -342,7 +343,7 @@ def test_a_number_may_be_compared_with_any_number_of_constants_where_it_is_not_k
         return ((state[0] + bool(read("n") > 10 * state[0])) % 100,), (state[0],)
 
     left, right = Machine(ring, (0,)), Machine(ring, (0,))
-    found = explore(left, right, {"n": Domain("n", INT)}, 1000)
+    found = ended(search_product(left, right, {"n": Domain("n", INT)}, 1000))
     assert found.complete
     assert left.scans == 2 * (1 + found.states)
 

@@ -20,9 +20,9 @@ from plcopen_sfc.analysis.checks.action_targets import (
 )
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, FindingPlace, Rule
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.languages.st.effects import Path, path_of
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.semantics.net import NetStep
 from plcopen_sfc.semantics.profile import BooleanTargets

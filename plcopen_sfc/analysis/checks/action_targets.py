@@ -8,9 +8,9 @@ from enum import StrEnum
 
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet
 from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
-from plcopen_sfc.languages.st.effects import Path, path_of
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.sfc import Step

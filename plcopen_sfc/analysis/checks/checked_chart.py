@@ -15,10 +15,10 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
+from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
-from plcopen_sfc.languages.st.effects import path_of
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element

@@ -8,10 +8,10 @@ from difflib import get_close_matches
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProject, Finding, FindingPlace, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_uses import Occurrence
-from plcopen_sfc.languages.binding.symbols import Declaration
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlockKind, Pou
 from plcopen_sfc.model.sfc import Step

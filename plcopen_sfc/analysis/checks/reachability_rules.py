@@ -15,8 +15,8 @@ from plcopen_sfc.analysis.marking import Firing
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.analysis.soundness import soundness
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.effects import reads
 from plcopen_sfc.languages.networks import NetworkExpression
-from plcopen_sfc.languages.st.effects import reads
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes

@@ -11,12 +11,12 @@ from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.binding.text_sites import Site
+from plcopen_sfc.languages.effects import reads, targets
 from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE, condition_problem, program_parts
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, walk
-from plcopen_sfc.languages.st.effects import reads, targets
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import Body, IlBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition

@@ -19,10 +19,10 @@ from plcopen_sfc.conversion.executed_parts import told_flag
 from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
 from plcopen_sfc.languages.binding import Effects, Names, bind
+from plcopen_sfc.languages.effects import may_change, path_of
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, named_flags
 from plcopen_sfc.languages.st import parse_expression, print_node
-from plcopen_sfc.languages.st.effects import may_change, path_of
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier

@@ -499,8 +499,8 @@ def _is_constant(each: ActionAssociation) -> bool:
     return each.kind is ActionKind.ON_ACTIVATION and each.value in _CONSTANTS and each.body is None
 
 
-def _first_of(names: list[str], most: int = 5) -> str:
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+def _first_of(names: list[str]) -> str:
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
 
 
 def _tree(condition: Condition | None) -> n.Expression | None:

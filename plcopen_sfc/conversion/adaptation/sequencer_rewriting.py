@@ -23,9 +23,9 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as
 from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
+from plcopen_sfc.languages.effects import ANYTHING, Effects, Path, effects, may_change
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
-from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path, effects, may_change
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody

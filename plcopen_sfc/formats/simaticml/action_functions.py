@@ -22,13 +22,13 @@ from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites, text_sites_in
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.effects import ANYTHING, Effects, Path, effects, path_of
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_actions import ActionCalls, MethodFunction
 from plcopen_sfc.languages.s7_globals import global_names
 from plcopen_sfc.languages.s7_programs import renamed_local, s7_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, walk
-from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path, effects, path_of
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, StandardBlock, standard_block
 from plcopen_sfc.languages.translation.renames import identifier

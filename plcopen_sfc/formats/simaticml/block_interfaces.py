@@ -49,7 +49,6 @@ from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.s7_globals import open_address
 from plcopen_sfc.languages.s7_types import NO_START
 from plcopen_sfc.languages.start_values import Path, ValuePathError, apart, assembled
-from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.types import (
     ArrayType,
     ArrayValue,
@@ -690,13 +689,3 @@ def _without_members(type: DataType) -> object:
     if isinstance(type, DerivedType):
         return {"kind": "derived", "name": type.name}
     return type.model_dump()
-
-
-def section_kinds(interface: Interface | None) -> set[SectionKind]:
-    """Return the kinds of sections that an interface has."""
-    return {section.kind for section in interface.sections} if interface is not None else set()
-
-
-def usable(extension_data: ExtensionData | None) -> dict[str, str]:
-    """Return the extension attributes of an object."""
-    return extension_data.attributes if extension_data is not None else {}

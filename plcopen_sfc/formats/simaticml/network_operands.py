@@ -364,11 +364,6 @@ class Hints:
         return self._found.get(HINT + _INDEX + text)
 
 
-def is_hint(name: str) -> bool:
-    """True if a extension attribute is a hint."""
-    return name.startswith((HINT, _AT))
-
-
 def _pins(element: XmlNode) -> dict[str, str]:
     """Return the part and pin of each operand."""
     found: dict[str, str] = {}

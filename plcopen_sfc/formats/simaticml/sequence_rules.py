@@ -6,7 +6,6 @@ importing into it (V20); nesting follows what its editor can draw.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
@@ -18,7 +17,6 @@ from plcopen_sfc.whole_numbers import whole_number
 
 _LETTERS = {"StepRef": "S", "TransitionRef": "T", "BranchRef": "B"}
 _NAMES = {letter: name for name, letter in _LETTERS.items()}
-_NODE = re.compile(r"([STB])(-?\d+)(?:\.(-?\d+))?")
 END = "end"
 """End of a sequence in the order of connections."""
 

@@ -45,10 +45,10 @@ from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.network import Block, BlockCall, LogicNetwork
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import FileHeader, Project, TagTable
-from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import ConversionReport, Outcome
 

@@ -15,8 +15,8 @@ from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 from plcopen_sfc.languages.s7_boxes import put_logic
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.report import ConversionReport

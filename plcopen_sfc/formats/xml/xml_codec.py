@@ -22,8 +22,8 @@ from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, OWN_DATA, canon
 from plcopen_sfc.formats.xml.source_tree import COMMENT, SourceNode, SourceTree
 from plcopen_sfc.formats.xml.xml_parsing import decode_xml, parse_xml
 from plcopen_sfc.languages.edits import without
+from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.report import ConversionReport
 
 

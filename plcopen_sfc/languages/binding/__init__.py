@@ -21,8 +21,8 @@ from plcopen_sfc.languages.binding.bound_bodies import (
 )
 from plcopen_sfc.languages.binding.name_uses import Names, find_uses
 from plcopen_sfc.languages.binding.shared_scans import STORING, Row, SharedScans, told_orders
-from plcopen_sfc.languages.binding.symbols import Declaration, Kind
-from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path
+from plcopen_sfc.languages.effects import ANYTHING, Effects, Path
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.report import Use
 
 __all__ = [

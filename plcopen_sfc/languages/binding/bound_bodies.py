@@ -11,17 +11,17 @@ from weakref import ref
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, references
-from plcopen_sfc.languages.binding.symbols import Declaration, Kind
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites_in
+from plcopen_sfc.languages.effects import Effects, calls, effects, path_of, targets
 from plcopen_sfc.languages.il import CALLS, JUMPS, STORING, instructions
 from plcopen_sfc.languages.networks import Helper, body_statements, chart_statements, condition_reader
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS, network_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
-from plcopen_sfc.languages.st.effects import Effects, calls, effects, path_of, targets
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Block

@@ -16,13 +16,14 @@ from plcopen_sfc.languages.binding.name_scopes import (
     variables_in,
 )
 from plcopen_sfc.languages.binding.name_sites import Reference, named
-from plcopen_sfc.languages.binding.symbols import NOTHING, Binding, Declaration, Kind, Level, NamedObject
+from plcopen_sfc.languages.binding.symbols import NOTHING, Binding, Level
 from plcopen_sfc.languages.binding.text_sites import Role, Site, TextSite, ValueOf
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model import types as t
+from plcopen_sfc.model.declaration import Declaration, Kind, NamedObject
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlock, Method, Pou, PouKind

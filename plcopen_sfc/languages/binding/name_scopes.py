@@ -9,8 +9,6 @@ from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.symbols import (
     NOTHING,
     Binding,
-    Declaration,
-    Kind,
     Level,
     inside,
     members_of,
@@ -23,6 +21,7 @@ from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource, TreeNode
@@ -67,12 +66,6 @@ class Scopes:
         places = self._by_place()
         near = [places[p] for p in _outward(place) if p in places]
         return (*near, self._everywhere, self._values)
-
-    @property
-    def enumeration_values(self) -> Level:
-        """The values of all enumerations that can be named without their type."""
-        self._by_place()
-        return self._values
 
     def place(self, place: str) -> Level:
         """Return the declarations of an application, a resource or a configuration."""

@@ -21,11 +21,12 @@ from plcopen_sfc.languages.binding.name_sites import (
     in_statements,
     unread,
 )
-from plcopen_sfc.languages.binding.symbols import Binding, Declaration, Kind, Level
+from plcopen_sfc.languages.binding.symbols import Binding, Level
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import Pou

@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import product
 
 from plcopen_sfc.languages.binding.bound_bodies import step_effects
-from plcopen_sfc.languages.st.effects import ANYTHING, Effects, may_change
+from plcopen_sfc.languages.effects import ANYTHING, Effects, may_change
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou

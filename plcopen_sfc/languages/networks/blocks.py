@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.effects import is_variable
 from plcopen_sfc.languages.networks.network_graph import (
     EDGE_COILS,
     EDGE_CONTACTS,
@@ -28,7 +29,6 @@ from plcopen_sfc.languages.networks.wires import (
     product_of,
 )
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.effects import is_variable
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
 from plcopen_sfc.model.dialect import Dialect

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from plcopen_sfc.languages.effects import Path, is_variable, path_of
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.effects import Path, is_variable, path_of
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.walking import walk

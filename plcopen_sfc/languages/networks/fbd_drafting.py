@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.effects import Path, is_impure, is_repeatable, path_of, reads
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, by_name, constant_of, is_harmless, is_power
 from plcopen_sfc.languages.networks.element_places import (
     GRID,
@@ -26,7 +27,6 @@ from plcopen_sfc.languages.networks.network_graph import MEMORY_PINS
 from plcopen_sfc.languages.networks.results import NetworkProblem
 from plcopen_sfc.languages.networks.wires import TRUE, joined
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.effects import Path, is_impure, is_repeatable, path_of, reads
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from plcopen_sfc.collector import collecting_rarely
+from plcopen_sfc.languages.effects import is_repeatable, is_variable, path_of
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, is_boolean_result
 from plcopen_sfc.languages.networks.element_places import (
     GRID,
@@ -27,7 +28,6 @@ from plcopen_sfc.languages.networks.fbd_drafting import Drafter, Rung
 from plcopen_sfc.languages.networks.results import NetworkProblem
 from plcopen_sfc.languages.networks.wires import TRUE, is_true, joined, normal_form
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.effects import is_repeatable, is_variable, path_of
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.languages.standard_blocks import operator_block, standard_block
 from plcopen_sfc.model.body import FbdBody, LdBody

@@ -8,12 +8,12 @@ from dataclasses import replace
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.networks.blocks import BlockReader
 from plcopen_sfc.languages.networks.network_graph import Graph, Source, apart, block_outputs, is_fed
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
 from plcopen_sfc.languages.networks.wires import TRUE, Factor, Product, Wires, expression_of, inverted, meeting
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.effects import path_of
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.dialect import Dialect

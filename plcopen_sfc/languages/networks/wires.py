@@ -16,11 +16,7 @@ from itertools import groupby, pairwise
 from typing import NamedTuple, TypeVar
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.expression_types import ExpressionTypes
-from plcopen_sfc.languages.networks.network_graph import Graph, Source
-from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
-from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.effects import (
+from plcopen_sfc.languages.effects import (
     Path,
     is_impure,
     is_repeatable,
@@ -30,6 +26,10 @@ from plcopen_sfc.languages.st.effects import (
     reads,
     writes,
 )
+from plcopen_sfc.languages.expression_types import ExpressionTypes
+from plcopen_sfc.languages.networks.network_graph import Graph, Source
+from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
+from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import (
     AssignmentKind,
     Expression,

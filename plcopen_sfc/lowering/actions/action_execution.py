@@ -10,9 +10,9 @@ from dataclasses import replace
 from textwrap import dedent
 from typing import NamedTuple, Protocol
 
+from plcopen_sfc.languages.effects import path_of, reads
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.languages.st.effects import path_of, reads
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_control import ActionControlCode, SequentialControlCode
 from plcopen_sfc.lowering.actions.variable_access import Effect, OwnVariables, UntouchedVariables, WrittenPaths

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import NamedTuple, NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.effects import targets
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
-from plcopen_sfc.languages.st.effects import targets
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, standard_block
 from plcopen_sfc.lowering.actions.variable_access import OwnVariables

@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterable
 from functools import cached_property
 
 from plcopen_sfc.languages.binding import names_in
+from plcopen_sfc.languages.effects import ANYTHING, Path, calls, may_change, path_of, reads, writes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
-from plcopen_sfc.languages.st.effects import ANYTHING, Path, calls, may_change, path_of, reads, writes
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.lowering.reading.chart_source import ChartSource

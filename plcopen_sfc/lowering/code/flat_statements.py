@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from plcopen_sfc.languages.effects import is_impure, targets
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
-from plcopen_sfc.languages.st.effects import is_impure, targets
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,

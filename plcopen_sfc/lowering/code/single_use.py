@@ -7,9 +7,9 @@ from collections import Counter
 from collections.abc import Collection
 from dataclasses import replace
 
+from plcopen_sfc.languages.effects import Path, is_impure, may_change, reads, writes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
-from plcopen_sfc.languages.st.effects import Path, is_impure, may_change, reads, writes
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.boolean_logic import simplified
 from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode, TextNetwork

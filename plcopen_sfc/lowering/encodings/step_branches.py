@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
+from plcopen_sfc.languages.effects import ANYTHING, path_of
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.effects import ANYTHING, path_of
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.actions.variable_access import Effect, UntouchedVariables
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, assignment, conjunction, is_constant, negation, when

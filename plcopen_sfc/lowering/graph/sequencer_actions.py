@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from plcopen_sfc.languages.effects import writes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
-from plcopen_sfc.languages.st.effects import writes
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.binding.name_uses import Names
-from plcopen_sfc.languages.binding.symbols import Declaration
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes
@@ -27,6 +26,7 @@ from plcopen_sfc.lowering.lowering_options import LoweringRules, tool_of
 from plcopen_sfc.lowering.reading.text_reading import ConditionText, TextReader
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project

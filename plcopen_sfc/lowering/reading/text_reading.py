@@ -10,7 +10,6 @@ from typing import NamedTuple, NoReturn
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Untyped
 from plcopen_sfc.languages.binding.name_sites import named
-from plcopen_sfc.languages.binding.symbols import Kind
 from plcopen_sfc.languages.binding.text_sites import Role, Site
 from plcopen_sfc.languages.il import statements as instruction_statements
 from plcopen_sfc.languages.networks import (
@@ -26,6 +25,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project

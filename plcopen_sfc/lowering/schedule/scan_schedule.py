@@ -9,9 +9,9 @@ from typing import NoReturn
 
 from plcopen_sfc.analysis.exclusivity import exclusive
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.effects import is_impure
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.languages.st.effects import is_impure
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_control import (
     ActionControlCode,

@@ -11,12 +11,13 @@ from typing import Any
 
 from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.binding.name_scopes import namespace_place, variables_in
-from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level
+from plcopen_sfc.languages.binding.symbols import Level
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model import types as m
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project, Tag

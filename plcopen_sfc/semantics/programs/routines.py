@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from plcopen_sfc.errors import Location, SimulationError
-from plcopen_sfc.languages.binding.symbols import Kind
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.declarations.type_names import is_identifier
 from plcopen_sfc.languages.networks import body_statements, chart_statements, condition_expression
@@ -20,6 +19,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.model import types as m
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.programs import types as t

@@ -9,11 +9,12 @@ from typing import Any, Protocol
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.binding.name_resolution import preferred
 from plcopen_sfc.languages.binding.name_scopes import Scopes
-from plcopen_sfc.languages.binding.symbols import Declaration, Kind, Level
+from plcopen_sfc.languages.binding.symbols import Level
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.model import types as m
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.project import Project

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc.model import Project
-from plcopen_sfc.model.project_object import ProjectObject
+from plcopen_sfc.model.late import ProjectObject
 from tests.documents.exports import FIXTURES, block
 from tests.sweeps import examples
 

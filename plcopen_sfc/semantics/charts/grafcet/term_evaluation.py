@@ -101,13 +101,6 @@ def has_edge(text: str) -> bool:
     return bool(found.edges)
 
 
-def term_times(text: str) -> list[str]:
-    """The times of the terms in a text, as literals of program text."""
-    found = TermTexts()
-    found.read(text)
-    return [time for timer in found.timers for time in (timer.first, timer.last) if time is not None]
-
-
 @dataclass(slots=True)
 class _Edge:
     operand: str
