@@ -376,7 +376,6 @@ FORMATS: tuple[Format, ...] = (
         recognises=_is_symbol_table,
         capabilities=("tags",),
         text=True,
-        dialect=Dialect.SCL,
         ids=False,
         networks=NetworkForm.COMMENTS,
         il_conditions=False,

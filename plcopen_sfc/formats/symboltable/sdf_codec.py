@@ -28,7 +28,7 @@ from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project, Tag, TagTable
-from plcopen_sfc.model.text import plain
+from plcopen_sfc.model.text import MultilingualText, plain
 from plcopen_sfc.report import ConversionReport, Outcome
 
 LINE = re.compile(
@@ -106,8 +106,11 @@ class SdfCodec(TextCodec):
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a file. A line that is no symbol is kept and reported."""
         found = _read(self.decode(data), file)
-        version = "german" if self._is_german(data) else "international"
-        return ReadResult(Project(dialect=Dialect.SCL, tag_tables=[found.table]), found.diagnostics, version)
+        german = self._is_german(data)
+        # comments have no language; those beside German mnemonics are taken for German, a guess
+        language = "de-DE" if german else None
+        project = Project(dialect=Dialect.SCL, tag_tables=[found.table], language=language)
+        return ReadResult(project, found.diagnostics, "german" if german else "international")
 
     def _is_german(self, data: bytes) -> bool:
         lines = LINE.finditer(self.decode(data).text)
@@ -198,7 +201,11 @@ class _Writer:
         if len(tag.name) > _WIDTHS[0]:
             why = f"a symbol of STEP 7 V5 has up to {_WIDTHS[0]} characters"
             self._report.add(Outcome.APPROXIMATED, "tag", path, why)
-        comment = " ".join(plain(tag.comment).split())
+        language = "de" if self._german else ""
+        comment = " ".join(plain(tag.comment, language).split())
+        if isinstance(tag.comment, MultilingualText) and (left := sorted(_others(tag.comment, language))):
+            why = f"a symbol has one comment, and names no language: not in the file are {', '.join(left)}"
+            self._report.add(Outcome.DROPPED, "comment", path, why)
         if missing := _not_in_code_page(comment):
             why = f"a question mark stands for {missing}, which the code page of STEP 7 V5 does not have"
             self._report.add(Outcome.DROPPED, "comment", path, why)
@@ -207,6 +214,11 @@ class _Writer:
 
     def _lost(self, what: str, path: str, why: str) -> None:
         self._report.add(Outcome.NOT_EXECUTED, what, path, why)
+
+
+def _others(comment: MultilingualText, language: str) -> Iterator[str]:
+    """Yield the languages whose text is not the one in `language`, which is written."""
+    return (each for each, text in comment.texts.items() if text and text != plain(comment, language))
 
 
 def _not_in_code_page(text: str) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import LossError
-from plcopen_sfc.model import Tag, plain
+from plcopen_sfc.model import MultilingualText, Tag, plain
 
 FILE = Path("fixtures/sdf/two_cylinders.sdf")
 
@@ -76,7 +76,11 @@ def test_addresses_of_a_plan_and_flags_of_its_code_are_symbols() -> None:
     lowered = sfc.lower(plan, "flipflop", flags="M20.0", target="simaticml", lang="de", verify=False)
     with pytest.raises(LossError) as caught:
         sfc.dumps(lowered.project, format="sdf-german")
-    assert "a symbol table has symbols with an address, and no program" in {i.why for i in caught.value.report.items}
+    why = "a symbol table has symbols with an address, and no program"
+    assert [i.why for i in caught.value.report.with_outcome("not executed")] == [why]
+    with pytest.raises(LossError) as caught:  # not that its texts are no structured text: they are not written
+        sfc.dumps(plan, format="sdf")
+    assert [i.why for i in caught.value.report.with_outcome("not executed")] == [why]
     found = lines(sfc.dumps(lowered.project, format="sdf-german", partial=True))
     assert ["START", "E 0.0", "BOOL", "Taster (Schließer)"] in found
     assert ["X1", "M 20.0", "BOOL", "Schritt G1.1 ist aktiv"] in found
@@ -90,6 +94,21 @@ def test_a_comment_in_another_alphabet_is_told() -> None:
     assert ["a", "M 9.0", "BOOL", "? und ?"] in lines(data)
     (told,) = (item.why for item in report.items if item.what == "comment")
     assert told.startswith("a question mark stands for ΩЖ")
+
+
+def test_a_symbol_has_the_comment_of_one_language() -> None:
+    tags = sfc.load("fixtures/simaticml/tags.xml")
+    for form, comment in (("sdf", "Taster"), ("sdf-german", "Taster")):
+        data, report = sfc.convert(tags, form, partial=True)
+        assert lines(data)[0][3] == comment
+        assert [i.why.rpartition(" ")[2] for i in report.items if i.what == "comment"] == ["en-US"]
+    texts = tags.tag_tables[0].tags[0].comment
+    assert isinstance(texts, MultilingualText)
+    texts.texts = dict(reversed(texts.texts.items()))
+    assert [lines(sfc.convert(tags, form, partial=True).data)[0][3] for form in ("sdf", "sdf-german")] == [
+        "Button",
+        "Taster",
+    ]
 
 
 def test_words_are_at_the_bytes_that_s7_counts() -> None:
