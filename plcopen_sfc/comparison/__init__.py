@@ -3,8 +3,7 @@
 `changes`             the result: changes, and what they do to the behaviour
 `renamings`           recognises what has another name
 `tree_comparison`     compares two listings of `plcopen_sfc.conversion`
-`behaviour`           runs the changed charts against each other
-`project_comparison`  compares two projects: `diff`
+`project_comparison`  compares two projects (`diff`), and runs the changed charts against each other
 """
 
 from plcopen_sfc.comparison.changes import Change, ChangeKind, ProjectDiff, Proof

@@ -16,8 +16,7 @@ from plcopen_sfc.documents.file_documents import encode, read_document
 from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.errors import ArgumentError, ModelError
 from plcopen_sfc.formats.registry import format_named
-from plcopen_sfc.formats.steplist.csv_codec import CODEC
-from plcopen_sfc.formats.steplist.list_codec import ListCodec
+from plcopen_sfc.formats.steplist.list_codec import CODEC, ListCodec
 from plcopen_sfc.formats.steplist.list_tables import NAMES, Sheet, TableKind, tables_in
 from plcopen_sfc.formats.steplist.list_writer import is_listed, listed_transitions, tables_of
 from plcopen_sfc.languages.declarations import write_type

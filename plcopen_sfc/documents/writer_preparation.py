@@ -234,7 +234,7 @@ def _has_flags(of: Format | Project) -> bool:
 
 def _put_into_notation(project: Project, kind: Format, report: ConversionReport) -> None:
     """Write active steps in texts as programs of the target see them."""
-    from plcopen_sfc.refactor.step_flags import name_steps_by_flags, name_steps_by_members  # noqa: PLC0415
+    from plcopen_sfc.refactor.step_kinds import name_steps_by_flags, name_steps_by_members  # noqa: PLC0415
 
     flags = _has_flags(kind)
     for path in name_steps_by_flags(project) if flags else name_steps_by_members(project):

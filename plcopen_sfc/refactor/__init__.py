@@ -1,9 +1,9 @@
 """Queries and edits of a project that keep every reference right.
 
 * `queries` finds steps, declarations and uses; `builder` adds charts that are written as they are read.
-* `editor`: edits as transactions, with undo, clean-up and proof; `journal` keeps what they change. `chart_edits`,
-  `macro_edits` and `name_edits` are the edits.
+* `editor`: edits as transactions, with undo, clean-up and proof; `journal` keeps what they change. `chart_edits`
+  and `name_edits` are the edits; `step_kinds` switches the charts of CoDeSys 2.3.
 * `rename` gives declarations other names, one or many in one pass, or tells why it does not.
-* `dialect` puts all program text into another dialect. `il_texts` and `step_flags` prepare a project for tools without
+* `dialect` puts all program text into another dialect. `il_texts` and `step_kinds` prepare a project for tools without
   IL and without step flags.
 """

@@ -18,7 +18,7 @@ from plcopen_sfc.model.pou import Action, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.operations import provided
-from plcopen_sfc.refactor import chart_edits, macro_edits, name_edits, step_kinds
+from plcopen_sfc.refactor import chart_edits, name_edits, step_kinds
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import charts_of
@@ -312,13 +312,13 @@ class Editor:
         """Move a run of steps, entered at one step and left at one, into a new macro-step."""
         if not steps:
             raise ModelError("a macro-step needs steps")
-        return macro_edits.move_to_macro(self._journal, self._step(steps[0])[1], steps, name)
+        return chart_edits.move_to_macro(self._journal, self._step(steps[0])[1], steps, name)
 
     @_edit
     def dissolve_macro(self, macro: Step | str) -> list[Step]:
         """Put the steps of a macro-step into its place."""
         step, chart = self._step(macro)
-        return macro_edits.dissolve_macro(self._journal, chart, step)
+        return chart_edits.dissolve_macro(self._journal, chart, step)
 
     @_edit
     def copy_pou(self, source: Project, name: str, names: Mapping[str, str] | None = None) -> Pou:

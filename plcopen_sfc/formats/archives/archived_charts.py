@@ -36,7 +36,6 @@ from plcopen_sfc.formats.archives.chart_elements import (
     read_attributes,
     written_attribute,
 )
-from plcopen_sfc.formats.archives.kept_data import kept_data, kept_in
 from plcopen_sfc.formats.archives.object_archive import (
     add_dictionary,
     add_list,
@@ -46,6 +45,8 @@ from plcopen_sfc.formats.archives.object_archive import (
     archive_of,
     entries,
     items,
+    kept_data,
+    kept_in,
     member,
     new_object,
     number_of,

@@ -2,5 +2,5 @@
 
 * `list_tables`: the columns, and where in the sheets of a file the tables are.
 * `list_reader`, `list_writer`: from tables to a project and back.
-* `xlsx_codec`, `csv_codec`: the sheets of a workbook and of a text.
+* `list_codec`, `xlsx_codec`: the sheets of a text and of a workbook.
 """

@@ -1,5 +1,4 @@
 """Symbol tables of STEP 7 V5 (``.sdf``).
 
-`sdf_codec`    lines of symbols to tags and back
-`operands`     addresses of STEP 7 V5 with both mnemonics, and those of TIA tags
+`sdf_codec`: lines of symbols to tags and back; addresses of STEP 7 V5 with both mnemonics, and those of TIA tags.
 """

@@ -1,5 +1,4 @@
 """TwinCAT 3: the files of a PLC project (``.TcPOU``), in which TwinCAT keeps one object each.
 
-* `twincat_codec`: the files in the table of formats
-* `object_files`: the objects of a file (`formats.archives`), and tasks
+`twincat_codec`: the files in the table of formats, the objects of a file (`formats.archives`), and tasks.
 """

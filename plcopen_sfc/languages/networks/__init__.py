@@ -9,7 +9,6 @@ a transition and `chart_statements` the rest of the logic drawn in a chart. `dra
 `exported_networks`   networks of exports of CoDeSys 2.3 as structured text
 `network_drawing`     LD, and both as bodies; `fbd_drafting`: FBD; `element_places`: positions
 `drawing_rules`       how a tool draws
-`network_equality`    whether two networks mean the same
 """
 
 from plcopen_sfc.languages.networks.condition_reading import (

@@ -6,8 +6,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.documents.reading_back import mean_the_same
 from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_ld
-from plcopen_sfc.languages.networks.network_equality import mean_the_same
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model.dialect import Dialect
 
