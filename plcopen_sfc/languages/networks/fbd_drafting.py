@@ -20,6 +20,8 @@ from plcopen_sfc.languages.networks.element_places import (
     Slot,
     WireStart,
     connect,
+    input_pin,
+    output_pin,
     placed,
     text_width,
 )
@@ -40,7 +42,6 @@ from plcopen_sfc.model.network import (
     Jump,
     Label,
     Node,
-    OutputPin,
     OutputVariable,
     Return,
     Storage,
@@ -232,7 +233,7 @@ class Drafter:
         if isinstance(statement, n.ReturnStatement) and statement.value is not None:
             return None
         item = self._not_negated(self.power(condition))
-        pin = InputPin(position=(0, ROW / 2))
+        pin = input_pin(ROW / 2)
         common = {"id": self.new_id(), "input": pin, "execution_order": self.new_order()}
         text = statement.label.identifier if isinstance(statement, n.Goto) else "RETURN"
         node: Node = (
@@ -263,7 +264,7 @@ class Drafter:
 
     def _output(self, target: Expression, item: DrawnItem, storage: Storage) -> DrawnItem:
         text = self._text(target)
-        pin = InputPin(position=(0, ROW / 2))
+        pin = input_pin(ROW / 2)
         node = OutputVariable(
             id=self.new_id(),
             expression=text,
@@ -312,10 +313,10 @@ class Drafter:
             self.problems.append(NetworkProblem(f"{expression.text!r} cannot be read; it stands at an input as it is"))
         is_assignment = isinstance(expression, n.AssignmentExpression)
         text = self._text(n.Parenthesized(expression) if is_assignment else expression)
-        node = InputVariable(id=self.new_id(), expression=text, output=OutputPin())
-        self.nodes.append(node)
         width = text_width(text)
-        node.output = OutputPin(position=(width, ROW / 2))
+        pin = output_pin(width, ROW / 2)
+        node = InputVariable(id=self.new_id(), expression=text, output=pin)
+        self.nodes.append(node)
         return placed(node, (width, ROW), [], [WireStart(node.id, None, (width, ROW / 2))], ROW / 2)
 
     def _not_negated(self, item: DrawnItem) -> DrawnItem:
@@ -415,7 +416,7 @@ class Drafter:
             name, text = argument.name.identifier, self._text(argument.value)
             places = {v.name: v.output.position for v in block.parameters.outputs if v.output is not None}
             row = (places.get(name) or (0, 0))[1]
-            pin = InputPin(position=(0, ROW / 2))
+            pin = input_pin(ROW / 2)
             sink = OutputVariable(id=self.new_id(), expression=text, input=pin, execution_order=self.new_order())
             self.nodes.append(sink)
             sinks.append((sink, name, row))

@@ -21,6 +21,9 @@ from plcopen_sfc.languages.networks.element_places import (
     Slot,
     WireStart,
     connect,
+    give_place,
+    input_pin,
+    output_pin,
     placed,
     text_width,
 )
@@ -81,17 +84,18 @@ class LadderDrafter(Drafter):
         item = self.power(bare.operand if negated and isinstance(bare, n.Unary) else value)
         text = self._text(target)
         width = text_width(text)
+        pin = input_pin(ROW / 2)
         coil = Coil(
             id=self.new_id(),
             variable=text,
             negated=negated != item.negated,
             storage=storage,
-            input=InputPin(position=(0, ROW / 2)),
-            output=OutputPin(position=(width, ROW / 2)),
+            input=pin,
+            output=output_pin(width, ROW / 2),
             execution_order=self.new_order(),
         )
         self.nodes.append(coil)
-        return placed(coil, (width, ROW), [Slot(coil.input or InputPin(), ROW / 2, item)], [], ROW / 2)
+        return placed(coil, (width, ROW), [Slot(pin, ROW / 2, item)], [], ROW / 2)
 
     def power(self, expression: Expression) -> DrawnItem:
         """A Boolean value as contacts that start at the left power rail."""
@@ -146,14 +150,14 @@ class LadderDrafter(Drafter):
         self._note_reading(variable)
         text = self._text(variable)
         width = text_width(text)
-        pin = InputPin(position=(0, ROW / 2))
+        pin = input_pin(ROW / 2)
         contact = Contact(
-            id=self.new_id(), variable=text, negated=negated, input=pin, output=OutputPin(position=(width, ROW / 2))
+            id=self.new_id(), variable=text, negated=negated, input=pin, output=output_pin(width, ROW / 2)
         )
         self.nodes.append(contact)
 
         def place(x: float, y: float, inflow: Inflow) -> Area:
-            contact.position, contact.width, contact.height = (x, y), width, ROW
+            give_place(contact, x, y, (width, ROW))
             row = y + ROW / 2
             connect(pin, (x, row), self._through(x, y, inflow).ends, x)
             return Area((WireStart(contact.id, None, (x + width, row)),), x + width, y + ROW)

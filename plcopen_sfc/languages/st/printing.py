@@ -25,6 +25,8 @@ _UNARY = {Operator.NOT: "NOT ", Operator.NEGATE: "-", Operator.PLUS: "+"}
 
 def print_node(node: Node, dialect: Dialect = Dialect.IEC, *, newline: str = "\n") -> str:
     """The text of an expression or of statements. Puts parentheses where the tree needs them to mean what it says."""
+    if type(node) is n.Name and node.quoting is n.Quoting.NONE:  # most of what drawings and code print
+        return node.identifier
     return Printer(dialect, newline=newline).text(node)
 
 
@@ -81,7 +83,7 @@ class Printer:
             case n.Branch():
                 return self._branch("ELSIF", node, indent).removesuffix(self._newline)
             case _:
-                return self._statement(node, indent) or self._expression(node)
+                return self._expression(node) or self._statement(node, indent)
 
     # -- expressions
 
@@ -113,7 +115,7 @@ class Printer:
                 limits = f"[{self._listed(bounds)}] OF" if bounds else ""
                 return f"{words}{limits} {self.text(base)}"
             case _:
-                raise TypeError(f"{type(node).__name__} is no node that can be printed")
+                return ""
 
     def _operation(self, node: n.Operation) -> str:
         return f" {node.operator.value} ".join(self._operand(node, index) for index in range(len(node.operands)))
@@ -173,8 +175,10 @@ class Printer:
                 return ";"
             case n.EmbeddedCode(text):
                 return text
+            case n.Unreadable(text):
+                return text
             case _:
-                return ""
+                raise TypeError(f"{type(node).__name__} is no node that can be printed")
 
     def _below(self, statements: Iterable[Statement], indent: str) -> str:
         deeper = indent + INDENT
