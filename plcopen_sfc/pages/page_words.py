@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.pages.report_words import GERMAN, german, german_place
+from plcopen_sfc.pages.rule_words import german_finding
 
 _GERMAN = {
     "Actions": "Aktionen",
@@ -104,80 +105,6 @@ _GERMAN = {
     "warning": "Warnung",
 }
 
-_RULES = {
-    "STR01": "Schritte und Transitionen wechseln sich ab",
-    "STR02": "Eine Ablaufkette hat einen Initialschritt",
-    "STR04": "Verzweigungen beginnen und enden mit dem richtigen Element",
-    "STR05": "Spr\u00fcnge und Transitionen f\u00fchren zu Schritten, die es gibt",
-    "STR06": "Jeder Schritt kann aktiv werden",
-    "STR07": "Kein Schritt wird zweimal aktiviert",
-    "STR08": "Eine Simultanzusammenf\u00fchrung kann freigegeben werden",
-    "STR09": "Jeder Schritt wird verlassen",
-    "STR10": "Nichts blockiert die Ablaufkette",
-    "STR11": "Zu jeder Transition f\u00fchrt ein Schritt",
-    "STR12": "Eine zusammenh\u00e4ngende Ablaufkette hat einen Initialschritt",
-    "STR13": "Simultanzweige sind geschachtelt, und nichts f\u00fchrt in sie hinein oder aus ihnen heraus",
-    "STR14": "Jede Transition f\u00fchrt zu einem Schritt",
-    "STR15": "Ein Weg f\u00fchrt zum Anfang zur\u00fcck",
-    "NAM01": "Schrittnamen sind in einer Ablaufkette eindeutig",
-    "NAM02": "Schrittnamen sind Bezeichner",
-    "NAM03": "Schritte teilen ihren Namen mit nichts anderem im Baustein",
-    "NAM04": "Nummern sind eindeutig",
-    "NAM05": "Schritte und Transitionen von S7-GRAPH haben eigene Namen",
-    "SEL01": "Die Zweige einer Alternative schlie\u00dfen sich aus",
-    "SEL02": "Es l\u00e4sst sich entscheiden, ob die Zweige einer Alternative sich ausschlie\u00dfen",
-    "SEL03": "Kein Zweig einer Alternative verdeckt einen anderen",
-    "SEL04": "Konkurrierende Transitionen haben verschiedene Priorit\u00e4ten",
-    "CHK01": "Kommentare, die Befunde abschalten, nennen Regeln",
-    "CND01": "Eine Transition hat eine Bedingung",
-    "CND02": "Eine Bedingung kann falsch sein",
-    "CND03": "Eine Bedingung kann wahr sein",
-    "CND04": "Eine Bedingung schreibt nichts",
-    "CND05": "Eine Bedingung ruft nichts auf, das Werte beh\u00e4lt",
-    "CND06": "Eine Bedingung liest keinen Ausgang ihrer Ablaufkette",
-    "CND07": "Eine benannte Bedingung ist vorhanden",
-    "CND08": "Schritte, nach denen eine Bedingung fragt, sind vorhanden",
-    "CND09": "Die Bedingungen eines GRAFCET sind lesbar",
-    "CND10": "Eine Bedingung ist vom Typ BOOL",
-    "VAR01": "Namen sind deklariert",
-    "VAR02": "Was ein Teilexport nennt, ist an anderer Stelle deklariert",
-    "VAR03": "Aktionen, benannte Bedingungen und lokale Variablen werden verwendet",
-    "ACT01": "Ein Bestimmungszeichen mit Zeit hat eine Zeit",
-    "ACT02": "Ein Operand wird kontinuierlich oder speichernd geschrieben, nicht beides",
-    "ACT03": "Was gesetzt wird, wird zur\u00fcckgesetzt",
-    "ACT04": "Schritte, die gleichzeitig aktiv sind, schreiben nicht dieselbe Variable",
-    "ACT05": "Ein Bestimmungszeichen ohne Zeit hat keine",
-    "ACT06": "Eine Aktion hat eine Zeit",
-    "ACT07": "Das Bestimmungszeichen gibt es in dem Werkzeug",
-    "ACT08": "Eine Aktionszuordnung nennt, was sie ausf\u00fchrt",
-    "ACT09": "Schrittaktionen sind vorhanden",
-    "ACT10": "Was zur\u00fcckgesetzt wird, wird gesetzt",
-    "ACT11": "Das Ereignis einer gespeicherten Aktion ist eine Flanke",
-    "ACT12": "Die Bedingung einer kontinuierlichen Aktion ist keine Flanke",
-    "ACT13": "Der Operand einer Aktion ist boolesch",
-    "ACT14": "Ein IEC-Schritt von CoDeSys V2.3 hat h\u00f6chstens neun Aktionen",
-    "ACT15": "Der Initialschritt von CoDeSys V2.3 hat keine Aktionszuordnungen",
-    "ACT16": "Ereignisse von S7-GRAPH stehen bei den Aktionen, die sie brauchen",
-    "ACT17": "Aktionen warten auf Bedingungen, die der Schritt hat",
-    "ACT18": "Kein Schritt setzt einen Operanden und setzt ihn zugleich zur\u00fcck",
-    "ACT19": "Code weist nicht zu, was eine gespeicherte Aktion hält",
-    "EVO01": "Die Ablaufkette kommt zur Ruhe",
-    "EVO02": "Schritte werden nicht durchlaufen",
-    "TIM01": "Die Maximalzeit eines Schritts ist seine l\u00e4ngste",
-    "HIE01": "Ein Makroschritt hat eine Expansion mit einem Ein- und einem Ausgang",
-    "HIE02": "Eingeschlossene Teilpl\u00e4ne sind vorhanden, einmal eingeschlossen und aktivierbar",
-    "HIE03": "Ein einschlie\u00dfender Initialschritt schlie\u00dft einen Initialschritt ein",
-    "HIE04": "Zwangssteuernde Befehle steuern, was vorhanden ist",
-    "HIE05": "Kein Teilplan steuert einen, von dem er gesteuert wird",
-    "HIE06": "Ein Befehl zu einer Zeit steuert einen Teilplan",
-    "HIE07": "Namen kennzeichnen Makroschritte und Ein- und Ausgang von Expansionen",
-    "HIE08": "Jede Expansion und jeder eingeschlossene Teilplan wird benutzt",
-    "LIM01": "Die Ablaufkette passt in einen Baustein von S7-GRAPH",
-    "LOW01": "Keine zwei Schritte f\u00fchren zueinander",
-    "LOW02": "Keine Transition f\u00fchrt zu ihrem eigenen Schritt zur\u00fcck",
-}
-"""Demand of each rule of `check`, by its code. The messages of findings are English."""
-
 
 class Words:
     """The words of one language: ``en`` or ``de``. Raises `ModelError` for another."""
@@ -201,6 +128,6 @@ class Words:
         """Return a path of a report: names as they are, the kinds of things in the language of the page."""
         return german_place(path) if self.lang == "de" else path
 
-    def rule(self, code: str) -> str:
-        """Return what a rule of `check` wants, where the message of a finding is not in this language; else nothing."""
-        return _RULES.get(code, "") if self.lang == "de" else ""
+    def finding(self, english: str) -> str:
+        """Return the message or the hint of a finding; English where no translation of it is known."""
+        return german_finding(english) if self.lang == "de" else english

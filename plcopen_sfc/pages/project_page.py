@@ -448,15 +448,14 @@ class _ProjectContent:
 
     def _finding(self, finding: Diagnostic, *, linked: bool) -> Html:
         place = finding.location
-        rule = self.words.rule(finding.code)
-        parts: list[str] = [element("b", f"{self.words(finding.severity.value)} {finding.code}"), " "]
-        parts += [rule, element("div", finding.message)] if rule else [finding.message]
+        title = element("b", f"{self.words(finding.severity.value)} {finding.code}")
+        parts: list[str] = [title, " ", self.words.finding(finding.message)]
         if linked and place.path:
             parts += [" ", link(self.index.anchor_at(place.path), self.words.place(place.path))]
         if place.line:
             parts += [" ", element("small", self.words("line {}", place.line))]
         if finding.hint:
-            parts.append(element("div", finding.hint, class_="comment"))
+            parts.append(element("div", self.words.finding(finding.hint), class_="comment"))
         return element("li", *parts, class_=f"is-{finding.severity}")
 
 

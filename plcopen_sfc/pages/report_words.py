@@ -1,14 +1,15 @@
 """German for what reports of conversions and lines of `diff` tell, by the English message.
 
-In a message ``{}`` stands for what is shown as it is, such as a name, and ``{+}`` for something that is German too; in
-the German text ``{}`` or ``{0}`` are their places. A message that is not in the table stays English.
+In a message ``{}`` stands for what is shown as it is, such as a name, ``{+}`` for something that is German too, and
+``{&}`` for names with "and" between them; in the German text ``{}`` or ``{0}`` are their places. A message that is not
+in the table stays English.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from functools import cache, lru_cache
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property, lru_cache
 
 _KINDS = {
     "POU action": "Aktion des Bausteins",
@@ -919,32 +920,48 @@ def german(message: str) -> str:
     if message.startswith(_RUN):
         clauses = _CLAUSE_END.split(message)
         head, colon, rest = clauses[0].partition(": ")
-        return "; ".join([f"{_by_pattern(head)}{colon}{german(rest)}", *map(german, clauses[1:])])
+        return "; ".join([f"{_REPORTS(head)}{colon}{german(rest)}", *map(german, clauses[1:])])
     if line := _LINE.match(message):
         return f"Zeile {line[1]}: {german(message[line.end() :])}"
-    return _by_pattern(message)
+    return _REPORTS(message)
 
 
-def _by_pattern(message: str) -> str:
-    for pattern, is_german, text in _patterns():
-        if found := pattern.fullmatch(message):
-            values = zip(found.groups(), is_german, strict=True)
-            return text.format(*(german(value) if told else value for value, told in values))
-    return message
+class Phrases:
+    """German for the messages of a table. `part` translates what ``{+}`` stands for; the table itself as a rule."""
+
+    def __init__(self, table: Mapping[str, str], part: Callable[[str], str]) -> None:
+        self._table = table
+        self._part = part
+
+    def __call__(self, message: str) -> str:
+        """Return a message in German; itself where the table does not have it."""
+        if message in self._table:
+            return self._table[message]
+        for pattern, places, text in self._patterns:
+            if found := pattern.fullmatch(message):
+                return text.format(*map(self._value, found.groups(), places))
+        return message
+
+    def _value(self, text: str, place: str) -> str:
+        if place == "{+}":
+            return self._part(text)
+        return text.replace(" and ", " und ") if place == "{&}" else text
+
+    @cached_property
+    def _patterns(self) -> list[tuple[re.Pattern[str], list[str], str]]:
+        """The messages with values in them: how to recognise each, its places, its German text.
+
+        Those with the most words of their own are first: ``{+}: {+}`` would take what belongs to others.
+        """
+        return sorted(self._read_patterns(), key=lambda each: -len(each[0].pattern.replace("(.+?)", "")))
+
+    def _read_patterns(self) -> Iterator[tuple[re.Pattern[str], list[str], str]]:
+        for message, text in self._table.items():
+            places = _PLACES.findall(message)
+            if places:
+                parts = map(re.escape, _PLACES.split(message))
+                yield re.compile("(.+?)".join(parts), re.DOTALL), places, text
 
 
-@cache
-def _patterns() -> tuple[tuple[re.Pattern[str], tuple[bool, ...], str], ...]:
-    """Return the messages with values in them: how to recognise each, which values are German too, its German text.
-
-    Those with the most words of their own are first: ``{+}: {+}`` would take what belongs to others.
-    """
-    return tuple(sorted(_read_patterns(), key=lambda each: -len(each[0].pattern.replace("(.+?)", ""))))
-
-
-def _read_patterns() -> Iterator[tuple[re.Pattern[str], tuple[bool, ...], str]]:
-    for message, text in GERMAN.items():
-        places = re.findall(r"\{\+?\}", message)
-        if places:
-            parts = map(re.escape, re.split(r"\{\+?\}", message))
-            yield re.compile("(.+?)".join(parts), re.DOTALL), tuple(place == "{+}" for place in places), text
+_PLACES = re.compile(r"\{[+&]?\}")
+_REPORTS = Phrases(GERMAN, german)

@@ -231,9 +231,12 @@ def _other_type(tree: n.Node, chart: CheckedChart, site: Site) -> str:
         type_ = chart.around.named.resolver.type_of(tree, site)
         if isinstance(type_, ElementaryType) and type_.name not in (Elementary.BOOL, Elementary.ANY):
             return f"of type {type_.name}"
-        if isinstance(type_, StructType | StringType | EnumType):
-            return f"of a {type_.kind} type"
+        if type_ is not None:
+            return _NO_BOOLEANS.get(type(type_), "")
     return ""
+
+
+_NO_BOOLEANS = {StructType: "a structure", StringType: "a string", EnumType: "a value of an enumeration"}
 
 
 def _unreadable(chart: CheckedChart) -> Iterator[Finding]:

@@ -11,6 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.analysis.checks import Rule, all_rules, rule_named
 from plcopen_sfc.analysis.checks.checked_chart import FAMILIES
 from plcopen_sfc.analysis.checks.rule_table import catalogue
+from plcopen_sfc.pages.rule_words import german_finding
 from tests.analysis.checks.charts import project_of
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "checks.md"
@@ -45,6 +46,8 @@ def test_examples_break_their_rule(rule: Rule) -> None:
     assert any(found.values())
     for name, findings in found.items():
         assert {finding.severity for finding in findings} <= {rule.severity_for(name)}
+    told = {text for findings in found.values() for finding in findings for text in (finding.message, finding.hint)}
+    assert [text for text in told if german_finding(text) == text] == []
 
 
 def test_the_page_is_made_of_the_rules() -> None:
