@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import gc
 import os
+from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
@@ -53,16 +55,21 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out two of three cases of what is slow and has many, unless all is to be run, or these are asked for.
+    """Leave out four of five slow tests, unless these are asked for (``-m slow``, or by ``::``) or all is to be run.
 
+    Which fifth is run is the same for the same files, and another one after every change that CHANGELOG.md tells of.
     What installs a whole environment comes first: at the end the other processes would wait for it.
     """
-    if not WHOLE and not any("::" in argument for argument in config.args):
-        cases: dict[str, list[pytest.Item]] = {}
-        for item in items:
-            if item.get_closest_marker("slow") is not None and not item.nodeid.startswith(_EACH_ITS_OWN):
-                cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
-        left_out = {item for found in cases.values() if len(found) > _FEW for item in found if found.index(item) % 3}
+    asked_for = "slow" in config.option.markexpr or any("::" in argument for argument in config.args)
+    if not WHOLE and not asked_for:
+        turn = crc32((Path(__file__).parents[1] / "CHANGELOG.md").read_bytes())
+        left_out = {
+            item
+            for item in items
+            if item.get_closest_marker("slow") is not None
+            and not item.nodeid.startswith(_EACH_ITS_OWN)
+            and (crc32(item.nodeid.encode()) + turn) % _SHARES
+        }
         config.hook.pytest_deselected(items=[*left_out])
         items[:] = [item for item in items if item not in left_out]
     items.sort(key=lambda item: item.path.name != "test_wheel.py")
@@ -70,5 +77,4 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 _EACH_ITS_OWN = ("tests/test_docs.py", "tests/fuzz/")
 """Pages, and formats: another one does not stand for them."""
-_FEW = 3
-"""So many slow cases of one test are all run."""
+_SHARES = 5

@@ -47,6 +47,7 @@ def test_an_unknown_name_of_the_package_gets_the_nearest():
         sfc.laod  # noqa: B018
 
 
+@pytest.mark.slow
 def test_save_dumps_and_convert_take_the_same_options_and_share_one_result(tmp_path):
     def options(function):
         parameters = inspect.signature(function).parameters.values()
@@ -66,6 +67,7 @@ def test_save_dumps_and_convert_take_the_same_options_and_share_one_result(tmp_p
             function(project, format="plcopen", strict=True)
 
 
+@pytest.mark.slow
 def test_an_extension_of_another_format_chooses_it_or_is_refused(tmp_path):
     project = sfc.load(FILLING)
     sfc.save(project, tmp_path / "out.st", partial=True)
@@ -156,6 +158,7 @@ def imported(project: sfc.Project, tool: str) -> list[tuple[str, str]]:
     return [(each.code, each.severity.value) for each in sfc.check_import(project, tool)]
 
 
+@pytest.mark.slow
 def test_what_a_tool_would_not_do_of_a_file_is_told_before_the_import():
     drill = sfc.load(ROOT / "fixtures" / "simaticml" / "FB_Drill.xml")
     assert imported(drill, "tia") == imported(drill, "tia-V16") == []

@@ -348,6 +348,7 @@ def test_every_selection_stands_below_a_step_or_a_branch(name: str) -> None:
                 assert above in {"step", "macroStep", "selectionDivergence"}, element.get("localId")
 
 
+@pytest.mark.slow
 def test_the_readme_counts_what_the_charts_hold(capsys: pytest.CaptureFixture[str]) -> None:
     columns = ("steps", "transitions", "selections", "simultaneous_branches", "jumps")
     written: dict[str, list[tuple[str, tuple[int, ...]]]] = {}

@@ -39,6 +39,7 @@ def run(packages: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, env=environment, capture_output=True, encoding="utf-8", check=False)
 
 
+@pytest.mark.slow
 def test_a_format_is_used_by_its_name_and_recognised(packages: Path, tmp_path: Path) -> None:
     outline = tmp_path / "mixer.outline"
     mixer = ROOT / "fixtures" / "steplist" / "mixer.csv"
@@ -57,6 +58,7 @@ def test_a_format_is_used_by_its_name_and_recognised(packages: Path, tmp_path: P
     assert "outline" in run(packages, "formats").stdout
 
 
+@pytest.mark.slow
 def test_a_rule_finds_and_a_refactoring_mends(packages: Path, tmp_path: Path) -> None:
     file = tmp_path / "mixer.csv"
     shutil.copy(ROOT / "fixtures" / "steplist" / "mixer.csv", file)
@@ -68,6 +70,7 @@ def test_a_rule_finds_and_a_refactoring_mends(packages: Path, tmp_path: Path) ->
     assert ";S_Heat;20;" in file.read_text(encoding="utf-8-sig")
 
 
+@pytest.mark.slow
 def test_a_plugin_that_cannot_be_imported_is_named(packages: Path, tmp_path: Path) -> None:
     broken = tmp_path / "packages"
     shutil.copytree(packages, broken)

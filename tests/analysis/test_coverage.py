@@ -525,6 +525,7 @@ def press_and_code(old: str = "", new: str = "") -> Verdict:
     )
 
 
+@pytest.mark.slow
 def test_every_assignment_of_code_beside_a_chart_is_reached_or_proven_dead() -> None:
     verdict = press_and_code()
     assert verdict.kind is VerdictKind.TESTED
@@ -536,6 +537,7 @@ def test_a_mistake_in_what_code_does_when_it_is_set_back_is_found() -> None:
     assert press_and_code(setting_back, setting_back.replace("FALSE", "TRUE")).different
 
 
+@pytest.mark.slow
 def test_an_assignment_that_only_code_has_is_named_where_nothing_reached_it() -> None:
     verdict = press_and_code("// Step times", "IF fForce * fForce < 0.0 THEN bDone := TRUE; END_IF;")
     assert verdict.kind is VerdictKind.UNTESTED

@@ -134,6 +134,7 @@ def text_of(pou: m.Pou) -> str:
     return pou.body.text
 
 
+@pytest.mark.slow
 def test_independent_sequences_add_up() -> None:
     """Eight rings of two steps have 256 situations, each with 256 combinations of inputs."""
     chart, flow = rings(8)

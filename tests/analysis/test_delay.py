@@ -155,6 +155,7 @@ def test_errors_are_compared_in_their_turn() -> None:
     assert equivalent(now, later).kind is VerdictKind.DIFFERENT
 
 
+@pytest.mark.slow
 def test_runs_are_compared_with_the_delay_too() -> None:
     now, later = delayed_program(0), delayed_program(2)
     tried = compared(now, later, AUTO, cap=1)
@@ -196,6 +197,7 @@ def test_delays_that_are_none() -> None:
             equivalent(ring(), ring(), delay=wrong)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=10)
 @given(flow=flows(), qualifiers=st.lists(st.sampled_from("NSRPLD"), max_size=4), random=st.randoms())
 def test_charts_of_every_shape_have_a_constant_delay(flow: Flow, qualifiers: list[str], random: Random) -> None:

@@ -418,6 +418,7 @@ def test_numbers_are_compared_in_their_intervals() -> None:
     assert verdict.counterexample.inputs[0]["n"] == 6
 
 
+@pytest.mark.slow
 def test_numbers_that_are_calculated_with_are_tried() -> None:
     verdict = numeric("n / 2 > 3", "n > 7")
     assert verdict.kind is VerdictKind.TESTED

@@ -208,6 +208,7 @@ def test_arrays_that_nothing_writes_are_frozen_and_can_be_freed() -> None:
         compare(declarations, "q := s[1];", "q := s[2];", TYPES, free_inputs=["other"])
 
 
+@pytest.mark.slow
 def test_what_cannot_be_driven_is_no_proof() -> None:
     declarations = f"VAR_INPUT s : ARRAY[0..9999] OF BOOL; i : INT; END_VAR {OUTPUT}"
     verdict = compare(declarations, "q := s[i];", "q := s[9999 - i];")

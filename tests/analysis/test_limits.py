@@ -46,6 +46,7 @@ def test_a_difference_after_a_day_is_found_in_time_and_told_shortly() -> None:
     assert [each.name for each in verdict.counterexample.differences] == ["Rest.X", "Long.X"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0, "auto"])
 def test_long_scans_end_in_time(delay: int | str) -> None:
     looping = "FOR i := 0 TO 100000 DO k := k + i MOD 7; END_FOR; q := k > 5;"
@@ -67,6 +68,7 @@ def test_a_limit_that_is_none_is_called_so(limit: str) -> None:
         equivalent(project("c"), project("c"), "iec", limit=limit)
 
 
+@pytest.mark.slow
 def test_what_several_delays_have_used_up_is_told_by_the_whole_limit() -> None:
     looping = "FOR i := 0 TO 100000 DO k := k + i MOD 7; END_FOR; q := k > 5;"
     verdict = limited(project("c", looping), project("c", looping), delay=[0, 1, 2])

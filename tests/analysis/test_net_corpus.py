@@ -32,6 +32,7 @@ def charts() -> list[tuple[str, SfcNetwork]]:
     return found
 
 
+@pytest.mark.slow
 def test_every_chart_is_analysed_and_the_answers_agree() -> None:
     require_corpus()
     counts: Counter[str] = Counter()

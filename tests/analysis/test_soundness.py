@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -56,6 +57,7 @@ def test_spoiled_blocks_are_judged_as_by_their_markings(seed: int, size: int, ju
     agree(chart, cap=200)  # unsafe nets cost much for each marking
 
 
+@pytest.mark.slow
 def test_a_large_chart_of_blocks_is_sound() -> None:
     net = Net.of(block_chart(1, 8000))
     assert len(net.steps) > 3000

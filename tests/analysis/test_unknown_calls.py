@@ -91,6 +91,7 @@ def test_blocks_depend_on_the_calls_before() -> None:
     assert CALLS in names(verdict)
 
 
+@pytest.mark.slow
 def test_a_delay_of_calls_is_tried() -> None:
     later = "q := old; inst(IN := a); old := inst.Q;"
     verdict = equivalent(program("q := F(a);"), program("q := F(old); old := a;"), delay=1, outputs=["q"])

@@ -34,6 +34,7 @@ def exports(fixtures, tmp_path, monkeypatch):
     return tmp_path / "exports"
 
 
+@pytest.mark.slow
 def test_a_dry_run_shows_the_lines_and_writes_nothing(cli, fixtures, exports):
     outcome = cli("apply", "script.py", "exports", "--set", "prefix=Z", "--diff", "out.patch")
     assert outcome.code == 0
@@ -45,6 +46,7 @@ def test_a_dry_run_shows_the_lines_and_writes_nothing(cli, fixtures, exports):
     assert patch.count("+++ exports/") == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_files_are_changed_and_a_failing_one_stops_no_other(cli, fixtures, exports, jobs):
     broken = exports / "distribution_belt.xml"
@@ -112,6 +114,7 @@ class Prefix:
 """
 
 
+@pytest.mark.slow
 def test_a_class_with_typed_attributes_is_a_script(cli, exports):
     (exports.parent / "named.py").write_text(CLASS, encoding="utf-8")
     outcome = cli("apply", "named.py", "exports", "--set", "prefix=Z_", "--set", "most=1")
@@ -159,6 +162,7 @@ def initial_steps(path):
     return {step.name for each in sfc.load(path).charts() for step in each.chart.steps if step.initial}
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_goes_on_where_it_was(exports):
     paths = [f"exports/{name}" for name in CODESYS]
     run = {"settings": {"prefix": "Z"}, "write": True, "journal": "run.journal"}
@@ -222,6 +226,7 @@ def refactor(project, prefix: str, always: bool = False):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("always", [False, True])
 def test_a_process_that_ends_in_the_middle_loses_nothing(exports, always):
     (exports.parent / "script.py").write_text(KILLS, encoding="utf-8")

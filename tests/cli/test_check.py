@@ -383,6 +383,7 @@ class TestRules:
         assert cli("rules", "STR99").code == 2
 
 
+@pytest.mark.slow
 def test_validate_for_a_tool_tells_what_it_would_not_do(cli, fixtures):
     assert cli("validate", "simaticml/FB_Drill.xml", "--for", "tia-V16").code == 0
     told = cli("validate", "simaticml/FB_Drill.xml", "--for", "twincat", "--json")

@@ -40,6 +40,7 @@ def test_the_version_costs_no_import():
     assert done.stdout.splitlines()[1] == "[]"
 
 
+@pytest.mark.slow
 def test_loading_needs_neither_interpreter_nor_analysis():
     """Only what is converted, simulated or compared pays for them; every command loads."""
     script = (
@@ -52,6 +53,7 @@ def test_loading_needs_neither_interpreter_nor_analysis():
     assert done.stdout.splitlines() == ["3", "[]"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["info", "validate"])
 def test_commands_that_look_at_files_need_neither_interpreter_nor_analysis(command):
     script = (
@@ -109,12 +111,14 @@ def test_version_through_the_app(cli):
     assert cli("--version", "info").out == f"plcopen-sfc {plcopen_sfc.__version__}\n"
 
 
+@pytest.mark.slow
 def test_pipes_are_utf_8(command, fixtures):
     """Also where the locale is another, as on Windows; unless the user demands otherwise."""
     done = command("info", UMLAUTS, env={"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"})
     assert "Füllen" in done.stdout.decode("utf-8")
 
 
+@pytest.mark.slow
 def test_code_page_1252_is_no_reason_to_crash(command, fixtures):
     done = command("info", UMLAUTS, env={"PYTHONIOENCODING": "cp1252"})
     assert done.returncode == 0
@@ -141,6 +145,7 @@ def test_a_name_that_is_no_unicode(command, tmp_path, fixtures):
     assert "F?llen.xml" in done.stdout.decode()
 
 
+@pytest.mark.slow
 @POSIX
 def test_a_closed_pipe_is_quiet(fixtures):
     with subprocess.Popen(
@@ -156,6 +161,7 @@ def test_a_closed_pipe_is_quiet(fixtures):
         assert process.wait() == 141
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_standard_output_on_a_full_disk(fixtures):
     with Path("/dev/full").open("wb") as full:

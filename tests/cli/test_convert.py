@@ -16,6 +16,7 @@ from tests.conversion.test_running import UNREACHED
 BELT = "codesys/sorting_conveyor.xml"
 
 
+@pytest.mark.slow
 def test_to_json_and_back(cli, fixtures, tmp_path):
     model, back = tmp_path / "model.json", tmp_path / "back.xml"
     assert cli("convert", BELT, model, "--to", "json").code == 0
@@ -32,6 +33,7 @@ def test_same_format_is_the_same_file(cli, fixtures, tmp_path):
     assert "the format is the same" in outcome.out
 
 
+@pytest.mark.slow
 def test_inputs_without_effect_are_named_with_the_option(cli, fixtures, tmp_path):
     """Several names go into one option, and then nothing is left."""
     drill = sfc.load(fixtures / "simaticml" / "FB_Drill.xml")
@@ -46,6 +48,7 @@ def test_inputs_without_effect_are_named_with_the_option(cli, fixtures, tmp_path
     assert "convert again with" not in cli(*arguments, *option.rstrip(".").split()).out
 
 
+@pytest.mark.slow
 def test_sequences_that_become_loops_are_told_with_the_option_that_keeps_them(cli, fixtures, tmp_path):
     out = tmp_path / "out.xml"
     arguments = ("convert", "simaticml/FB_Drill.xml", out, "--to", "codesys", "--partial", "--limit", "0")
@@ -62,6 +65,7 @@ def test_sequences_that_become_loops_are_told_with_the_option_that_keeps_them(cl
     )
 
 
+@pytest.mark.slow
 def test_fresh_writes_from_the_model(cli, fixtures, tmp_path):
     outcome = cli("convert", BELT, tmp_path / "fresh.xml", "--to", "codesys", "--fresh", "--limit", "0")
     assert outcome.code == 0
@@ -98,6 +102,7 @@ def test_to_plcopen(cli, fixtures, tmp_path, version):
     assert cli("validate", target).code == 0
 
 
+@pytest.mark.slow
 def test_for_beremiz(cli, fixtures, tmp_path):
     outcome = cli(
         "convert",
@@ -120,6 +125,7 @@ def test_for_beremiz(cli, fixtures, tmp_path):
     assert "no flavour 'nobody'" in unknown.err
 
 
+@pytest.mark.slow
 def test_what_no_machine_executes_is_counted_and_listed_on_request(cli, fixtures, tmp_path):
     arguments = ["convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--partial", "--limit", 0]
     short, long = cli(*arguments).out, cli(*arguments, "--verbose").out
@@ -130,6 +136,7 @@ def test_what_no_machine_executes_is_counted_and_listed_on_request(cli, fixtures
     assert any(line.split()[:2] == ["what", "kept"] for line in long.splitlines())
 
 
+@pytest.mark.slow
 def test_usual_target_stands_beside_the_source(cli, fixtures, tmp_path):
     source = tmp_path / "belt.xml"
     shutil.copy(BELT, source)
@@ -146,6 +153,7 @@ def test_usual_target_stands_beside_the_source(cli, fixtures, tmp_path):
     assert source.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_the_usual_target_is_a_folder_for_tools_that_import_one_object_a_file(cli, fixtures, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shutil.copy(fixtures / "training-chain" / "codesys.xml", "chain.xml")
@@ -180,6 +188,7 @@ def test_explicit_target_may_be_the_source(cli, fixtures, tmp_path):
     assert source.read_bytes().startswith(b"{")
 
 
+@pytest.mark.slow
 def test_to_standard_output(command, fixtures):
     done = command("convert", BELT, "-", "--to", "codesys")
     assert done.returncode == 0
@@ -193,6 +202,7 @@ def test_standard_output_and_json_exclude_each_other(cli, fixtures):
     assert "--report" in outcome.err
 
 
+@pytest.mark.slow
 def test_json_report(cli, fixtures, tmp_path):
     outcome = cli("convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--partial", "--limit", 0, "--json")
     report = json.loads(outcome.out)
@@ -205,6 +215,7 @@ class TestStrict:
 
     SOURCE = "plcopen/filling_station_2.01.xml"
 
+    @pytest.mark.slow
     def test_refuses_and_writes_nothing(self, cli, fixtures, tmp_path):
         target, report = tmp_path / "belt.xml", tmp_path / "report.json"
         outcome = cli("convert", self.SOURCE, target, "--to", "codesys", "--strict", "--report", report)
@@ -230,6 +241,7 @@ class TestStrict:
         assert cli("convert", BELT, tmp_path / "belt.json", "--to", "json", "--strict").code == 0
 
 
+@pytest.mark.slow
 def test_what_is_not_executed_is_refused(cli, fixtures, tmp_path):
     target, report = tmp_path / "drill.xml", tmp_path / "report.json"
     arguments = ("convert", "simaticml/FB_Drill.xml", target, "--to", "codesys", "--report", report)
@@ -276,6 +288,7 @@ def test_wrong_usage(cli, fixtures, arguments, message):
     assert outcome.out == ""
 
 
+@pytest.mark.slow
 def test_as_its_tool_reads_a_file(cli, fixtures, tmp_path):
     source = tmp_path / "conveyor.scl"
     assert (
@@ -324,6 +337,7 @@ def test_a_place_does_not_say_twice_what_it_is(cli: Any, tmp_path: Path) -> None
     assert "data block data block" not in outcome.out
 
 
+@pytest.mark.slow
 def test_without_a_run_the_result_says_so(cli, fixtures, tmp_path):
     told = "no chart was run in both tools (--no-verify)"
     source, target = "training-chain/codesys.xml", tmp_path / "out.xml"
@@ -332,6 +346,7 @@ def test_without_a_run_the_result_says_so(cli, fixtures, tmp_path):
     assert told not in cli("convert", source, target, "--to", "plcopen-2.01", "--limit", 20, "--strict").err
 
 
+@pytest.mark.slow
 def test_a_single_file_for_tia_portal_names_the_folder_form(cli: Any, fixtures: Path, tmp_path: Path) -> None:
     arguments = ("--to", "simaticml", "--limit", "0")
     outcome = cli("convert", BELT, tmp_path / "belt.xml", "--partial", *arguments)

@@ -64,6 +64,7 @@ def test_json_lists_the_pictures(cli, fixtures, tmp_path):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("extension", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF")])
 def test_other_formats(cli, fixtures, tmp_path, extension, start):
     require_cairo()
@@ -75,6 +76,7 @@ def test_other_formats(cli, fixtures, tmp_path, extension, start):
     assert {path.suffix for path in (tmp_path / "all").iterdir()} == {f".{extension}"}
 
 
+@pytest.mark.slow
 def test_a_pdf_has_a_page_for_each_sheet(cli, fixtures, tmp_path):
     require_cairo()
     paper = ("--pou", "PLC_PRG", "--paper", "A4")

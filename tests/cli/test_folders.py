@@ -71,6 +71,7 @@ def test_rename_tells_of_documents_that_it_cannot_look_into(cli: Any, folder: Pa
     assert "not read" in outcome.err
 
 
+@pytest.mark.slow
 def test_convert_from_and_to_folders(cli: Any, folder: Path) -> None:
     assert cli("convert", "export", "--to", "iec-text", "--partial", "--quiet", "--limit", "0").code == 0
     assert Path("export.iec-text.st").is_file()

@@ -36,6 +36,7 @@ def test_writes_code_that_is_proven(cli: Cli, plant: Path) -> None:
     assert sfc.load("out.st").pou("Ablauf").sfc is None
 
 
+@pytest.mark.slow
 def test_a_classic_chain_is_written_and_its_faults_are_shown(cli: Cli, plant: Path) -> None:
     done = cli("lower", "plant.xml", "--to", "plcopen", "--as", "fup", "--style", "classic")
     assert done.code == 1
@@ -113,6 +114,7 @@ def test_the_report_has_the_faults_and_what_the_format_cannot_say(cli: Cli, plan
     assert json.loads(done.out)["pous"][0]["faults"][0]["code"] == "LOW202"
 
 
+@pytest.mark.slow
 def test_a_folder_becomes_a_folder(cli: Cli, tmp_path: Path, fixtures: Path) -> None:
     done = cli("lower", fixtures / "simaticml-plc", tmp_path / "plc", "--to", "simaticml", "--no-verify")
     assert (done.code, done.out.splitlines()[1]) == (0, "not compared with the chart")
@@ -147,6 +149,7 @@ def test_what_is_wrong_with_the_chart_is_said(cli: Cli, tmp_path: Path, fixtures
     assert "SFC103" in done.err
 
 
+@pytest.mark.slow
 def test_networks_for_a_version_of_tia_portal_are_its_own_and_lose_nothing(cli: Cli, plant: Path) -> None:
     for number, to in enumerate((["simaticml-V17"], ["simaticml", "--tia", "V17"])):
         done = cli("lower", "plant.xml", f"out{number}.xml", "--as", "fup", "--to", *to)
@@ -249,6 +252,7 @@ def line(plant: Path) -> Path:
     return plant
 
 
+@pytest.mark.slow
 def test_all_refusals_are_listed_and_nothing_is_written(cli: Cli, line: Path) -> None:
     done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--as", "bits", "--report", "r.json")
     assert (done.code, done.out) == (2, "")
@@ -269,6 +273,7 @@ def test_all_refusals_are_listed_and_nothing_is_written(cli: Cli, line: Path) ->
     assert (done.code, json.loads(done.out)) == (2, data)
 
 
+@pytest.mark.slow
 def test_refused_charts_can_be_left_as_they_are(cli: Cli, line: Path) -> None:
     done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--as", "bits", "--skip-refused")
     assert done.code == 1
@@ -327,6 +332,7 @@ def test_an_option_that_is_wrong_is_told_once(cli: Cli, line: Path) -> None:
     assert "there is no construction 'petri'" in done.err
 
 
+@pytest.mark.slow
 def test_a_file_that_was_read_with_errors_is_not_lowered_into_another_format(
     cli: Cli, fixtures: Path, tmp_path: Path
 ) -> None:

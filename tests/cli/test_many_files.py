@@ -90,6 +90,7 @@ def test_many_are_converted_beside_their_sources_and_never_over_one(cli: Any, ex
     assert {path: path.read_bytes() for path in exports.rglob("*.xml")} == before
 
 
+@pytest.mark.slow
 def test_a_conversion_of_many_goes_on_where_it_was(cli: Any, exports: Path) -> None:
     arguments = ["convert", "exports", "out/", "--to", "json", "--limit", "0", "--resume", "run.journal"]
     cli(*arguments)

@@ -48,6 +48,7 @@ class TestStandardStreams:
         assert outcome.code == 2
         assert outcome.err.startswith("error: standard input:168:8: the file ends in the middle of element")
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         "arguments",
         [
@@ -69,6 +70,7 @@ class TestStandardStreams:
         else:
             assert (chart.steps[0].name == "Grundstellung") is (arguments[0] == "rename")
 
+    @pytest.mark.slow
     def test_a_file_can_go_to_standard_output_too(self, command):
         done = command("lower", CHAIN, "-", "--to", "scl", "--as", "case", "--quiet")
         assert (done.returncode, done.stderr) == (0, b"")
@@ -81,6 +83,7 @@ class TestStandardStreams:
             assert (outcome.code, outcome.out) == (2, "")
             assert "--report FILE.json" in outcome.err
 
+    @pytest.mark.slow
     def test_a_refused_conversion_writes_nothing_to_standard_output(self, command):
         source = ROOT / "fixtures" / "codesys" / "sorting_conveyor.xml"
         done = command("convert", source, "-", "--to", "plcopen", "--limit", "0")
@@ -187,6 +190,7 @@ class TestHelp:
 
 
 class TestCompletion:
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("line", "expected"),
         [

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import shutil
 
+import pytest
+
 import plcopen_sfc as sfc
 
 
@@ -41,6 +43,7 @@ def test_diff_saves_a_page(cli, fixtures, tmp_path):
     assert refused.code == 2
 
 
+@pytest.mark.slow
 def test_the_report_of_a_conversion_is_a_page(cli, fixtures, tmp_path):
     page, target = tmp_path / "drill.html", tmp_path / "drill.xml"
     options = ("--to", "codesys", "--limit", "0", "--lang", "de", "--report", page)
@@ -56,6 +59,7 @@ def test_the_report_of_a_conversion_is_a_page(cli, fixtures, tmp_path):
     assert page.read_text(encoding="ascii") == text.replace(f"{target}, ", "")
 
 
+@pytest.mark.slow
 def test_a_page_marks_what_a_comparison_with_another_file_did_not_reach(cli, fixtures, tmp_path):
     source, other, target = "codesys/sorting_conveyor.xml", tmp_path / "other.xml", tmp_path / "x.html"
     cli("convert", source, other, "--to", "plcopen-2.01", "--partial", "--quiet", "--limit", "0")

@@ -53,6 +53,7 @@ def test_a_dry_run_knows_encodings(cli, fixtures, name):
     assert "\ufffd" not in outcome.out
 
 
+@pytest.mark.slow
 def test_json(cli, belt):
     outcome = cli("rename", "belt.xml", "PLC_PRG.Measure", "Identify", "--json")
     data = json.loads(outcome.out)

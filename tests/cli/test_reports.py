@@ -144,6 +144,7 @@ class TestValidate:
         assert outcome.out.endswith("broken/jump_to_nowhere.xml: not valid (1 error)\n")
         assert outcome.err == ""
 
+    @pytest.mark.slow
     def test_schema_errors_have_a_line_and_a_reason(self, cli, fixtures, tmp_path):
         text = (fixtures / "plcopen/filling_station_2.01.xml").read_text(encoding="utf-8")
         broken = tmp_path / "broken.xml"

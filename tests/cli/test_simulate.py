@@ -117,6 +117,7 @@ def test_saves_a_timing_diagram_and_a_page(cli: Cli, plant: Path) -> None:
     assert 'id="player"' in page
 
 
+@pytest.mark.slow
 def test_a_converted_file_as_its_tool_reads_it(cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The extension data have a qualifier that S7-GRAPH lacks, and the rules of its tool; TIA Portal does the same."""
     monkeypatch.chdir(tmp_path)

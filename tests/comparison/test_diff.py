@@ -261,6 +261,7 @@ class TestProject:
     def sides(self):
         return loaded("codesys/sorting_conveyor.xml"), loaded("codesys/sorting_conveyor.xml")
 
+    @pytest.mark.slow
     def test_renamed_pous_actions_types_and_variables(self, sides):
         before, after = sides
         after.rename("FB_Pusher.qValve", "Valve")
@@ -503,6 +504,7 @@ END_PROGRAM
             assert [each.equal for each in proofs if not each.verdict] == [False], old
             assert reason in str(proofs[0])
 
+    @pytest.mark.slow
     def test_programs_without_charts_are_run_too(self):
         text = "PROGRAM Calc\nVAR_INPUT x : INT; END_VAR\nVAR_OUTPUT y : INT; END_VAR\ny := x + 1;\nEND_PROGRAM\n"
         before = sfc.loads(text.encode(), format="iec-text")
@@ -565,6 +567,7 @@ def test_comments_are_compared_in_all_their_languages():
     ]
 
 
+@pytest.mark.slow
 def test_case_of_names_and_names_of_instances_are_no_changes():
     source = loaded("plcopen/filling_station_2.01.xml")
     written = sfc.loads(sfc.convert(source, "codesys", partial=True).data)

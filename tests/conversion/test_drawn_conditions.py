@@ -123,6 +123,7 @@ def test_boxes_before_a_condition_become_calls_in_an_action(box: str, target: st
     assert condition.text == ("t1.Q" if box == "timer" else "edge_21.Q")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", [chart(*BOXES["timer"]), chart(*BOXES["edge"]), branch()], ids=[*BOXES, "branch"])
 def test_boxes_before_a_condition_are_permanent_instructions_in_tia_portal(source: Project) -> None:
     data, report = sfc.convert(source, "simaticml", limit=5)
@@ -141,6 +142,7 @@ def test_a_timer_with_a_variable_time_stays_before_its_condition() -> None:
     assert any("function blocks or edges are in it" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["codesys", "codesys23"])
 def test_a_box_waits_for_the_transitions_that_are_tried_before(target: str) -> None:
     result, report = converted(branch(), target)

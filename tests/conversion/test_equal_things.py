@@ -80,6 +80,7 @@ def test_the_order_of_competing_transitions_in_a_file_says_nothing() -> None:
     assert [item for item in losses(ring(text), "plcopen") if item.what == "condition"] == []
 
 
+@pytest.mark.slow
 def test_programs_of_beremiz_have_no_final_scan_in_codesys_either() -> None:
     project = ring(format="plcopen")
     project.header.product = "Beremiz"

@@ -47,6 +47,7 @@ class TestPartly:
 
     SOURCE = FIXTURES / "simaticml" / "FB_Drill.xml"
 
+    @pytest.mark.slow
     def test_save_writes_nothing(self, tmp_path: Path) -> None:
         target = tmp_path / "drill.xml"
         with pytest.raises(LossError, match="would not be executed") as refused:
@@ -58,6 +59,7 @@ class TestPartly:
         assert report.items == refused.value.report.items
         assert target.exists()
 
+    @pytest.mark.slow
     def test_bytes_are_not_made(self) -> None:
         for made in (sfc.convert, lambda project, form: sfc.dumps(project, format=form)):
             with pytest.raises(LossError):

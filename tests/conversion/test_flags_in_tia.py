@@ -62,6 +62,7 @@ def losses(report: ConversionReport) -> list[tuple[str, str, str]]:
     return [(item.outcome.value, item.what, item.path) for item in report.losses]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flags", [FLAGS, FLAGS[:2]], ids=" ".join)
 def test_flags_are_obeyed(flags: tuple[str, ...]) -> None:
     source = chart_with(*flags)
@@ -101,6 +102,7 @@ def test_nothing_of_the_initial_step_is_executed_during_sfcinit(flags: tuple[str
     assert {difference.name for difference in example.differences} == {"Idle.X"}
 
 
+@pytest.mark.slow
 def test_a_pause_holds_simultaneous_branches() -> None:
     source = chart_with("SFCPause", chart=BRANCHES)
     data, report = converted(source)
@@ -110,6 +112,7 @@ def test_a_pause_holds_simultaneous_branches() -> None:
     assert verdict.proven, verdict
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chart", [PLAIN, BRANCHES])
 @pytest.mark.parametrize("flags", [("SFCTipMode",), ("SFCTip",), ("SFCTip", "SFCTipMode")], ids=" ".join)
 def test_a_chart_is_stepped_through(flags: tuple[str, ...], chart: str) -> None:
@@ -132,6 +135,7 @@ def test_a_push_counts_where_transitions_are_tested(others: tuple[str, ...]) -> 
     assert verdict.proven, verdict
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("work", ["q(S);", "q(SD, T#20ms);"])
 @pytest.mark.parametrize("flags", [("SFCInit",), ("SFCReset",)], ids=" ".join)
 def test_what_is_stored_ends(flags: tuple[str, ...], work: str) -> None:
@@ -186,6 +190,7 @@ def test_no_flag_ends_what_code_writes_too(language: str) -> None:
     assert any("stored or delayed" in each.why for each in report.losses if "SFCInit" in each.path), report.losses
 
 
+@pytest.mark.slow
 def test_the_source_comes_back_and_an_edit_is_written_in_its_terms() -> None:
     source = chart_with(*FLAGS)
     data, _ = converted(source)

@@ -50,6 +50,7 @@ def converted(text: str, form: str) -> tuple[Project, ConversionReport]:
     return sfc.loads(data), report
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["codesys", "twincat", "simaticml", "plcopen", "iec-text"])
 def test_a_chart_without_transient_steps_does_the_same(form: str) -> None:
     source = sfc.loads(TEXT.encode())
@@ -161,6 +162,7 @@ def test_inputs_with_addresses_are_variables_of_programs_and_tags(form: str) -> 
         assert {section.kind.value for section in result.pous[0].interface.sections} == {"local"}  # type: ignore[union-attr]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["codesys", "plcopen", "simaticml", "iec-text"])
 def test_the_textbook_chart_is_lowered_for_every_tool(form: str, tmp_path: Path) -> None:
     project = sfc.load("fixtures/grafcet/two_cylinders.gct")
@@ -354,6 +356,7 @@ def test_expansions_take_the_place_of_their_macro_steps() -> None:
     assert "partial chart" not in losses(report)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["plcopen", "codesys", "iec-text", "simaticml"])
 def test_an_action_on_an_event_needs_a_step_that_was_active_before(form: str) -> None:
     head = "GRAFCET G AS FUNCTION_BLOCK\nINPUTS\n    a\n    b\nOUTPUTS\n    Q1\nINTERNALS\n    n : INT\n"
@@ -392,6 +395,7 @@ def test_a_timer_that_is_late_is_told() -> None:
     assert "one scan later" in losses(converted(text.replace("2s/b", "/(2s/X2/1s)"), "codesys")[1])["time"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["plcopen", "codesys", "simaticml"])
 def test_edges_of_steps_have_a_memory(form: str) -> None:
     text = f"{TWO}1 -> 2 : a * b\nSTEP 2\n    Q1\n    ON EVENT ↑(X2 * a) : n := n + 1\n2 -> 1 : /a * /b\n"

@@ -76,6 +76,7 @@ def test_an_edit_is_made_in_both_copies_of_the_list() -> None:
     assert data == EXPORT.replace(b'variable name="udiTotal"', b'variable name="udiAll"')
 
 
+@pytest.mark.slow
 def test_a_list_whose_copies_differ_is_not_executed_elsewhere() -> None:
     start = EXPORT.index(b"<MixedAttrsVarList>")
     edited = EXPORT[:start] + EXPORT[start:].replace(b'name="udiTotal"', b'name="udiOther"', 1)

@@ -111,6 +111,7 @@ def with_control(step: str, qualifier: str) -> m.Project:
     return feature_project(Feature("x", ("codesys",), build), "codesys")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("qualifier", ["S", "D"])
 @pytest.mark.parametrize(("step", "told"), [("Done", True), ("Idle", False)])
 def test_networks_that_execute_actions_after_the_rows_are_told(step: str, qualifier: str, told: bool) -> None:

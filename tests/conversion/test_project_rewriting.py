@@ -221,6 +221,7 @@ def test_a_coil_that_two_steps_drive_is_true_if_one_of_them_wants_it() -> None:
     assert_comes_back(source, "codesys")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_a_supervision_holds_its_step(target: str) -> None:
     source = block([{"qualifier": Qualifier.N, "target": "#q"}])
@@ -510,6 +511,7 @@ def test_the_page_has_the_tables_of_the_rules() -> None:
     assert rule_tables() in page.read_text("utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_members_that_tia_portal_retains_come_back(target: str) -> None:
     """They are in a section of their own in the file, also after an edit of it, and in that of the others again."""

@@ -108,12 +108,14 @@ def test_a_constant_is_its_value() -> None:
     assert losses(source) == []
 
 
+@pytest.mark.slow
 def test_flags_of_codesys_are_reported_once() -> None:
     found = losses(sfc.load(FIXTURES / "codesys" / "distribution_belt.xml"))
     flags = [item for item in found if "SFCQuitError" in (item.what, item.path.rpartition(" / ")[2])]
     assert [item.what for item in flags] == ["operating input"]
 
 
+@pytest.mark.slow
 def test_lists_with_retain_keep_their_values() -> None:
     source = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
     assert not [item for item in losses(source) if item.what == "retain"]
@@ -121,6 +123,7 @@ def test_lists_with_retain_keep_their_values() -> None:
     assert 'Name="udiTeile" Datatype="UDInt" Remanence="Retain"' in data
 
 
+@pytest.mark.slow
 def test_long_texts_are_shown_where_they_differ() -> None:
     found = losses(sfc.load(FIXTURES / "plcopen" / "every_element_2.01.xml"))
     (item,) = [item for item in found if item.what == "type" and item.path == "type RecipeRecord"]
@@ -128,6 +131,7 @@ def test_long_texts_are_shown_where_they_differ() -> None:
     assert "Next : POINTER" in item.why
 
 
+@pytest.mark.slow
 def test_generic_types_are_no_types_of_tia_portal() -> None:
     report = sfc.convert(sfc.load(FIXTURES / "plcopen" / "every_element_2.01.xml"), "simaticml", partial=True)[1]
     generic = [item for item in report.items if item.path == "POU Largest / InNum" and item.outcome is not Outcome.KEPT]

@@ -147,6 +147,7 @@ END_FUNCTION_BLOCK
 """
 
 
+@pytest.mark.slow
 def test_what_was_not_reached_is_told() -> None:
     report = saved(sfc.loads(UNREACHED.encode()), "codesys")
     assert report.compared["POU Main"].startswith("not all was reached")
@@ -253,6 +254,7 @@ def test_what_only_text_can_declare_is_not_executed_elsewhere(target: str) -> No
         sfc.convert(sfc.loads(program.encode(), format="iec-text"), target)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["codesys", "plcopen", "simaticml"])
 def test_an_action_on_an_element_that_an_input_chooses_is_compared(target: str) -> None:
     text = CHART.format(first="ar[i](N);", second="", initial="", edge="", actions="")
@@ -269,6 +271,7 @@ def test_an_input_of_the_machine_does_not_become_one_that_operates_the_sequence(
         sfc.convert(project, "simaticml")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["codesys", "plcopen"])
 def test_inputs_that_operate_a_sequence_of_tia_do_so_when_they_come_back(target: str) -> None:
     drill = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
@@ -310,6 +313,7 @@ END_FUNCTION_BLOCK
     assert not report.losses
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_steps_with_other_names_in_the_target_are_compared() -> None:
     """Nothing else can be: no row of this sequencer writes anything, and its steps are called ``Step 1``."""

@@ -113,6 +113,7 @@ EVENTS: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_what_a_step_does_at_its_end_is_reported_where_the_next_one_is_first(target: str) -> None:
     last = {"step": "Done", "target": "n", "value": "3", "event": "S0"}
@@ -336,6 +337,7 @@ def test_a_sequence_is_switched_off_and_begun_again(number: int, fields: dict[st
             assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
 
 
+@pytest.mark.slow
 def test_inputs_that_are_executed_are_operated_where_both_are_run() -> None:
     """In CODESYS actions see other inputs than the conditions before them, and V1 tells that."""
     source = sequencer(**OPERATED["faults"])
@@ -351,6 +353,7 @@ def test_the_refusal_tells_how_to_say_that_nobody_operates_an_input() -> None:
         sfc.dumps(source, format="codesys")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_what_begins_a_sequence_again_survives_edits(target: str) -> None:
     source = sequencer(inputs=("INIT_SQ", "OFF_SQ"))

@@ -125,6 +125,7 @@ def test_operating_modes_are_executed(inputs: tuple[str, ...], target: str) -> N
     assert sfc.dumps(sfc.loads(data, format=target), format=target) == data
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS[:2])
 def test_an_edit_of_one_loop_counts_for_all(target: str) -> None:
     source = built("branches that end")

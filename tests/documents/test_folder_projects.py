@@ -97,6 +97,7 @@ def test_a_rename_changes_the_lines_that_name_it_in_all_files(tmp_path: Path) ->
         assert len(edited) == 1
 
 
+@pytest.mark.slow
 def test_names_are_resolved_across_files(tmp_path: Path) -> None:
     """A tag, a member of a data block, a data type and a member of it: every file that names them follows."""
     folder = export(tmp_path)

@@ -50,6 +50,7 @@ def edited(project: sfc.Project, text: str) -> sfc.Project:
     return project
 
 
+@pytest.mark.slow
 def test_a_killed_save_leaves_the_old_file_or_the_new_one(tmp_path: Path) -> None:
     target, chance = tmp_path / "line.xml", Random("kills")  # noqa: S311
     variants = [edited(sfc.loads(FILE.read_bytes()), text) for text in ("one", "other")]
@@ -60,6 +61,7 @@ def test_a_killed_save_leaves_the_old_file_or_the_new_one(tmp_path: Path) -> Non
         assert target.read_bytes() in allowed
 
 
+@pytest.mark.slow
 def test_a_killed_save_leaves_every_document_of_a_folder_whole(tmp_path: Path) -> None:
     target, chance = tmp_path / "plc", Random("kills of folders")  # noqa: S311
     variants = [edited(sfc.load(FOLDER), text) for text in ("one", "other")]
@@ -75,6 +77,7 @@ def test_a_killed_save_leaves_every_document_of_a_folder_whole(tmp_path: Path) -
         assert all(data in allowed[name] for name, data in found.items())
 
 
+@pytest.mark.slow
 def test_eight_processes_on_one_file(tmp_path: Path) -> None:
     target = tmp_path / "line.xml"
     variants = [edited(sfc.loads(FILE.read_bytes()), f"of process {number}") for number in range(8)]

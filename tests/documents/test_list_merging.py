@@ -91,6 +91,7 @@ EDITS: dict[str, tuple[Callable[[Project], object], list[str]]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", EDITS)
 def test_an_edit_changes_its_lines_only(edit: str) -> None:
     project = loaded("codesys/sorting_conveyor.xml")
@@ -127,6 +128,7 @@ def test_variables_and_actions_follow_their_tables() -> None:
     assert gone.name not in names
 
 
+@pytest.mark.slow
 def test_columns_and_tables_that_a_list_does_not_have_change_nothing() -> None:
     project = loaded("codesys/sorting_conveyor.xml")
     listed = list_of(project)

@@ -48,6 +48,7 @@ def test_saved_code_is_proven_as_its_tool_reads_it(tmp_path: Path) -> None:
     assert "CASE" in (tmp_path / "chain.scl").read_text(encoding="utf-8-sig")
 
 
+@pytest.mark.slow
 def test_verdicts_and_their_order_are_the_same_in_several_processes(tmp_path: Path) -> None:
     project = plant("Second", "Broken", "First")
     stuck = project.pous[1]
@@ -141,6 +142,7 @@ def test_all_charts_of_a_project_go_into_one_file(tmp_path: Path) -> None:
     assert list(sfc.load(target).charts()) == []
 
 
+@pytest.mark.slow
 def test_a_chart_whose_code_is_not_in_the_file_is_refused_and_can_be_skipped(tmp_path: Path) -> None:
     project = with_action("IF NOT B5 THEN RETURN; END_IF\nQ5 := NOT Q5;")
     project.pous += plant("Other").pous
@@ -175,6 +177,7 @@ def test_code_that_the_target_does_not_compile_is_not_saved(tmp_path: Path) -> N
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_drawn_actions_that_a_text_cannot_hold_are_not_saved(tmp_path: Path) -> None:
     """The file had an undeclared name in the place of the body, and the code was proven without it."""
     project = sfc.load(Path("fixtures/codesys/sorting_conveyor.xml"))
@@ -206,6 +209,7 @@ def test_variables_of_the_code_are_declared_in_the_file() -> None:
         refuse_uncompiled(ConversionReport(), seen, lowered)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "name", "needed"),
     [

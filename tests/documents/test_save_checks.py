@@ -243,6 +243,7 @@ def test_a_source_whose_name_is_followed_by_anything_is_an_error_at_its_place():
         sfc.convert(loaded, "codesys")
 
 
+@pytest.mark.slow
 def test_a_file_that_was_changed_since_it_was_read_is_not_overwritten(tmp_path):
     path = tmp_path / "conveyor.xml"
     path.write_bytes(CONVEYOR.read_bytes())
@@ -275,6 +276,7 @@ def test_an_edit_that_the_tool_does_not_execute_is_refused_in_its_own_format() -
     }
 
 
+@pytest.mark.slow
 def test_an_edit_says_nothing_of_what_the_file_kept_beside_before() -> None:
     graph = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
     kept = sfc.loads(sfc.convert(graph, "codesys", partial=True).data)
@@ -282,6 +284,7 @@ def test_an_edit_says_nothing_of_what_the_file_kept_beside_before() -> None:
     assert sfc.convert(kept, "codesys").report.losses == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["codesys/sorting_conveyor.xml", "plcopen/filling_station_2.01.xml"])
 @pytest.mark.parametrize(
     ("edit", "why"),

@@ -54,6 +54,7 @@ def test_fixtures_fit_and_can_be_drawn_anew(path: Path) -> None:
             assert_apart(other)
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_real_charts_come_out_as_codesys_draws_them() -> None:
     require_corpus()

@@ -203,6 +203,7 @@ def test_names_are_text_only() -> None:
     assert svg.count("&lt;script&gt;x&lt;/script&gt;") == 7
 
 
+@pytest.mark.slow
 def test_a_long_network_takes_time_in_proportion() -> None:
     # each step of the layout looks at a wire or a symbol a few times, so a chain of blocks has as many wires as blocks
     def chain(count: int) -> FbdBody:

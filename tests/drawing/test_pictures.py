@@ -65,6 +65,7 @@ def element(picture: Picture, identifier: str) -> object:
 
 
 class TestEveryChart:
+    @pytest.mark.slow
     @pytest.mark.parametrize("style", STYLES)
     def test_fixtures_are_drawn_whole_and_tidy(self, style: str) -> None:
         charts = fixture_charts()
@@ -112,6 +113,7 @@ class TestEveryChart:
             if at[one].position[1] < at[other].position[1]:
                 assert shown[one][1] < shown[other][1]
 
+    @pytest.mark.slow
     @pytest.mark.corpus
     def test_real_charts_are_tidy(self) -> None:
         """A third of the files of each format, the same in every run; PLCOPEN_SFC_FULL draws all."""
@@ -139,6 +141,7 @@ class TestEveryChart:
         assert links_in(picture) == links_of(chart)
         assert sorted(text for jump in picture.by_class("jump") for text in picture.texts(jump)) == ["S0", "S1", "S5"]
 
+    @pytest.mark.slow
     def test_a_long_chart_is_drawn(self) -> None:
         count = 10_000
         chart = make(count, [([i], [(i + 1) % count]) for i in range(count)])
@@ -191,6 +194,7 @@ class TestSafety:
         assert re.findall(r"https?://[^\"' ]*", svg) == ["http://www.w3.org/2000/svg"]
         assert all(link.startswith("#") for link in re.findall(r'href="([^"]*)"', svg))
 
+    @pytest.mark.slow
     def test_the_same_bytes_in_every_process(self) -> None:
         path = FIXTURES / "plcopen" / "filling_station_2.01.xml"
         program = f"import plcopen_sfc as s; print(s.load({str(path)!r}).pou('FillingStation').chart.to_svg())"

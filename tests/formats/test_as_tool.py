@@ -137,6 +137,7 @@ ADDED = {
 """What only TIA Portal has: an instance, a list, a task, an enumeration, and functions of actions and methods."""
 
 
+@pytest.mark.slow
 def test_a_folder_is_read_so_too(tmp_path: Path) -> None:
     sfc.save(sfc.load(FIXTURES / "codesys" / "device_export.xml"), f"{tmp_path}/plc/", format="simaticml", partial=True)
     whole, tool = (sfc.load(tmp_path / "plc", as_tool=each) for each in (False, True))

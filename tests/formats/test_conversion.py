@@ -82,6 +82,7 @@ def first_chart(project: Project) -> SfcNetwork:
     return next(iter(project.charts())).chart
 
 
+@pytest.mark.slow
 def test_step_actions_become_associations_and_step_actions_again() -> None:
     project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
     stepped = {s.name: s for s in first_chart(project).steps if s.entry_action or s.main_action or s.exit_action}
@@ -230,6 +231,7 @@ def test_codesys_gets_its_own_form_of_a_chart_from_elsewhere() -> None:
         assert kinds.count(SymbolKind.SELECTION_DIVERGENCE) == kinds.count(SymbolKind.SELECTION_CONVERGENCE)
 
 
+@pytest.mark.slow
 def test_strict_stops_before_anything_is_written(tmp_path: Path) -> None:
     project = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml")
     first_chart(project).steps[1].actions[0].qualifier = Qualifier.DL

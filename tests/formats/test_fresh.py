@@ -148,6 +148,7 @@ def order(data: bytes) -> list[str]:
     return [f"{local(e)}[{e.get('name') or e.get('refLocalId') or ''}]" for e in elements]
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_no_exception_is_written_down_without_need() -> None:
     """Over all files: an exception that no file needs is no longer one. (Only with the corpus.)"""

@@ -51,6 +51,7 @@ def test_what_no_statement_says(text: str) -> None:
     assert shown(text) is None
 
 
+@pytest.mark.slow
 def test_random_instructions_do_the_same() -> None:
     chosen = random.Random(7)  # noqa: S311  # the same in every run
     translated = proven = 0

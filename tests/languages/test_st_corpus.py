@@ -83,6 +83,7 @@ def test_there_is_a_corpus(texts: list[CorpusText]) -> None:
     assert len(distinct(texts)) > 2000
 
 
+@pytest.mark.slow
 def test_every_text_parses_but_the_listed_ones(parsed: Parses) -> None:
     failed = {key(text): f"{text}: {result.problems[0].message}" for text, result in parsed if result.problems}
     unexpected = {name: why for name, why in failed.items() if name not in WRONG}
@@ -117,6 +118,7 @@ def test_tokens_and_comments_are_all_of_the_text(parsed: Parses) -> None:
             end = stop
 
 
+@pytest.mark.slow
 def test_printed_trees_say_the_same(parsed: Parses) -> None:
     for text, result in right(parsed):
         if text.kind is Kind.DECLARATIONS:
@@ -126,6 +128,7 @@ def test_printed_trees_say_the_same(parsed: Parses) -> None:
         assert again.tree == result.tree, f"{text}: {again.text}"
 
 
+@pytest.mark.slow
 def test_renamed_names_change_and_nothing_else(parsed: Parses) -> None:
     for text, result in right(parsed):
         names = [node for node in walk(result.tree) if isinstance(node, n.Name) and not node.identifier.startswith("%")]
@@ -148,6 +151,7 @@ def test_renamed_names_change_and_nothing_else(parsed: Parses) -> None:
         assert render(result, changed) == expected + text.text[end:], text
 
 
+@pytest.mark.slow
 def test_every_statement_can_go_and_the_rest_stays(parsed: Parses) -> None:
     for text, result in right(parsed):
         if text.kind is not Kind.STATEMENTS:

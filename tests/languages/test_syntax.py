@@ -54,6 +54,7 @@ def test_an_edited_text_has_no_place_in_the_file() -> None:
     assert found.location.path == "Main, line 1, column 5"
 
 
+@pytest.mark.slow
 def test_what_no_expression_is_expected_in_is_not_parsed() -> None:
     found = [f"{file.name}: {d}" for file in fixture_files() for d in _problems(file)]
     assert found == []
@@ -101,6 +102,7 @@ LISTED = {
 """Every text of the corpus that does not parse."""
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_all_texts_of_real_projects_parse() -> None:
     require_corpus()

@@ -87,6 +87,7 @@ def test_two_steps_that_lead_to_each_other_block() -> None:
     assert table(found[FaultKind.BLOCKED_LOOP]) == [HEADER, "1 | a | S2 | S1"]
 
 
+@pytest.mark.slow
 def test_a_loop_far_down_a_long_chain_is_found_too() -> None:
     pou = ring(*(f"c{number}" for number in range(30)))
     steps = chart_of(pou).steps

@@ -157,6 +157,7 @@ def test_maximum_times(construction: Construction, language: Language, condition
     assert {"SFCError", *texts} <= set(found.compared)
 
 
+@pytest.mark.slow
 def test_parallel_steps_under_flags() -> None:
     chart = m.SfcNetwork()
     a, b, c, d = (chart.add_step(name, initial=name == "A") for name in "ABCD")

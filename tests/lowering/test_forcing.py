@@ -129,6 +129,7 @@ def test_several_blocks_of_one_project(target: str, first: str) -> None:
         assert found.kind is VerdictKind.PROVEN, str(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 def test_networks_that_jump_back_are_valid_by_the_official_schemas(language: str, tmp_path: Path) -> None:
     pou = emergency_stop_of_the_seed()

@@ -163,6 +163,7 @@ def test_enclosing_steps(initial: bool) -> None:
     check(enclosing(initial=initial), "c1 c2 c3", "Q")
 
 
+@pytest.mark.slow
 def test_enclosing_steps_in_enclosed_charts_that_are_forced() -> None:
     chart = enclosing()
     chart.partial_charts[0].chart.step("10").encloses = [m.Enclosure(chart="G0", activated_steps=["30"])]
@@ -206,6 +207,7 @@ def test_source_and_sink_transitions_and_several_initial_steps() -> None:
     check(chart, "a b c1 c2", "Q")
 
 
+@pytest.mark.slow
 def test_competing_transitions_are_cleared_together() -> None:
     chart = chain("1", "2", "3", conditions="c1 c2 c3")
     chart.add_transition(chart.step("1"), chart.step("3"), "a")

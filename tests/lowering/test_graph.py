@@ -138,6 +138,7 @@ def test_events_of_interlock_and_supervision(event: str, acknowledge: bool) -> N
     proven(chart, "ok fault ACK_EF", "Q P")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("acknowledge", [False, True])
 def test_acknowledging(acknowledge: bool) -> None:
     chart = guarded(act("N", value="NOT #Q", event="A1"), act("S", "P", interlock=True), acknowledge=acknowledge)
@@ -195,6 +196,7 @@ def test_data_of_a_step_in_values_of_actions(asked: str, kind: str) -> None:
         assert not verdict(project, cap=100, runs=5, **form).different
 
 
+@pytest.mark.slow
 def test_a_delay_that_is_the_time_of_a_step() -> None:
     chart = ring(act("N"))
     chart.step("S3").actions = [act("D", "P", duration="#S2.T"), act("L", "R", duration="#time")]

@@ -110,6 +110,7 @@ def test_times_counters_timers_and_calls() -> None:
     proven(chart, outputs="Q P t n:INT")
 
 
+@pytest.mark.slow
 def test_what_steps_do_stands_in_the_branches_of_a_case_by_their_numbers() -> None:
     chart = guarded(act("S"), act("CU", "n", "S1"), act("N", "P", "S0", value="TRUE"), act("R", "P", "V1"))
     third = chart.step("S3")
@@ -150,6 +151,7 @@ def test_all_conditions_of_the_active_step_are_evaluated(construction: Construct
     proven(chart, inputs, "Q n:INT ready", construction)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("check", ["interlock", "supervision"])
 @pytest.mark.parametrize("construction", [Construction.BITS, CASE])
 def test_checks_are_made_before_conditions_count(construction: Construction, check: str) -> None:
@@ -175,6 +177,7 @@ def test_a_selection_and_an_end() -> None:
     proven(chart, "INIT_SQ", "Q S_NO:INT S_ACTIVE")
 
 
+@pytest.mark.slow
 def test_several_sequences() -> None:
     chart = ring(act("N"))
     tenth, eleventh, last = (chart.add_step(name, initial=name == "S10") for name in ("S10", "S11", "S12"))

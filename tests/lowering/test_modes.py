@@ -81,6 +81,7 @@ def pressed(pushes: Iterable[bool], **held: object) -> list[dict[str, object]]:
     return [{**held, "Advance": push} for push in pushes]
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=examples(40))
 @given(st.sampled_from(KEYS), st.lists(st.booleans(), min_size=1, max_size=15), st.booleans())
 def test_a_push_leads_exactly_one_step_on(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import equivalent
@@ -72,6 +74,7 @@ def test_step_bits_are_one_line_for_each_step() -> None:
     )
 
 
+@pytest.mark.slow
 def test_only_actions_that_see_each_other_are_decided_on_before_all() -> None:
     """`Count` sees p, which another action writes; q has nothing to do with them."""
     count = "ACTION Count: IF p THEN n := n + 1; END_IF; END_ACTION"
@@ -126,6 +129,7 @@ def test_a_file_tells_it_in_german_and_where_nothing_is_proven(tmp_path: Path) -
     assert "// Not compared with the chart." in (tmp_path / "other").read_text(encoding="utf-8-sig")
 
 
+@pytest.mark.slow
 def test_the_code_of_a_file_with_its_header_is_proven_as_it_is_read(tmp_path: Path) -> None:
     for format in ("scl", "codesys", "plcopen-2.01", "iec-text", "simaticml"):
         written(tmp_path, format)

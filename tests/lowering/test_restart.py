@@ -134,6 +134,7 @@ def test_all_steps_of_parallel_branches_are_left() -> None:
             assert [seen[-1][f"X{n}"] for n in (1, 2, 3)] == [True, False, False]
 
 
+@pytest.mark.slow
 def test_stored_actions_stay_unless_they_are_to_end() -> None:
     inputs = [{"B1": True}, {"B1": False, "Init": True}, {"Init": False}]
     for construction, language in FORMS:

@@ -82,6 +82,7 @@ def test_move_boxes_are_complete(language: str) -> None:
     assert found
 
 
+@pytest.mark.slow
 def test_comparisons_in_ladders_are_contacts() -> None:
     comparisons = [
         part.get("UId")
@@ -120,6 +121,7 @@ END_FUNCTION_BLOCK
     assert not found.different, str(found)
 
 
+@pytest.mark.slow
 def test_a_block_that_was_graph_is_none_any_more() -> None:
     lowered = sfc.lower(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml"), "bits", verify=False)
     for fresh in (False, True):

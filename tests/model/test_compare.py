@@ -68,6 +68,7 @@ def test_differences_are_named_as_in_reports(number: int, path: str) -> None:
     assert [found.path for found in differences(sfc.loads(SOURCE.encode()), _edited(number))] == [path]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["simaticml", "scl", "iec-text", "codesys"])
 def test_no_report_names_a_place_by_the_fields_of_the_model(target: str) -> None:
     """Every item of a report says which object it is about."""

@@ -8,6 +8,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 BELOW = {"collector", "diagnostics", "errors", "model", "operations"}
 
@@ -35,6 +37,7 @@ def test_no_module_of_the_model_names_a_higher_layer():
                 assert name.split(".")[1] in BELOW, f"{path.name} names {name}"
 
 
+@pytest.mark.slow
 def test_methods_of_higher_layers_work_where_only_the_model_was_imported():
     script = """
 import sys

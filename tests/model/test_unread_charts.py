@@ -6,6 +6,8 @@ import copy
 import pickle
 from pathlib import Path
 
+import pytest
+
 import plcopen_sfc as sfc
 from plcopen_sfc.model import Project, SfcBody, SfcNetwork
 
@@ -32,6 +34,7 @@ def test_an_edit_reads_only_the_chart_that_it_is_in() -> None:
     assert len(unread(project)) == 2
 
 
+@pytest.mark.slow
 def test_read_and_unread_projects_are_equal() -> None:
     one, other = sfc.load(CONVEYOR), sfc.loads(sfc.dumps(sfc.load(CONVEYOR), fresh=True))
     for chart in one.charts():

@@ -35,6 +35,7 @@ def marked(tree: html.HtmlElement, side: str, kind: str) -> list[str]:
     return [group.findtext("title").split(".")[0].split(":")[0] for group in groups]
 
 
+@pytest.mark.slow
 def test_a_diff_marks_what_changed_on_both_sides(conveyors: tuple[sfc.Project, sfc.Project]) -> None:
     before, after = conveyors
     text = sfc.diff_page(before, after, sfc.diff(before, after))
@@ -73,6 +74,7 @@ def test_equal_projects() -> None:
     assert not tree.xpath("//svg")
 
 
+@pytest.mark.slow
 def test_a_conversion_shows_both_charts_and_what_is_not_executed() -> None:
     source = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
     with pytest.raises(sfc.LossError) as refused:
@@ -90,6 +92,7 @@ def test_a_conversion_shows_both_charts_and_what_is_not_executed() -> None:
     assert len(tree.xpath("//svg")) == 1
 
 
+@pytest.mark.slow
 def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     source = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
     data, report = sfc.convert(source, "simaticml", partial=True)

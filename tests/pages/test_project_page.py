@@ -228,6 +228,7 @@ def test_names_in_a_picture_are_links(conveyor: str) -> None:
     assert not tree.xpath("//svg//text[@class='remark']/a | //svg//text[@class='name']/a")
 
 
+@pytest.mark.slow
 def test_what_a_comparison_did_not_reach_is_marked() -> None:
     project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
     pusher = project.pou("FB_Pusher")

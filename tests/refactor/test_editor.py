@@ -264,6 +264,7 @@ def equal(project: sfc.Project, other: sfc.Project) -> bool:
     return sfc.equivalent(project.pou("Main"), other.pou("Main"), free_inputs=ALL_FREE).equal
 
 
+@pytest.mark.slow
 def test_edits_that_keep_behaviour_are_proven() -> None:
     project = plant()
     edit = project.edit(prove=True)

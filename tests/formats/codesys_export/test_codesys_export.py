@@ -174,6 +174,7 @@ def test_the_same_chart_in_a_file_of_twincat_is_the_same_model() -> None:
         assert one.model_dump(exclude={"drawing"}) == two.model_dump(exclude={"drawing"})
 
 
+@pytest.mark.slow
 def test_tasks_of_another_tool_are_not_executed_and_said_so(tmp_path: Path) -> None:
     project = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
     report = sfc.save(project, tmp_path / "belt.export", format="codesys-export", partial=True)

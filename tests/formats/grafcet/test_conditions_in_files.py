@@ -67,6 +67,7 @@ def texts_of(project: Project) -> list[str]:
     return [each.text for each in conditions if isinstance(each, Expression)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FILES)
 def test_conditions_mean_the_same_in_every_file(form: str) -> None:
     again = written(plan(*FORMS), form)

@@ -238,6 +238,7 @@ def test_charts_of_tools_become_grafcets_and_come_back() -> None:
     assert sfc.loads(back).pous == source.pous
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["grafcet-text", "grafcet"])
 def test_what_charts_of_tools_do_beside_their_actions_is_told(form: str) -> None:
     told: dict[str, set[str]] = {}

@@ -163,6 +163,7 @@ def test_the_command_line_converts_there_and_back(tmp_path: Path) -> None:
     assert sfc.load(back) == sfc.load(source)
 
 
+@pytest.mark.slow
 def test_an_edit_loses_nothing_that_the_file_keeps_beside_already() -> None:
     belt = FIXTURES / "iectext" / "distribution_belt.st"
     project = sfc.load(belt)
@@ -176,6 +177,7 @@ def test_an_edit_loses_nothing_that_the_file_keeps_beside_already() -> None:
         sfc.dumps(project)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["codesys", "plcopen-2.01"])
 def test_what_a_conversion_could_not_say_refuses_no_later_edit(target: str) -> None:
     source = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")

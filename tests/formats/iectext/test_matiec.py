@@ -231,6 +231,7 @@ def test_step_actions_that_share_an_action_are_executed_as_often_as_in_codesys(n
     assert not list(differences(source, source.pou("Plant"), Compiled.of(data, report), report, tmp_path))
 
 
+@pytest.mark.slow
 def test_maximum_times_are_lost_where_something_watches_them() -> None:
     project = sfc.loads(_HEAD.format(body=CHARTS["selection"]).encode(), format="iec-text")
     project.pou("Plant").sfc.steps[1].max_time = "T#2s"

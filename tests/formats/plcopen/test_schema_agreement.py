@@ -126,6 +126,7 @@ def tc6_files() -> list[Path]:
     return [path for kind in ("plcopen", "codesys") for path in corpus_files(kind) if path.suffix == ".xml"]
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_same_verdict_on_every_file_of_the_corpus() -> None:
     require_corpus()

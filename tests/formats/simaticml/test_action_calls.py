@@ -101,6 +101,7 @@ def methods(rig: Rig) -> None:
     rig.act("Done", "Turn")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("build", [own, of_instances, methods])
 def test_charts_with_calls_of_actions_do_the_same(build: object) -> None:
     converted = sfc.convert(project_of(build), "simaticml", strict=True, limit=8)
@@ -229,6 +230,7 @@ def nested(rig: Rig) -> None:
     rig.act("Done", "q")
 
 
+@pytest.mark.slow
 def test_charts_of_actions_are_blocks_that_do_the_same() -> None:
     source = feature_project(Feature("x", ("plcopen",), nested), "plcopen")
     converted = sfc.convert(source, "simaticml", strict=True, limit=10)
@@ -257,6 +259,7 @@ def test_charts_of_actions_are_stored_and_delayed(source: str, qualifier: str) -
     assert converted.report.compared["POU Main"].startswith("equal"), converted.report.compared
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("qualifier", ["S", "D"])
 def test_actions_of_instances_are_stored_and_delayed(qualifier: str) -> None:
     def build(rig: Rig) -> None:
@@ -288,6 +291,7 @@ def test_charts_of_actions_come_back() -> None:
         assert charts[0].steps[1].actions[0].target == charts[1].steps[1].actions[0].target
 
 
+@pytest.mark.slow
 def test_the_chart_of_an_instance_is_called_there() -> None:
     def build(rig: Rig) -> None:
         block = motor()
@@ -307,6 +311,7 @@ def test_the_chart_of_an_instance_is_called_there() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_a_step_that_shows_later_in_codesys_is_told() -> None:
     """The action ends in the scan in which its chart goes on: CODESYS acts on that when the action begins again."""
 
@@ -348,6 +353,7 @@ def watched(rig: Rig, *, limited: bool = True) -> None:
     rig.act("Work", "q")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limited", [True, False])
 def test_a_step_that_lasts_too_long_sets_sfc_error(limited: bool) -> None:
     source = project_of(lambda rig: watched(rig, limited=limited))
@@ -451,6 +457,7 @@ def test_inputs_of_blocks_without_an_instance_stay_inputs() -> None:
     assert any("it writes the input g" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("qualifier", ["N", "S", "P1"])
 def test_an_action_that_uses_data_of_steps_gets_them_passed(qualifier: str) -> None:
     def build(rig: Rig) -> None:

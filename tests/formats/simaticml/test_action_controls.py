@@ -114,6 +114,7 @@ def test_networks_that_were_edited_count() -> None:
     assert [each.code for each in project.diagnostics] == ["XML214"]
 
 
+@pytest.mark.slow
 def test_a_variable_that_others_write_keeps_what_they_write() -> None:
     project = _chart(("Work", "q", "SD", T), ("Done", "q", "R", None), source="codesys")
     main = project.pou("Main")

@@ -33,6 +33,7 @@ def added_elements(content: bytes) -> list[etree._Element]:
     return [each for each in etree.fromstring(content).iter(etree.Element) if mark_of(each) is not AddedMark.NO]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROJECTS)
 def test_all_that_was_added_is_known_again(name: str) -> None:
     content = sfc.dumps(sfc.load(FIXTURES / name), format="simaticml", partial=True)
@@ -40,6 +41,7 @@ def test_all_that_was_added_is_known_again(name: str) -> None:
     assert {mark_of(each) for each in added_elements(content)} == {AddedMark.UNCHANGED}
 
 
+@pytest.mark.slow
 def test_edits_of_what_was_added_are_read() -> None:
     """Whatever of it somebody changes: names, types, conditions."""
     content = with_jump_to_a_divergence()

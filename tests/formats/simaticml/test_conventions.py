@@ -73,6 +73,7 @@ def test_texts_have_a_culture_and_stand_in_items(path: Path) -> None:
         assert len(set(cultures)) == len(cultures)
 
 
+@pytest.mark.slow
 def test_the_setting_of_the_export_is_kept_and_not_invented() -> None:
     assert b"<ExportSetting>WithDefaults</ExportSetting>" in sfc.dumps(sfc.load(FIXTURES / "tags.xml"), fresh=True)
     converted = sfc.dumps(
@@ -85,6 +86,7 @@ def test_the_setting_of_the_export_is_kept_and_not_invented() -> None:
 # -- the example PLC -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_example_plc_is_what_its_script_makes(tmp_path: Path) -> None:
     drilling_plc.make(tmp_path / "plc")
     made = {path.relative_to(tmp_path / "plc").as_posix() for path in (tmp_path / "plc").rglob("*.xml")}

@@ -59,6 +59,7 @@ def test_normalising_twice_changes_nothing_and_keeps_documents_valid(path: Path)
 LEFT_OUT = re.compile(r"^header\b|extension data|\b(comment|initial|attributes)(\W|$)")
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_the_program_is_the_same() -> None:
     """Only what was left out is missing: informative comments, start values and attributes, and what is kept."""

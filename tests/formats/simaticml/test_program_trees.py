@@ -115,6 +115,7 @@ def test_equal_networks_have_objects_of_their_own() -> None:
     assert operand(other) == operand(read(net(literal("1") + BOX))) == "1"
 
 
+@pytest.mark.slow
 def test_documents_loaded_one_after_the_other_keep_their_content() -> None:
     """Only the document that was loaded last has its tree still, and one that somebody reads."""
     names = ("FB_Drill", "FB_Motor", "Machine", "FB_Drill_DB")

@@ -83,6 +83,7 @@ def test_edited_rows_count(pattern: str, new: str, expected: list[tuple[str, str
     assert row_targets(text.replace(pattern, new)) == expected + final_scan
 
 
+@pytest.mark.slow
 def test_a_deleted_row_is_gone() -> None:
     rows = re.findall(r"<Action [^/>]*>.*?</Action>", converted(), re.DOTALL)
     for row in rows:

@@ -89,6 +89,7 @@ def test_no_xml_is_an_error_of_its_own() -> None:
         validate(b"<Document><Engineering")
 
 
+@pytest.mark.slow
 def test_a_file_full_of_faults_is_cut_off() -> None:
     member = '<Member Nme="x" Datatype="Bool" />'
     space = "http://www.siemens.com/automation/Openness/SW/Interface/v5"
@@ -114,6 +115,7 @@ def test_damaged_documents_end_in_findings_or_own_errors(file: str) -> None:
             continue
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_real_documents_are_valid_but_for_known_faults() -> None:
     """Those are templates and files made by hand: every finding was looked at, and is a fault of the file."""
@@ -131,6 +133,7 @@ def test_real_documents_are_valid_but_for_known_faults() -> None:
     assert invalid <= known
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_the_frame_of_real_documents_is_complete_in_the_schema() -> None:
     """No export has an object or an attribute that our schema of the frame does not know."""

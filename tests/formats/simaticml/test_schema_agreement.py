@@ -78,6 +78,7 @@ def cut_down(part: etree._Element, seed: str) -> etree._Element:
     return part
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_same_verdict_on_every_part_of_every_file() -> None:
     require_corpus()

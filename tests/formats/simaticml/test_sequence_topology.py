@@ -87,6 +87,7 @@ def assert_legal(root: etree._Element) -> None:
             assert any(f"{kind}Ref {element.get('Number')} " in key for key in left)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=8)
 @given(chart=nested_net(jumps=False))
 def test_nested_charts_are_legal_and_come_back(chart: SfcNetwork) -> None:
@@ -97,6 +98,7 @@ def test_nested_charts_are_legal_and_come_back(chart: SfcNetwork) -> None:
     assert len(list(root.iter("{*}Step"))) == len(chart.steps)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=examples(25))
 @given(chart=any_net(max_steps=5).filter(lambda chart: bool(chart.steps)))
 def test_any_chart_comes_back(chart: SfcNetwork) -> None:
@@ -186,6 +188,7 @@ def test_real_charts_are_legal_by_our_rules(path: Path) -> None:
         assert connection_problems(found, types) == []
 
 
+@pytest.mark.slow
 def test_edits_of_a_document_with_steps_put_in() -> None:
     chart = make(5, [([0], [1, 2]), ([1, 2], [3]), ([1, 2], [4]), ([3], [0]), ([4], [0])])
     root, _, _ = written(chart)

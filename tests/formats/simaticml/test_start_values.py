@@ -97,6 +97,7 @@ def test_values_of_other_tools() -> None:
     assert not write_elements(etree.Element("Member"), array, too_many)
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_start_values_of_the_corpus_are_in_the_model() -> None:
     """But for those of arrays in structures in arrays, whose paths begin with the index of the outer array."""

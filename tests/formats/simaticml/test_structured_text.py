@@ -72,6 +72,7 @@ def test_instances_of_user_blocks_are_called_by_their_block() -> None:
     assert scl_text(root) == "#motor(go := TRUE);#timer(IN := TRUE);"
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_texts_of_the_corpus() -> None:
     """As another reader reads them; written anew they are the same text, most of them in the same tokens."""

@@ -29,6 +29,7 @@ def test_what_is_written_is_valid(plc: m.Project, form: str) -> None:
     ] == []
 
 
+@pytest.mark.slow
 def test_it_comes_back_as_it_was(plc: m.Project) -> None:
     other = sfc.loads(sfc.dumps(plc, format="plcopen-2.01", partial=True))
     back = sfc.loads(sfc.dumps(other, format="simaticml", tia="V21"))
@@ -46,6 +47,7 @@ def test_the_results_of_conditions_are_their_coils_again(plc: m.Project, form: s
     assert data.count('<Part Name="SvCoil"') >= 2
 
 
+@pytest.mark.slow
 def test_an_edited_documentation_wins_over_the_languages_it_had(plc: m.Project, tmp_path: Path) -> None:
     text = sfc.dumps(plc, format="plcopen-2.01", partial=True).decode()
     assert "Grundstellung\nHome position" in text

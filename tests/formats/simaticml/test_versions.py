@@ -158,6 +158,7 @@ def canonical(project: sfc.Project) -> sfc.Project:
     return copied
 
 
+@pytest.mark.slow
 def test_what_needs_a_newer_version_is_listed() -> None:
     project = sfc.load(FIXTURES / "FB_Drill.xml")
     chart = the_chart(project)
@@ -185,6 +186,7 @@ def test_an_edit_that_the_version_of_the_file_cannot_say_is_refused() -> None:
         sfc.dumps(project)
 
 
+@pytest.mark.slow
 def test_categories_of_alarms_follow_the_version() -> None:
     project = sfc.load(FIXTURES / "FB_Drill.xml")
     settings = the_chart(project).graph_settings
@@ -283,6 +285,7 @@ def test_files_of_other_tools_are_written_valid(name: str) -> None:
             check(element, kind, number)
 
 
+@pytest.mark.slow
 def test_converted_charts_are_complete() -> None:
     project = sfc.load(FIXTURES.parent / "codesys" / "distribution_belt.xml")
     data, report = sfc.api.convert(project, "simaticml-V16", partial=True)

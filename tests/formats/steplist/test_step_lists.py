@@ -245,6 +245,7 @@ def test_a_lost_program_is_refused_and_a_file_without_a_table_is_an_error() -> N
 CELLS = st.text(st.characters(blacklist_categories=("Cs", "Cc")), min_size=1, max_size=12).map(str.strip)
 
 
+@pytest.mark.slow
 @given(st.lists(st.sampled_from("=+-@'\"; ,x").map(str), min_size=1, max_size=6).map("".join), CELLS)
 def test_any_comment_comes_back_from_a_text(start: str, rest: str) -> None:
     comment = start + rest

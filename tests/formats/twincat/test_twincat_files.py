@@ -141,6 +141,7 @@ def test_a_chart_goes_to_plcopen_xml_and_back() -> None:
     assert sfc.dumps(export, format="codesys").count(b"SFCMacro") == 0
 
 
+@pytest.mark.slow
 def test_another_tools_project_becomes_a_folder(tmp_path: Path) -> None:
     source = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
     report = sfc.save(source, tmp_path, format="twincat", partial=True)

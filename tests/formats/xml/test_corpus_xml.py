@@ -54,6 +54,7 @@ def _is_cut_out(small: str, large: str) -> bool:
     return change.start == change.end
 
 
+@pytest.mark.slow
 def test_the_source_tree_sees_what_lxml_sees(sources: list[tuple[Path, bytes]]) -> None:
     for path, data, root in _roots(sources):
         text, encoding = decode_xml(data)
@@ -69,6 +70,7 @@ def test_the_source_tree_sees_what_lxml_sees(sources: list[tuple[Path, bytes]]) 
         assert seen == [(element.tag, dict(element.attrib)) for element in root.iter(etree.Element)], path
 
 
+@pytest.mark.slow
 def test_a_changed_value_changes_one_tag(sources: list[tuple[Path, bytes]]) -> None:
     chance = _CHANCE(2)
     for path, data, before in _roots(sources):
@@ -85,6 +87,7 @@ def test_a_changed_value_changes_one_tag(sources: list[tuple[Path, bytes]]) -> N
         assert added <= len(encoding.encode(' new="&lt;x"')), path
 
 
+@pytest.mark.slow
 def test_a_removed_element_is_cut_out(sources: list[tuple[Path, bytes]]) -> None:
     chance = _CHANCE(3)
     for path, data, before in _roots(sources):

@@ -84,6 +84,7 @@ def test_what_tia_portal_adds_to_a_project_of_others_is_no_markup_of_theirs(form
     assert sfc.dumps(back, format="simaticml", partial=True).count(AUTHOR) == 1
 
 
+@pytest.mark.slow
 def test_an_edit_of_a_simaticml_file_with_a_project_of_others_is_one_line(tmp_path: Path) -> None:
     data = sfc.dumps(sfc.load(FIXTURES / "codesys" / "distribution_belt.xml"), format="simaticml", partial=True)
     path = tmp_path / "belt.xml"

@@ -223,6 +223,7 @@ def test_depth() -> None:
         parse_xml(b"<a>" + deepest + b"</a>")
 
 
+@pytest.mark.slow
 def test_a_large_text_is_read_and_depth_still_counts() -> None:
     text = b"x" * 10_000_100
     assert len(parse_xml(b"<a><b>" + text + b"</b></a>")[0].text or "") == len(text)

@@ -11,6 +11,7 @@ from tests.languages.st_corpus import Kind, corpus_texts, distinct
 pytestmark = pytest.mark.corpus
 
 
+@pytest.mark.slow
 def test_every_declaration_parses_and_comes_back() -> None:
     require_corpus()
     texts = distinct(text for text in corpus_texts() if text.kind is Kind.DECLARATIONS)

@@ -124,6 +124,7 @@ def unstable(all_networks: list[Found]) -> list[str]:
     return failed
 
 
+@pytest.mark.slow
 def test_every_network_of_the_fixtures_is_stable() -> None:
     assert not unstable([found for found in networks(False) if found.read.tree is not None])  # else nothing is drawn
 
@@ -140,6 +141,7 @@ def test_what_of_the_fixtures_does_not_translate() -> None:
     } | {("Mixer: Wait -> Wait", "the condition is wired to nothing")}
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_every_network_of_the_corpus_is_stable() -> None:
     require_corpus()

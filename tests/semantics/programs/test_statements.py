@@ -150,6 +150,7 @@ def test_what_cannot_run_is_a_clear_error(variables: str, body: str, message: st
     assert caught.value.pou == "Main"
 
 
+@pytest.mark.slow
 def test_long_chains_of_branches() -> None:
     chain = "".join(f"ELSIF x = {i} THEN y := {i}; " for i in range(1, 400))
     assert main("x : INT := 371; y : INT;", f"IF x = 0 THEN y := 0; {chain}END_IF")["y"] == 371
