@@ -231,12 +231,12 @@ def _other_type(tree: n.Node, chart: CheckedChart, site: Site) -> str:
         type_ = chart.around.named.resolver.type_of(tree, site)
         if isinstance(type_, ElementaryType) and type_.name not in (Elementary.BOOL, Elementary.ANY):
             return f"of type {type_.name}"
-        if type_ is not None:
-            return _NO_BOOLEANS.get(type(type_), "")
+        if isinstance(type_, StructType | StringType | EnumType):
+            return _NO_BOOLEANS[type_.kind]
     return ""
 
 
-_NO_BOOLEANS = {StructType: "a structure", StringType: "a string", EnumType: "a value of an enumeration"}
+_NO_BOOLEANS = {"struct": "a structure", "string": "a string", "enum": "a value of an enumeration"}
 
 
 def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
