@@ -69,7 +69,7 @@ class _Comparison:
         self.renamed: list[Change] = []
         if Dialect.SCL in (a.dialect, b.dialect) and not self.is_written:
             self.left = a.model_copy(deep=True)
-            translate_project(self.left, b.dialect)
+            translate_project(self.left, b.dialect, addresses=b.address_dialect)
         self.detail = Detail.WRITTEN if self.is_written else Detail.MEANT
         left = self._listing()
         self.listed = left, executed(b, compared_with=None if self.is_written else left, detail=self.detail)
@@ -77,7 +77,8 @@ class _Comparison:
     def _listing(self) -> Part:
         # a translated project has its tasks in the terms of another tool
         source = self.left if self.left.dialect is self.a.dialect else self.a
-        return executed(self.left, default_profile(self.a), source=source, detail=self.detail)
+        addresses = self.b.address_dialect if source is self.a and self.left is not self.a else None
+        return executed(self.left, default_profile(self.a), source=source, detail=self.detail, addresses=addresses)
 
     def changes(self, *, layout: bool) -> list[Change]:
         """The changes, those of a POU together."""

@@ -86,6 +86,7 @@ def executed(
     compared_with: Part | None = None,
     detail: Detail = Detail.EXECUTED,
     at_rest: Collection[str] = (),
+    addresses: Dialect | None = None,
 ) -> Part:
     """Everything that a controller executes of a project, under the rules of `profile`.
 
@@ -94,10 +95,13 @@ def executed(
     the source of a conversion: the project may have structures in place of its lists of global variables, and instance
     data blocks and organization blocks in place of its programs and tasks, and functions in place of its actions.
     `detail`: whether more is listed than what is executed. Names that nothing declares are left out then. `at_rest` are
-    the inputs of sequencers, in upper case, that nobody operates.
+    the inputs of sequencers, in upper case, that nobody operates. `addresses` is the dialect of direct addresses, where
+    it is not that of `source`.
     """
     rules = profile or default_profile(project)
-    return _Reader(project, rules, source or project, compared_with or Part(""), detail=detail, at_rest=at_rest).read()
+    other = compared_with or Part("")
+    reader = _Reader(project, rules, source or project, other, detail=detail, at_rest=at_rest, addresses=addresses)
+    return reader.read()
 
 
 class _Reader:
@@ -110,6 +114,7 @@ class _Reader:
         *,
         detail: Detail,
         at_rest: Collection[str],
+        addresses: Dialect | None,
     ) -> None:
         self.project = project
         self.profile = profile
@@ -119,7 +124,8 @@ class _Reader:
         self.dialect = project.dialect
         self.source = source
         of_twincat = source.tool_format == "twincat"
-        self.addresses = Dialect.TWINCAT if of_twincat else source.dialect
+        self.tool = Dialect.TWINCAT if of_twincat else source.dialect
+        self.addresses = addresses or source.address_dialect
         self.whole = Part("")
         self.lists = {s.name.casefold() for s in self.project.global_sections() if s.name}
         self.lists |= {block.name.casefold() for block in project.data_blocks}
@@ -172,7 +178,7 @@ class _Reader:
         for pou in self.project.pous:
             self._pou(pou)
         names = self.names
-        add_kept(self.whole, self.project, names.text_sites(), self.addresses)
+        add_kept(self.whole, self.project, names.text_sites(), self.tool)
         drawn = [text_site.text for text_site in names.text_sites() if isinstance(text_site.holder, Block)]
         self.whole.boxes = frozenset(map(plain_name, drawn))
         if self.detail is Detail.WRITTEN:
@@ -360,8 +366,9 @@ class _Reader:
                     self._variable(self.whole, "global variable", variable, section, block.name)
         for table in self.project.tag_tables:
             for tag in table.tags:
-                variable = Variable.model_validate({"name": tag.name, "type": tag.type, "address": tag.address})
-                self._variable(self.whole, "global variable", variable, VariableSection(), "")
+                variable = Variable.model_validate({"name": tag.name, "type": tag.type})
+                part = self._variable(self.whole, "global variable", variable, VariableSection(), "")
+                part.tell("address", address_meaning(tag.address, Dialect.SCL))
             for constant in table.constants:
                 self._variable(self.whole, "global variable", constant, VariableSection(constant=True), "")
 
@@ -385,7 +392,7 @@ class _Reader:
             as_tag = variable.model_copy(update={"name": tag.name})
             self._variable(self.whole, "global variable", as_tag, section.model_copy(update={"name": None}), "")
 
-    def _variable(self, owner: Part, kind: str, variable: Variable, section: VariableSection, around: str) -> None:
+    def _variable(self, owner: Part, kind: str, variable: Variable, section: VariableSection, around: str) -> Part:
         place = f"{around}.{variable.name}" if around and owner is self.whole else variable.name
         path = f"{kind} {place}" if owner is self.whole else f"{owner.path} / {variable.name}"
         part = owner.add(kind.removesuffix(" of a function"), variable.name, path, variable)
@@ -419,6 +426,7 @@ class _Reader:
             part.tell("section", Meaning.of(section_kind.value))
             if kept(section.extension_data).get("keyword") == "VAR_STAT":
                 part.tell("static", Meaning.of(True, "VAR_STAT"))
+        return part
 
     # -- tasks
 

@@ -19,7 +19,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, print_n
 from plcopen_sfc.languages.st.literals import LiteralError, literal_value
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
-from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect
 from plcopen_sfc.model.types import DataType
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -236,7 +236,10 @@ def type_meaning(type_: DataType | None, dialect: Dialect) -> Meaning | None:
 
 
 def address_meaning(address: str | None, dialect: Dialect) -> Meaning | None:
-    """The bits that an address names: ``%MW2`` is byte 2 for S7 and TwinCAT, and word 2 for other tools."""
+    """The bits that an address names: ``%MW2`` is byte 2 for S7 and TwinCAT, and word 2 for other tools.
+
+    S7 has no addresses of 64 bits: one in its files is the text of another tool.
+    """
     if not address:
         return None
     text = address.strip().upper().replace("%", "")
@@ -251,7 +254,8 @@ def address_meaning(address: str | None, dialect: Dialect) -> Meaning | None:
         bits: Hashable = numbers[0] * 8 + numbers[1] if len(numbers) == 2 else tuple(numbers)
     else:
         width = {"B": 8, "W": 16, "D": 32, "L": 64}.get(size, 8)
-        unit = 8 if dialect in (Dialect.SCL, Dialect.TWINCAT) else width
+        by_bytes = dialect in COUNTING_BYTES and (dialect is not Dialect.SCL or size != "L")
+        unit = 8 if by_bytes else width
         bits = numbers[0] * unit if len(numbers) == 1 else tuple(numbers)
     return Meaning.of((area, size, bits), address)
 

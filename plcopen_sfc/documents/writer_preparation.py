@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -13,16 +12,15 @@ from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, Net
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.languages.binding.name_resolution import Resolver
-from plcopen_sfc.languages.binding.text_sites import Site, text_sites
+from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.s7_boxes import translate_boxes
 from plcopen_sfc.languages.s7_programs import has_results, name_results
 from plcopen_sfc.languages.st import parse_expression
-from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect, address_dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.model.types import Elementary, ElementaryType, used_types
@@ -57,7 +55,8 @@ class Prepared(NamedTuple):
 def prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Prepared:
     """Return a copy of `project` for the writer of the format `kind`."""
     dialect = _dialect(project, kind, options)
-    same_dialect = dialect in (None, project.dialect)
+    addresses = _address_dialect(project, kind, dialect)
+    same_dialect = dialect in (None, project.dialect) and addresses is project.address_dialect
     profile = default_profile(project)
     if profile.for_asks_ahead and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
@@ -97,8 +96,9 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         _in_structured_text(copy, kind, report)
     if dialect is not None:
         calls_actions = kind.name == TIA_FORMAT  # its writer puts statements in the place of the calls
-        _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour), calls_actions=calls_actions)
-    _note_counted_words(project, kind, report)
+        wholly = bool(options.flavour)
+        _put_into_dialect(copy, dialect, addresses, report, wholly=wholly, calls_actions=calls_actions)
+    _renumber_addresses(copy, project.address_dialect, addresses, report)
     if options.flavour:
         kind.codec().fit(copy, options, report)
         # what its rules would do otherwise is written out, or reported
@@ -113,7 +113,9 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         kind.codec().replace_missing(copy, report)
     # the writer changes its copy, and what is executed is looked at when source and result are compared
     unchanged = copy.model_copy(deep=True)
-    behaviour = executed(unchanged, profile, source=project, at_rest=options.at_rest) if kind.tool else None
+    behaviour = None
+    if kind.tool:
+        behaviour = executed(unchanged, profile, source=project, at_rest=options.at_rest, addresses=addresses)
     if kind.drawing is DrawingNeed.NONE:
         written, marks = rewrite_project(copy, kind, options, report)
         if kind.charts is not None and kind.charts.is_codesys and not options.same:
@@ -263,7 +265,13 @@ def _in_structured_text(project: Project, kind: Format, report: ConversionReport
 
 
 def _put_into_dialect(
-    project: Project, dialect: Dialect, report: ConversionReport, *, wholly: bool, calls_actions: bool
+    project: Project,
+    dialect: Dialect,
+    addresses: Dialect,
+    report: ConversionReport,
+    *,
+    wholly: bool,
+    calls_actions: bool,
 ) -> None:
     """Translate the program text between SCL and the others.
 
@@ -279,11 +287,12 @@ def _put_into_dialect(
         texts = translate_foreign(project, dialect) if family(own) is not family(dialect) else []
         project.dialect = dialect
     else:
-        texts = translate_project(project, dialect, calls_actions=calls_actions)
+        texts = translate_project(project, dialect, calls_actions=calls_actions, addresses=addresses)
     for text in texts:
         for note in text.notes:
             outcome = _OUTCOMES[note.severity]
-            report.add(outcome, "text", text.path, f"line {note.line}: {note.reason}")
+            line = f"line {note.line}: " if text.what == "text" else ""
+            report.add(outcome, text.what, text.path, f"{line}{note.reason}")
         if text.changed and not text.notes:
             report.add(Outcome.TRANSLATED, "text", text.path, f"from {own} into {dialect}")
 
@@ -358,21 +367,24 @@ def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | No
         report.add(Outcome.APPROXIMATED, "text", path, why)
 
 
-def _note_counted_words(project: Project, kind: Format, report: ConversionReport) -> None:
-    """Report addresses of words in program text where one tool is TwinCAT, which counts bytes."""
-    of_twincat = project.tool_format == _TWINCAT
-    if of_twincat is (kind.name == _TWINCAT) or not kind.tool or (project.dialect is Dialect.SCL and not of_twincat):
+def _renumber_addresses(project: Project, source: Dialect, target: Dialect, report: ConversionReport) -> None:
+    """Give addresses the same places where one tool is TwinCAT and none S7, whose texts are translated."""
+    from plcopen_sfc.refactor.direct_addresses import renumber_declared, renumber_in_texts  # noqa: PLC0415
+
+    if (source in COUNTING_BYTES) is (target in COUNTING_BYTES) or Dialect.SCL in (source, target):
         return
-    for site in text_sites(project):
-        if site.is_program_text and "%" in site.text:
-            tokens = tokenize(site.text, project.dialect).tokens
-            for text in dict.fromkeys(token.value for token in tokens if _COUNTED.fullmatch(token.value)):
-                why = f"{text} is another place in {kind.tool}: TwinCAT counts bytes, and others words"
-                report.add(Outcome.NOT_EXECUTED, "address", site.report_path, why)
+    for renumber in (renumber_declared, renumber_in_texts):
+        for path, severity, why in renumber(project, source, target):
+            report.add(_OUTCOMES[severity], "address", path, why)
 
 
-_TWINCAT = "twincat"
-_COUNTED = re.compile(r"%[IQM][WDL]0*[1-9]\d*", re.IGNORECASE)
+def _address_dialect(project: Project, kind: Format, dialect: Dialect | None) -> Dialect:
+    """Return the dialect of direct addresses in a file; a script writes those of the tool that it writes for."""
+    if kind.name == "json":
+        return project.address_dialect
+    target = address_dialect(kind.name, dialect or project.dialect, project.header.product)
+    is_own = project.source is None and Dialect.SCL not in (project.dialect, target)
+    return project.address_dialect if is_own else target
 
 
 def _note_limits(project: Project, kind: Format, report: ConversionReport) -> None:

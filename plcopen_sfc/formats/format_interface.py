@@ -204,7 +204,7 @@ class ChartHost:
     main and exit actions and minimum times, conditions are expressions or names of transition objects and never
     negated. Other tools take bodies in place, with the qualifiers P1 and P0. `has_tasks`: its files hold tasks.
     `has_methods`: its language is object-oriented, with the keywords for that. `il_conditions`: conditions may be
-    instruction list.
+    instruction list. `by_bytes`: words at direct addresses have the number of a byte.
     """
 
     title: str
@@ -212,6 +212,12 @@ class ChartHost:
     has_tasks: bool = True
     has_methods: bool = True
     il_conditions: bool = False
+    by_bytes: bool = False
+
+    @property
+    def addresses(self) -> Dialect:
+        """The dialect of direct addresses in its files."""
+        return Dialect.TWINCAT if self.by_bytes else self.dialect
 
     @property
     def dialect(self) -> Dialect:

@@ -230,7 +230,7 @@ FORMATS: tuple[Format, ...] = (
         il_conditions=False,
         il_bodies=False,
         extension_data=False,
-        charts=ChartHost("TwinCAT", is_codesys=True),
+        charts=ChartHost("TwinCAT", is_codesys=True, by_bytes=True),
     ),
     Format(
         name="codesys-export",

@@ -17,7 +17,7 @@ from plcopen_sfc.languages.binding import Kind, Names
 from plcopen_sfc.languages.binding.text_sites import TextSite
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
-from plcopen_sfc.languages.translation.literal_translation import translated_address
+from plcopen_sfc.languages.translation.literal_translation import is_tag_address, translated_address
 from plcopen_sfc.model.base import ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, PouKind
@@ -127,7 +127,7 @@ def _tags_of_lists(project: Project) -> dict[tuple[str, str], Tag | Variable]:
             key = name.casefold(), variable.name.casefold()
             if counts[key[1]] > 1 or not _is_plain(variable, types):
                 continue
-            tag = _tag(variable, types)
+            tag = _tag(variable, types, project.address_dialect)
             if tag is not None:
                 found[key] = tag
             elif section.constant and not variable.address and isinstance(variable.initial, SimpleValue):
@@ -155,7 +155,7 @@ def local_tags(project: Project) -> dict[str, dict[str, Tag]]:
     for pou, variable in declared:
         alone = counts[variable.name.casefold()] == 1
         name = variable.name if alone else f"{pou.name}_{variable.name}"
-        tag = _tag(variable, types)
+        tag = _tag(variable, types, project.address_dialect)
         if tag is not None and _is_plain(variable, types) and (alone or not counts[name.casefold()]):
             tag.name = name
             found.setdefault(pou.name.casefold(), {})[variable.name.casefold()] = tag
@@ -183,12 +183,12 @@ def _is_plain(variable: Variable, types: S7Types) -> bool:
     return isinstance(types.type(variable.type), ElementaryType)
 
 
-def _tag(variable: Variable, types: S7Types) -> Tag | None:
+def _tag(variable: Variable, types: S7Types, addresses: Dialect) -> Tag | None:
     """The tag for a variable; None where it has no address that S7 can say."""
     if not variable.address or "*" in variable.address:
         return None
-    address = translated_address(variable.address, Dialect.IEC, Dialect.SCL)
-    if address.severity is Severity.ERROR:
+    address = translated_address(variable.address, addresses, Dialect.SCL)
+    if address.severity is Severity.ERROR or not is_tag_address(address.text):
         return None
     type_ = write_type(types.type(variable.type), Dialect.SCL)
     return Tag(name=variable.name, type=type_, address=address.text, comment=variable.comment)
@@ -202,7 +202,7 @@ def _names_in_tables(project: Project) -> set[str]:
         found |= {tag.name.casefold() for tag in table.tags} | {each.name.casefold() for each in table.constants}
     for section in (section for name, section in _lists(project) if not name):
         for variable in section.variables:
-            if _tag(variable, types) is not None or _is_constant(section, variable):
+            if _tag(variable, types, project.address_dialect) is not None or _is_constant(section, variable):
                 found.add(variable.name.casefold())
     return found
 
@@ -221,7 +221,7 @@ def tag_tables_of(project: Project) -> list[TagTable]:
     table, types = TagTable(name=TABLE), s7_types(project)
     for section in (section for name, section in _lists(project) if not name):
         for variable in (v for v in section.variables if v.name.casefold() not in known):
-            tag = _tag(variable, types)
+            tag = _tag(variable, types, project.address_dialect)
             if tag is not None:
                 table.tags.append(tag)
             elif _is_constant(section, variable):

@@ -18,5 +18,18 @@ class Dialect(StrEnum):
     SCL = "scl"
 
 
+COUNTING_BYTES = frozenset({Dialect.SCL, Dialect.TWINCAT})
+"""Dialects whose tools give words the number of their first byte: ``%MW2`` is bytes 2 and 3, in others 4 and 5."""
+
+
+def address_dialect(format: str, dialect: Dialect, product: str = "") -> Dialect:
+    """Return the dialect that addresses have in files of a format, whose texts are in `dialect`.
+
+    `product`: what made a file; TwinCAT exports the XML of CODESYS. Evidence: help of TwinCAT 3, "Addresses".
+    """
+    of_twincat = format == "twincat" or (format == "codesys" and product.casefold().startswith("twincat"))
+    return Dialect.TWINCAT if of_twincat and dialect is not Dialect.SCL else dialect
+
+
 STRING_LENGTHS = {Dialect.SCL: "254", Dialect.CODESYS: "80"}
 """Length of a string, in characters, whose declaration gives none; IEC 61131-3 leaves it to the tool."""

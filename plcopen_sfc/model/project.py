@@ -13,7 +13,7 @@ from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
 from plcopen_sfc.model.base import Element, ExtensionData, Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.declaration import Declaration
-from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.dialect import Dialect, address_dialect
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import DataBlock, NamedBody, Pou, PouKind
@@ -271,6 +271,16 @@ class Project(Owned, Element):
         if self.origin is not None and self.is_converted:
             return self.origin
         return self.source.format if self.source is not None else ""
+
+    @property
+    def address_dialect(self) -> Dialect:
+        """The dialect of direct addresses: that of the texts, but TwinCAT counts bytes where CODESYS counts words.
+
+        The file decides, also one that keeps what another tool executes: its tool gives the addresses their places.
+        """
+        own = self.source.format if self.source is not None else ""
+        own = self.origin or "" if own == "json" else own
+        return address_dialect(own, self.dialect, self.header.product)
 
     @property
     def is_converted(self) -> bool:

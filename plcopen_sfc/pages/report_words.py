@@ -577,6 +577,16 @@ _TRANSLATED = {
     ),
     "networks behind the sequence control its actions": "Netzwerke nach der Kette steuern seine Aktionen",
     "{} in the conditions that leave it": "{} in den Bedingungen, die ihn verlassen",
+    "{} is {}: the same bytes: TwinCAT counts bytes, other tools count words or double words": (
+        "{} ist {}: dieselben Bytes; TwinCAT zählt Bytes, andere Werkzeuge Wörter oder Doppelwörter"
+    ),
+    "{} is {}: the same bytes: S7 counts bytes, other tools count words or double words; S7 has the high byte first": (
+        "{} ist {}: dieselben Bytes; S7 zählt Bytes, andere Werkzeuge Wörter oder Doppelwörter; bei S7 ist das obere "
+        "Byte das erste"
+    ),
+    "{} has no counterpart: there a {} begins at every {} bytes": (
+        "{} hat keine Entsprechung: dort beginnt ein Operand {} alle {} Byte"
+    ),
     "what has an address is a variable of its own, and no parameter": (
         "was eine Adresse hat, ist eine eigene Variable und kein Parameter"
     ),

@@ -4,6 +4,6 @@
 * `editor`: edits as transactions, with undo, clean-up and proof; `journal` keeps what they change. `chart_edits`
   and `name_edits` are the edits; `step_kinds` switches the charts of CoDeSys 2.3.
 * `rename` gives declarations other names, one or many in one pass, or tells why it does not.
-* `dialect` puts all program text into another dialect. `il_texts` and `step_kinds` prepare a project for tools without
-  IL and without step flags.
+* `dialect` puts all program text into another dialect, `direct_addresses` addresses into the numbers of another tool.
+  `il_texts` and `step_kinds` prepare a project for tools without IL and without step flags.
 """

@@ -64,16 +64,21 @@ from plcopen_sfc.model.types import (
     SubrangeType,
 )
 from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.refactor.direct_addresses import renumber_declared
 from plcopen_sfc.whole_numbers import whole_number
 
 
 @dataclass(frozen=True, slots=True)
 class TranslatedText:
-    """Result of the translation of one text: its path, in the words of reports, and what there is to say about it."""
+    """Result of the translation of one text: its path, in the words of reports, and what there is to say about it.
+
+    `what` it is: a text, or the address of a variable.
+    """
 
     path: str
     changed: bool
     notes: tuple[Note, ...]
+    what: str = "text"
 
 
 _NOTATIONS = {
@@ -84,16 +89,20 @@ _NOTATIONS = {
 }
 
 
-def translate_project(project: Project, target: Dialect, *, calls_actions: bool = False) -> list[TranslatedText]:
+def translate_project(
+    project: Project, target: Dialect, *, calls_actions: bool = False, addresses: Dialect | None = None
+) -> list[TranslatedText]:
     """Put every body, condition and expression of `project` into `target`; gives what became of each.
 
     `calls_actions`: calls of actions and methods in SCL are no loss, since the writer puts others in their places.
+    `addresses` is the dialect that direct addresses get, where it is not `target`.
 
     What has no counterpart is left as it stands and noted. Names that only SCL can write (with blanks, umlauts) get
     others, in the declarations as well. Declarations that a file keeps as text are left out: they are written from the
     variables.
     """
     source, target = project.dialect, Dialect(target)
+    counting = (project.address_dialect, addresses or target)
     functions = {
         pou.name.casefold(): [v.name for kind in _ARGUMENTS for v in pou.variables(kind)]
         for pou in project.pous
@@ -104,6 +113,7 @@ def translate_project(project: Project, target: Dialect, *, calls_actions: bool 
         Resolver(project, source),
         local_tags(project) if (source is Dialect.SCL) is not (target is Dialect.SCL) else {},
         calls_actions,
+        counting,
     )
     texts = [
         text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
@@ -130,6 +140,8 @@ def translate_project(project: Project, target: Dialect, *, calls_actions: bool 
     _rename_instances(project, source, target)
     _say_lengths(project, source, target)
     found += _say_starts(project, source, target)
+    for path, severity, why in renumber_declared(project, *counting):
+        found.append(TranslatedText(path, True, (Note(severity, why, (0, 0), 1, 1),), "address"))
     project.dialect = target
     return found
 
@@ -400,7 +412,8 @@ class _Globals:
     """The types of a project as S7 has them, its global names, the inputs of functions, and names of lists.
 
     `tags` are variables of POUs that are tags in S7. `resolver` tells the types of variables; None: arithmetic stays as
-    it is. `calls_actions`: calls of actions and methods are no loss.
+    it is. `calls_actions`: calls of actions and methods are no loss. `addresses`: the dialects of direct addresses,
+    before and after.
     """
 
     types: S7Types
@@ -410,6 +423,7 @@ class _Globals:
     resolver: Resolver | None
     tags: dict[str, dict[str, Tag]] = field(default_factory=dict)
     calls_actions: bool = False
+    addresses: tuple[Dialect, Dialect] | None = None
 
 
 def _names_of_own_tags(pou: Pou | None, target: Dialect, known: _Globals) -> dict[str, tuple[str, ...]]:
@@ -438,6 +452,7 @@ def _translated(
         actions=_parts_of(text_site.site.pou),
         functions=known.functions,
         listed=known.listed | own,
+        addresses=known.addresses or (source, source),
     )
     if known.resolver is not None:
         context = _with_types(context, text_site.site, known.resolver, text_site, calls_actions=known.calls_actions)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -362,7 +363,7 @@ def test_what_a_tag_does_not_say_of_a_variable_is_told(declared: str, what: str)
 @pytest.mark.parametrize(
     ("variable", "why"),
     [
-        (("PLC_PRG", "BOOL", "%IX0.3"), "not connected to %IX0.3"),  # the name of a block
+        (("PLC_PRG", "BOOL", "%IX0.3"), "not connected to %I0.3"),  # the name of a block
         (("Start", "BOOL", "%IX0.9"), "not connected to %IX0.9"),  # S7 has eight bits in a byte
     ],
 )
@@ -403,3 +404,53 @@ def test_variables_that_are_elsewhere_in_s7_are_no_loss_of_the_others(declared: 
     back = sfc.load(tmp_path / "main.scl")
     kinds = [[(s.kind, [v.name for v in s.variables]) for s in p.pous[0].interface.sections] for p in (source, back)]  # type: ignore[union-attr]
     assert kinds[0] == kinds[1]
+
+
+_BITS = {"X": 1, "B": 8, "W": 16, "D": 32}
+
+
+def places(project: m.Project) -> dict[str, tuple[str, int, int]]:
+    """Area, first bit and width of everything at an address, by name; those in the text by their number."""
+    by_bytes = project.address_dialect in (m.Dialect.SCL, m.Dialect.TWINCAT)
+    held = [*project.global_sections(), *(section for pou in project.pous for section in pou.interface.sections)]
+    found = [(v.name, v.address) for section in held for v in section.variables if v.address]
+    found += [(tag.name, tag.address) for table in project.tag_tables for tag in table.tags]
+    texts = [pou.body.text for pou in project.pous if isinstance(pou.body, m.StBody)]
+    found += [(str(at), text) for at, text in enumerate(re.findall(r"%[IQM][WX]?[\d.]+", " ".join(texts)))]
+    assert len(dict(found)) == len(found), "something is there twice"
+    return {name: _place(address, by_bytes) for name, address in found}
+
+
+def _place(address: str, by_bytes: bool) -> tuple[str, int, int]:
+    parts = re.fullmatch(r"%(.)([XBWD]?)(\d+)\.?(\d?)", address)
+    assert parts is not None
+    width = _BITS[parts[2] or "X"]
+    unit = 8 if by_bytes or width == 1 else width
+    return parts[1], int(parts[3]) * unit + int(parts[4] or 0), width
+
+
+@pytest.mark.parametrize("source", ["codesys", "plcopen", "twincat", "simaticml"])
+@pytest.mark.parametrize("target", ["codesys", "twincat", "simaticml", "json"])
+def test_words_are_at_the_same_bytes_in_every_tool(source: str, target: str) -> None:
+    types = {"X3.5": "BOOL", "B5": "BYTE", "W6": "INT", "D3": "DWORD"}
+    declared = " ".join(f"{area}{at[0]} AT %{area}{at} : {kind};" for area in "IQM" for at, kind in types.items())
+    text = f"PROGRAM Main VAR {declared} n : INT; END_VAR n := %MW7; %QW9 := %IW2; END_PROGRAM"
+    written = sfc.loads(text.encode(), format="iec-text")
+    expected = places(written)
+    assert expected["QW"] == ("Q", 96, 16)
+    first, _ = sfc.convert(written, source, partial=True)
+    data, report = sfc.convert(sfc.loads(first, format=source), target, partial=True)
+    assert not [item for item in report.losses if item.what == "address"]
+    for as_tool in (False, True):
+        assert places(sfc.loads(data, format=target, as_tool=as_tool)) == expected
+
+
+def test_words_of_twincat_at_odd_bytes_have_no_place_in_codesys() -> None:
+    text = "PROGRAM Main VAR a AT %MW4 : INT; n : INT; END_VAR n := %MW4; END_PROGRAM"
+    data, _ = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "twincat")
+    assert data.count(b"%MW8") == 2
+    odd = sfc.loads(data.replace(b"%MW8", b"%MW3"), format="twincat")
+    _, report = sfc.convert(odd, "codesys", partial=True)
+    assert told(report, Outcome.NOT_EXECUTED) == [("address", "POU Main / a"), ("address", "POU Main")]
+    again, report = sfc.convert(odd, "simaticml")
+    assert places(sfc.loads(again, as_tool=True))["a"] == ("M", 24, 16)

@@ -185,7 +185,7 @@ class _Globals:
         for tag in table.tags:
             path = f"{table.report_path} / tag {tag.name}"
             kind = _type_of(tag.type)
-            address = translated_address(tag.address or "", Dialect.SCL, self.host.dialect)
+            address = translated_address(tag.address or "", Dialect.SCL, self.host.addresses)
             if kind is None or is_foreign_type(kind):
                 self._note(Outcome.NOT_EXECUTED, "tag", path, f"{self.host.title} has no type {tag.type}")
                 continue

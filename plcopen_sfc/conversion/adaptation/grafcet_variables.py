@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.languages.binding import Declaration
 from plcopen_sfc.languages.declarations import write_type
+from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.languages.words import is_plain
 from plcopen_sfc.lowering.code.lowered_code import names_of
@@ -90,7 +91,13 @@ def _place(project: Project, pou: Pou, *, as_tags: bool) -> Iterator[str]:
         return
     if as_tags:
         tags = [
-            Tag(name=v.name, type=write_type(v.type, Dialect.SCL), address=v.address, comment=v.comment) for v in found
+            Tag(
+                name=v.name,
+                type=write_type(v.type, Dialect.SCL),
+                address=translated_address(v.address or "", project.dialect, Dialect.SCL).text,
+                comment=v.comment,
+            )
+            for v in found
         ]
         project.tag_tables.append(TagTable(name=f"{pou.name}_IO", tags=tags))
     else:

@@ -223,7 +223,7 @@ class _Writer:
         for place, variable in variables:
             if variable.address:
                 word = write_type(variable.type, Dialect.SCL)
-                address = translated_address(variable.address, Dialect.IEC, Dialect.SCL)
+                address = translated_address(variable.address, self._project.address_dialect, Dialect.SCL)
                 if address.severity is not None:
                     outcome = Outcome.NOT_EXECUTED if address.severity is Severity.ERROR else Outcome.TRANSLATED
                     self._report.add(outcome, "address", place, f"{variable.address}: {address.reason}")

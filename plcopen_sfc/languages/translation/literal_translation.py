@@ -16,7 +16,7 @@ from plcopen_sfc.languages.st.literals import (
     time_literal,
 )
 from plcopen_sfc.languages.translation.translation_context import TITLES, PartText
-from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect
 
 _SHORT = {"BYTE": "B", "WORD": "W", "DWORD": "DW"}
 _LACKING = {
@@ -140,42 +140,58 @@ def _overflows(body: str) -> bool:
 _FULL = {"h": 24, "m": 60, "s": 60}
 
 
-_ADDRESS = re.compile(r"%([IQMEA])([XBWD]?)(\d{1,9}(?:\.\d{1,9})*)", re.IGNORECASE)
+_ADDRESS = re.compile(r"%([IQMEA])([XBWDL]?)(\d{1,9}(?:\.\d{1,9})*)", re.IGNORECASE)
 _ENGLISH = {"E": "I", "A": "Q"}
-_BYTES = {"W": 2, "D": 4}
-_WORDS = {2: "word", 4: "double word"}
+_BYTES = {"W": 2, "D": 4, "L": 8}
+_WORDS = {2: "word", 4: "double word", 8: "long word"}
 _COUNTING = "the same bytes: S7 counts bytes, other tools count words or double words; S7 has the high byte first"
+_COUNTING_OF_TWINCAT = "the same bytes: TwinCAT counts bytes, other tools count words or double words"
 
 
 def translated_address(text: str, source: Dialect, target: Dialect) -> PartText:
-    """A direct address of `source` in `target`, both families.
+    """A direct address of `source` in `target`, no families: TwinCAT counts otherwise than CODESYS.
 
-    S7 counts the bytes of words and double words, other tools count these (IEC 61131-3, 6.5.5, leaves it to them), so
-    that ``%IW2`` of S7 is ``%IW1``. S7 has no letter for bits, and its German mnemonics have E for inputs and A for
-    outputs.
+    S7 and TwinCAT count the bytes of words and double words, other tools count these (IEC 61131-3, 6.5.5, leaves it to
+    them), so that ``%IW2`` of S7 is ``%IW1``. S7 has no letter for bits, and its German mnemonics have E for inputs and
+    A for outputs.
     """
-    if Dialect.SCL not in (source, target) or source is target:
+    bytes_there = target in COUNTING_BYTES
+    of_s7, for_s7 = source is Dialect.SCL, target is Dialect.SCL
+    if of_s7 is for_s7 and (source in COUNTING_BYTES) is bytes_there:
         return PartText(text)
     found = _ADDRESS.fullmatch(text)
-    if found is None or (target is Dialect.SCL and found[1].upper() in _ENGLISH):
-        return PartText(text, Severity.ERROR, f"{text} has no counterpart; left as it stands")
+    if found is None or (for_s7 and found[1].upper() in _ENGLISH):
+        problem = PartText(text, Severity.ERROR, f"{text} has no counterpart; left as it stands")
+        return problem if of_s7 or for_s7 else PartText(text)
     area = _ENGLISH.get(found[1].upper(), found[1])
     size, place = found[2], found[3]
     if size.upper() in ("", "X"):
+        if not (of_s7 or for_s7):
+            return PartText(text)
         if not re.fullmatch(r"\d+\.[0-7]", place):
             return PartText(text, Severity.ERROR, f"{text} has no counterpart: S7 names bits by byte and bit")
-        return PartText(f"%{area}{place}" if target is Dialect.SCL else f"%{area}X{place}")
-    if "." in place:
-        return PartText(text, Severity.ERROR, f"{text} has no counterpart; left as it stands")
+        return PartText(f"%{area}{place}" if for_s7 else f"%{area}X{place}")
+    if "." in place or ((of_s7 or for_s7) and size.upper() == "L"):
+        problem = PartText(text, Severity.ERROR, f"{text} has no counterpart; left as it stands")
+        return problem if of_s7 or for_s7 else PartText(text)
     width = _BYTES.get(size.upper())
-    if width is None:
+    if width is None or (source in COUNTING_BYTES) is bytes_there:
         return PartText(f"%{area}{size}{place}")
-    if target is Dialect.SCL:
-        return PartText(f"%{area}{size}{int(place) * width}", Severity.INFO, _COUNTING)
+    counting = _COUNTING if of_s7 or for_s7 else _COUNTING_OF_TWINCAT
+    if bytes_there:
+        return PartText(f"%{area}{size}{int(place) * width}", Severity.INFO, counting)
     if int(place) % width:
         reason = f"{text} has no counterpart: there a {_WORDS[width]} begins at every {width} bytes"
         return PartText(text, Severity.ERROR, reason)
-    return PartText(f"%{area}{size}{int(place) // width}", Severity.INFO, _COUNTING)
+    return PartText(f"%{area}{size}{int(place) // width}", Severity.INFO, counting)
+
+
+def is_tag_address(text: str) -> bool:
+    """True if a tag of S7 can have an address."""
+    return _OF_TAGS.fullmatch(text) is not None
+
+
+_OF_TAGS = re.compile(r"%[IQM](?:\d{1,9}\.[0-7]|[BWD]\d{1,9})", re.IGNORECASE)
 
 
 def translated_part(name: str, source: Dialect, target: Dialect) -> PartText | None:

@@ -63,7 +63,8 @@ class TranslationContext:
     result of a function of the project, in capitals, empty where it has another; without, arithmetic stays as it is.
     `parameter_type`: the same of the parameter for an argument of a call, by its place. `is_instance`: whether a callee
     is known to be something that S7 calls. `wanted`: the type of the
-    variable that gets the value of an expression.
+    variable that gets the value of an expression. `addresses`: the dialects of direct addresses before and after, where
+    they are not those of the text.
     """
 
     locals: Collection[str] | None = None
@@ -80,6 +81,7 @@ class TranslationContext:
     parameter_type: Callable[[Call, int], str] | None = None
     wanted: str = ""
     is_instance: Callable[[Expression], bool] | None = None
+    addresses: tuple[Dialect, Dialect] | None = None
 
 
 def family(dialect: Dialect) -> Dialect:

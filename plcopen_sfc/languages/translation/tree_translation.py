@@ -141,6 +141,7 @@ class TreeTranslator:
         types = ExpressionTypes(source, context.type_of)
         self._calls = CallTranslator(source, target, self._names, notes, self._expression, types=types)
         self._steps = StepTranslator(context.steps, notes) if context.steps is not None else None
+        self._addresses = context.addresses or (source, target)
         self._enumerations = {name.casefold() for name in context.enumerations}
         self._s7_types = context.s7_types
         alone = context.s7_types is not None and target is Dialect.SCL and source is not Dialect.SCL
@@ -164,7 +165,7 @@ class TreeTranslator:
             case n.Literal():
                 return self._literal(node)
             case n.Address(text):
-                new = self._notes.take(translated_address(text, self._source, self._target), node)
+                new = self._notes.take(translated_address(text, *self._addresses), node)
                 return node if new == text else replace(node, text=new)
             case n.Dereference():
                 return self._dereference(node)

@@ -16,7 +16,7 @@ from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LoweringRules
-from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect
 from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Chart, Configuration, Project, Tag, TagTable
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -256,8 +256,8 @@ def _names_of(chart: Chart) -> Iterator[str]:
 
 
 def _taken_bits(project: Project) -> Iterator[tuple[int, str]]:
-    """Yield the bits of the memory that have names. Words count words in CODESYS, else bytes."""
-    in_bytes = project.dialect in (Dialect.SCL, Dialect.TWINCAT)
+    """Yield the bits of the memory that have names. Words have the number of a byte in S7 and TwinCAT."""
+    in_bytes = project.address_dialect in COUNTING_BYTES
     named = [(tag.address, tag.name) for table in project.tag_tables for tag in table.tags]
     sections = [*project.global_sections()]
     for pou in project.pous:

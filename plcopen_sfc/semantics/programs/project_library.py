@@ -18,7 +18,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model import types as m
 from plcopen_sfc.model.declaration import Declaration, Kind
-from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.dialect import COUNTING_BYTES
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project, Tag
 from plcopen_sfc.semantics.profile import Profile
@@ -309,7 +309,7 @@ class Library(TranslatedProject):
             unknown_calls=unknown_calls,
         )
         self.read_input = read_input
-        self.image = Image(self.add, by_bytes=self.dialect in (Dialect.TWINCAT, Dialect.SCL))
+        self.image = Image(self.add, by_bytes=project.address_dialect in COUNTING_BYTES)
         self.free_cells: dict[tuple[int, int], str] = {}
         """The paths of free inputs by the lists that hold them and the places in these."""
         self.version = 0

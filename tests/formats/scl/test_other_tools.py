@@ -127,7 +127,7 @@ VAR s : STRING[20] := 'it$'s'; b AT %IX0.3 : BOOL; END_VAR"""
         "a source declares no tags and user constants: it must be in the project already",
     ]
     back = sfc.loads(sfc.convert(source("q := 1.0;", declarations), "scl", partial=True)[0])
-    assert next(v.address for v in back.pou("Main").variables() if v.name == "b") == "%IX0.3"
+    assert next(v.address for v in back.pou("Main").variables() if v.name == "b") == "%I0.3"
 
 
 def test_blocks_that_do_nothing_are_told() -> None:

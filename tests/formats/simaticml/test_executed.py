@@ -498,7 +498,7 @@ def test_sections_stand_once_and_in_the_order_of_tia_portal() -> None:
     assert "b" not in seen, "it is a tag"
     assert [(item.what, item.path) for item in report.losses] == [("static", "POU F / u")]
     back = sfc.loads(data).pous[0].interface
-    assert list(differences(back, project.pous[0].interface)) == []
+    assert [(d.left, d.right) for d in differences(back, project.pous[0].interface)] == [("%I0.3", "%IX0.3")]
 
 
 @pytest.mark.parametrize("target", ["simaticml", "scl"])

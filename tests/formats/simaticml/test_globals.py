@@ -77,6 +77,9 @@ def test_others_are_tags_and_constants() -> None:
     assert [(constant.name, constant.initial) for constant in table.constants] == [("Top", m.SimpleValue(text="42"))]
     assert value(seen) == value(project) == 42
     back = sfc.loads(content)
+    start = next(v for section in back.global_sections() for v in section.variables if v.name == "Start")
+    assert start.address == "%I0.3", "as S7 has it, whose texts are in the file"
+    start.address = "%IX0.3"
     assert (back.tag_tables, back.configurations) == ([], project.configurations)
 
 

@@ -1,0 +1,67 @@
+"""Direct addresses of a project in the numbers of another tool: S7 and TwinCAT count bytes, others words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.binding.text_sites import SiteKind, text_sites
+from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.translation.literal_translation import translated_address
+from plcopen_sfc.languages.translation.translation_context import PartText
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.variables import ConfigVariable
+
+
+def renumber_declared(project: Project, source: Dialect, target: Dialect) -> Iterator[tuple[str, Severity, str]]:
+    """Give declared variables the same places in `target`; yield path, severity and reason of what there is to say.
+
+    What S7 cannot say is left as it is, and its writers tell that: variables of blocks have no addresses there.
+    """
+    for path, variable in _located(project):
+        if variable.address is None or not variable.address.startswith("%"):
+            continue
+        new = translated_address(variable.address, source, target)
+        if new.severity is Severity.ERROR and Dialect.SCL in (source, target):
+            continue
+        if new.severity is not None and target is not Dialect.SCL:  # tags, of which the writer tells
+            yield path, new.severity, _reason(variable.address, new)
+        variable.address = new.text
+
+
+def renumber_in_texts(project: Project, source: Dialect, target: Dialect) -> Iterator[tuple[str, Severity, str]]:
+    """Give addresses in texts, neither in SCL, the same places in `target`; yield path, severity and reason of each."""
+    for site in text_sites(project):
+        is_text = site.is_program_text or site.reading in (SiteKind.INSTRUCTIONS, SiteKind.DECLARATIONS)
+        if not is_text or "%" not in site.text:
+            continue
+        edits: list[Edit] = []
+        found: dict[str, tuple[Severity, str]] = {}
+        for token in tokenize(site.text, project.dialect).tokens:
+            new = translated_address(token.value, source, target) if token.value.startswith("%") else None
+            if new is not None and new.severity is not None:
+                found[token.value] = new.severity, _reason(token.value, new)
+                if new.text != token.value:
+                    edits.append(Edit(*token.span, new.text))
+        if edits:
+            site.put(apply_edits(site.text, edits))
+        for severity, reason in found.values() if site.reading is not SiteKind.DECLARATIONS else ():
+            yield site.report_path, severity, reason
+
+
+def _reason(text: str, new: PartText) -> str:
+    return new.reason if new.text == text else f"{text} is {new.text}: {new.reason}"
+
+
+def _located(project: Project) -> Iterator[tuple[str, Variable | ConfigVariable]]:
+    for pou in project.pous:
+        yield from ((f"{pou.report_path} / {variable.name}", variable) for variable in pou.variables())
+    for section in project.global_sections():
+        around = f"{section.name}." if section.name else ""
+        yield from ((f"global variable {around}{variable.name}", variable) for variable in section.variables)
+    for settings in (project.config_variables, *(each.config_variables for each in project.configurations)):
+        for variable in settings.variables if settings is not None else ():
+            yield f"VAR_CONFIG {variable.path}", variable
