@@ -6,7 +6,9 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.conversion.executed_parts import STABILITY, START
 from plcopen_sfc.languages.binding import SharedScans
+from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.project import Chart
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.object_path import ObjectPath
@@ -18,18 +20,26 @@ if TYPE_CHECKING:
 
 
 def told_difference(
-    example: Counterexample, chart: Chart, losses: Sequence[Item], profiles: tuple[Profile, Profile], tool: str
+    example: Counterexample,
+    chart: Chart,
+    losses: Sequence[Item],
+    profiles: tuple[Profile, Profile],
+    tool: str,
+    *,
+    rule: str = "",
 ) -> str:
-    """Return what a chart of the source does otherwise in `tool`, and which of the `losses` explains that.
+    """Return what a chart of the source does otherwise in `tool`, and what explains it: the first that applies.
 
-    Where none does, the parts of the chart are named that determine what differs, or the rule of the tools that does.
+    The `rule` of the tools without which both do the same; where the chart evolves otherwise, a rule or one of the
+    `losses` on that; one of the other `losses`; when variables are written; the parts of the chart that determine what
+    differs.
     """
     count = len(example.inputs)
     scans = f"{count} scan{'' if count == 1 else 's'}"
     shown = str(example.differences[0]).replace("in the first", "in the source").replace("in the second", f"in {tool}")
     more = [each.name.removesuffix(".X") for each in example.differences[1:] if not each.error]
     others = f"; {_listed(more)} {'differs' if len(more) == 1 else 'differ'}, too" if more else ""
-    causes = _causes(example, chart, losses, _written_at(chart, profiles, tool))
+    causes = rule or _causes(example, chart, losses, profiles, tool)
     return f"it does something else after {scans}: {shown}{others}{causes}"
 
 
@@ -50,21 +60,44 @@ def _written_at(chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> M
     return {row.target: f"{row.target} {why}" for row in rows if row.target and not chart.pou.find_action(row.target)}
 
 
-def _causes(example: Counterexample, chart: Chart, losses: Sequence[Item], written: Mapping[str, str]) -> str:
+def _causes(
+    example: Counterexample, chart: Chart, losses: Sequence[Item], profiles: tuple[Profile, Profile], tool: str
+) -> str:
+    evolution: dict[str, None] = {}
     found: dict[str, None] = {}
     parts: dict[str, None] = {}
+    evolves = any(each.name.endswith(".X") for each in example.differences)
+    if evolves and len(example.inputs) <= _FIRST_SCANS and (held := _told_held(profiles, tool)):
+        return held
     for name in (each.name for each in example.differences if not each.error):
         places = dict.fromkeys(_places(name, example, chart))
         for item in losses:
             if _explains(item, name, places, chart.report_path):
                 part = "" if item.path == chart.report_path else f" at {ObjectPath.of(item.path).last}"
-                found[f"; a cause is the {item.what}{part}, which the report names"] = None
-        parts |= dict.fromkeys(ObjectPath.of(place).last for place in places)
-    if found:
-        return "".join([*found][:_LISTED])
+                told = f"; a cause is the {item.what}{part}, which the report names"
+                (evolution if evolves and item.what in _OF_EVOLUTION else found)[told] = None
+        parts |= dict.fromkeys(map(_called, places))
+    if evolution or found:
+        return "".join([*evolution, *found][:_LISTED])
+    written = _written_at(chart, profiles, tool)
     for name in (each.name for each in example.differences if each.name in written):
         return f"; {written[name]}"
-    return f"; look at {_listed([*parts])}" if parts else ""
+    order = ": tools have an order of their own for what writes a variable in one scan"
+    return f"; look at {_listed([*parts])}{order if len(parts) > 1 and not evolves else ''}" if parts else ""
+
+
+def _called(place: str) -> str:
+    """Return the name of a part of a chart; an action of a step itself has that of the step."""
+    path = ObjectPath.of(place)
+    return f"{path.last} of {ObjectPath.of(path.around).last}" if path.last in _STEP_ACTIONS else path.last
+
+
+_STEP_ACTIONS = ("entry action", "main action", "exit action")
+
+
+_FIRST_SCANS = 2
+_OF_EVOLUTION = frozenset({STABILITY, START, "initial step", "condition", "transition", "min time", "minimum time"})
+"""Subjects of items that tell of steps which are active at other times, so that actions are, too."""
 
 
 def _explains(item: Item, name: str, places: Iterable[str], chart: str) -> bool:
@@ -90,11 +123,26 @@ def _places(name: str, example: Counterexample, chart: Chart) -> Iterator[str]:
         for transition in sfc.transitions:
             if step.id in (*transition.sources, *transition.targets) and before.issuperset(transition.sources):
                 yield f"{path} / transition {labels[transition.id]}"
-    elif chart.pou.project is not None:
-        scans = SharedScans(sfc, chart.pou, chart.pou.project.dialect)
-        for owner, row in sfc.associations():
-            if scans.writes((owner, row), name):
-                yield f"{path} / step {owner.name} / action {row.target or 'in place'}"
+    else:
+        near = {step for scan in range(len(example.inputs))[-2:] for step in example.left.active(scan)}
+        found = [(step, f"{path} / step {step} / {last}") for step, last in _writers(name, chart)]
+        yield from [place for step, place in found if step in near] or [place for _, place in found]
+
+
+def _writers(name: str, chart: Chart) -> Iterator[tuple[str, str]]:
+    """Yield what writes a variable: the name of a step, and the action."""
+    if chart.pou.project is None:
+        return
+    scans = SharedScans(chart.chart, chart.pou, chart.pou.project.dialect)
+    for owner, row in chart.chart.associations():
+        if scans.writes((owner, row), name):
+            yield owner.name, f"action {row.target or 'in place'}"
+    for owner in chart.chart.steps:
+        for kind in _STEP_ACTIONS:
+            action = getattr(owner, kind.replace(" ", "_"))
+            own = {"target": action} if isinstance(action, str) else {"body": action}
+            if action is not None and scans.writes((owner, ActionAssociation(id=0, **own)), name):
+                yield owner.name, kind
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -129,11 +177,19 @@ def told_while_held(verdict: Verdict, times: Mapping[str, str]) -> str:
     return f"; while {held}, both are {str(verdict).splitlines()[0]}: {why}"
 
 
-def told_apart(profiles: tuple[Profile, Profile], tool: str) -> str:
+def told_apart(example: Counterexample, profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return why tools differ that are equal with actions that see earlier inputs, and a first scan at rest."""
     sides = {True: "the source", False: tool}
     early = [sides[each is profiles[0]] for each in profiles if each.order is ScanOrder.ACTIONS_FIRST]
+    held = _told_held(profiles, tool)
+    if held and len(example.inputs) <= _FIRST_SCANS:  # actions that see other inputs need a step that was entered
+        return held
     if len(early) == 1:
         return f"; {early[0]} executes the actions before the transitions, and so sees other inputs in them"
+    return held
+
+
+def _told_held(profiles: tuple[Profile, Profile], tool: str) -> str:
+    sides = {True: "the source", False: tool}
     held = [sides[each is profiles[0]] for each in profiles if each.initial_situation_held]
     return f"; {held[0]} tests no transition in its first scan" if len(held) == 1 else ""

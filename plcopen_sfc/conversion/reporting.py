@@ -144,9 +144,9 @@ class _Run(NamedTuple):
         told = self.told(example, losses) if example is not None else str(self.as_run).splitlines()[0]
         return f"{told}; what the report names as approximated is in it"
 
-    def told(self, example: Counterexample, losses: Sequence[Item]) -> str:
-        """Return a difference in words, with its cause."""
-        return told_difference(example, self.place, losses, self.profiles, self.tool)
+    def told(self, example: Counterexample, losses: Sequence[Item], rule: str = "") -> str:
+        """Return a difference in words, with its cause, which is the `rule` of a tool where one is given."""
+        return told_difference(example, self.place, losses, self.profiles, self.tool, rule=rule)
 
 
 def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
@@ -167,8 +167,10 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
         report.add(Outcome.APPROXIMATED, "chart", path, why + held)
     elif not as_run.equal:
         example = as_run.counterexample
-        why = run.told(example, ()) if example is not None else "it is not known to do the same"
-        report.add(Outcome.APPROXIMATED, "chart", path, why + told_apart(run.profiles, run.tool))
+        why = "it is not known to do the same"
+        if example is not None:
+            why = run.told(example, (), told_apart(example, run.profiles, run.tool))
+        report.add(Outcome.APPROXIMATED, "chart", path, why)
 
 
 def _lasts(chart: Chart, project: Project, inputs: Iterable[str], *, has_other_inputs: bool) -> bool:

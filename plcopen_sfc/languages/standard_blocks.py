@@ -177,6 +177,10 @@ S7_INSTANCES = {
     **{counter: f"{counter}_INT" for counter in ("CTU", "CTD", "CTUD")},
 }
 """Types of instances of standard function blocks in TIA Portal, where these are not named like the block."""
+S7_COUNTERS_OF_CODESYS = {counter: f"{counter}_UINT" for counter in ("CTU", "CTD", "CTUD")}
+"""Those for counters of CODESYS, which count in a WORD: from 0 to 65535 (help of CODESYS, library Standard)."""
+BLOCKS_OF_S7 = {own: block for names in (S7_INSTANCES, S7_COUNTERS_OF_CODESYS) for block, own in names.items()}
+"""The standard function blocks by the types of their instances in TIA Portal."""
 S7_VERSION = "1.0"
 """The version of the timers, counters and edges of IEC 61131-3 in TIA Portal."""
 

@@ -848,6 +848,9 @@ _COMPARED = {
     "{} and {} differ, too": "auch {} und {} sind anders",
     "a cause is the {+}, which the report names": "eine Ursache nennt der Bericht: {}",
     "a cause is the {+} at {}, which the report names": "eine Ursache nennt der Bericht: {} bei {}",
+    "look at {} and {}: tools have an order of their own for what writes a variable in one scan": (
+        "siehe {} und {}: Werkzeuge haben ihre eigene Reihenfolge für das, was in einem Zyklus eine Variable schreibt"
+    ),
     "look at {} and {}": "siehe {} und {}",
     "look at {}": "siehe {}",
     "{} is written {+} in the source and {+} in {}": "{} wird {} in der Quelle und {} in {} geschrieben",

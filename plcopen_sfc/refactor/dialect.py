@@ -20,7 +20,7 @@ from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_st
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, string_literal
 from plcopen_sfc.languages.st.nodes import Assignment, Call, Expression, Member, Name, Node, Operation, Statements
 from plcopen_sfc.languages.st.printing import print_node
-from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, S7_VERSION
+from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_COUNTERS_OF_CODESYS, S7_INSTANCES, S7_VERSION
 from plcopen_sfc.languages.translation import (
     NameScope,
     Note,
@@ -654,7 +654,8 @@ def _rename_instances(project: Project, source: Dialect, target: Dialect) -> Non
     """Give instances of standard function blocks the types that they have there: TON is TON_TIME in SCL."""
     if (source is Dialect.SCL) is (target is Dialect.SCL):
         return
-    names = S7_INSTANCES if target is Dialect.SCL else {own: block for block, own in S7_INSTANCES.items()}
+    counters = S7_COUNTERS_OF_CODESYS if family(source) is Dialect.CODESYS else {}
+    names = S7_INSTANCES | counters if target is Dialect.SCL else BLOCKS_OF_S7
     declared = {pou.name.upper() for pou in project.pous} | {kind.name.upper() for kind in project.data_types}
     names = {name: other for name, other in names.items() if name not in declared}
     interfaces = [each for pou in project.pous for each in (pou.interface, *(m.interface for m in pou.methods))]

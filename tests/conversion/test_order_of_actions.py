@@ -64,6 +64,17 @@ def test_only_orders_that_differ_and_count_are_told(qualifier: str, other: str, 
     assert report.compared["POU Main"].startswith("different" if told else "equal")
 
 
+def test_an_action_on_a_variable_of_a_list_writes_it() -> None:
+    project = of_codesys(qualifier="P1", other="Aaa", code="m := 1;")
+    project.global_variables = [m.VariableSection(kind=m.SectionKind.GLOBAL, name="AA", variables=[variable("q")])]
+    act = project.pous[0].actions[0]
+    assert isinstance(act.body, m.StBody)
+    act.body.text = "AA.q := FALSE;"
+    project.pous[0].body.chart.steps[1].actions[1].target = "AA.q"
+    (item,) = orders(project, "codesys")
+    assert item.why == "Act is executed before AA.q in one scan, in the source the other way round (aa.q)"
+
+
 BY_NAME = """PROGRAM Main
 VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT m : INT; END_VAR
 INITIAL_STEP Init: {first} END_STEP

@@ -158,6 +158,18 @@ def spelling(before: str, after: str) -> str:
     return "Step" if before == after.replace("Step_2", "Step") else f"{before!r} became {after!r}"
 
 
+@pytest.mark.parametrize(("source", "type_"), [(Dialect.IEC, "CTU_INT"), (Dialect.CODESYS, "CTU_UINT")])
+def test_counters_count_as_far_as_in_the_source(source: Dialect, type_: str) -> None:
+    counter = Variable(name="c", type=DerivedType(name="CTU"))
+    interface = Interface(sections=[VariableSection(kind=SectionKind.LOCAL, variables=[counter])])
+    body = StBody(text="c(CU := TRUE, RESET := FALSE, PV := 3);" if source is Dialect.CODESYS else "c(CU := TRUE);")
+    project = Project(pous=[Pou(name="F", kind=PouKind.PROGRAM, interface=interface, bodies=[body])], dialect=source)
+    translate_project(project, Dialect.SCL)
+    assert counter.type == DerivedType(name=type_)
+    translate_project(project, source)
+    assert counter.type == DerivedType(name="CTU")
+
+
 def test_steps_get_names_that_other_tools_know_and_texts_follow() -> None:
     chart = SfcNetwork()
     first, second = chart.add_step("evacuation 2", initial=True), chart.add_step("Done")

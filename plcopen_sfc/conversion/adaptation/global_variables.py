@@ -32,7 +32,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.st.walking import transform
-from plcopen_sfc.languages.standard_blocks import S7_INSTANCES
+from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7
 from plcopen_sfc.languages.start_values import filled
 from plcopen_sfc.languages.task_schedules import FREEWHEELING
 from plcopen_sfc.languages.translation import NameScope, Renames
@@ -46,7 +46,6 @@ from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, MemberValu
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
-_INSTANCES = {own: block for block, own in S7_INSTANCES.items()}
 _OF_S7 = frozenset(
     """TIMER COUNTER S5TIME DTL IEC_TIMER IEC_LTIMER IEC_COUNTER IEC_SCOUNTER IEC_DCOUNTER IEC_UCOUNTER IEC_USCOUNTER
     IEC_UDCOUNTER VARIANT DB_ANY ERROR_STRUCT CREF NREF POINTER BLOCK_FB BLOCK_FC BLOCK_DB VOID HW_ANY HW_IO HW_DEVICE
@@ -217,8 +216,8 @@ class _Globals:
         name, path = self._named(block.name), block.report_path
         if block.type_name is not None or block.kind is DataBlockKind.INSTANCE:
             type_name = (block.type_name or "").strip('"')
-            type_name = _INSTANCES.get(type_name.upper(), type_name)
-            known = type_name.casefold() in self.declared or type_name.upper() in S7_INSTANCES
+            type_name = BLOCKS_OF_S7.get(type_name.upper(), type_name)
+            known = type_name.casefold() in self.declared or type_name.upper() in BLOCKS_OF_S7.values()
             if not known:
                 why = f"{self.host.title} does not know what it is an instance of: {type_name or 'its type'} is missing"
                 self._note(Outcome.NOT_EXECUTED, "data block", path, why)

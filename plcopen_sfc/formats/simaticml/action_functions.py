@@ -30,7 +30,7 @@ from plcopen_sfc.languages.s7_programs import renamed_local, s7_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, walk
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, StandardBlock, standard_block
+from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, StandardBlock, standard_block
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition
@@ -52,7 +52,6 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 _LONGEST = 120
 """Most characters of a name: TIA Portal takes 125, and a number may follow."""
-_INSTANCES = {own: block for block, own in S7_INSTANCES.items()}
 _LOCAL = (n.Quoting.LOCAL, n.Quoting.LOCAL_QUOTED)
 _NO_TEXT = "its network is no list of statements"
 _PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
@@ -404,7 +403,7 @@ class ActionFunctions:
             return None
         name = type_.name.strip('"')
         made = next((each for each in self.made if each.name.casefold() == name.casefold()), None)
-        own, standard = self._pous.get(name.casefold(), made), standard_block(_INSTANCES.get(name.upper(), name))
+        own, standard = self._pous.get(name.casefold(), made), standard_block(BLOCKS_OF_S7.get(name.upper(), name))
         if own is not None:
             return own if own.kind is PouKind.FUNCTION_BLOCK else None
         return standard if standard is not None and standard.stateful else None

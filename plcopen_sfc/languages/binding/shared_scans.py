@@ -7,7 +7,8 @@ from functools import cached_property
 from itertools import product
 
 from plcopen_sfc.languages.binding.bound_bodies import step_effects
-from plcopen_sfc.languages.effects import ANYTHING, Effects, may_change
+from plcopen_sfc.languages.effects import ANYTHING, Effects, may_change, path_of
+from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
@@ -143,6 +144,8 @@ class SharedScans:
             own = {path for path in found.calls if path and path[0] in self._names}
             changed = own | {path[:-1] for path in own if len(path) > 1}
             called = {ANYTHING, *found.calls} if found.calls else set()
+            if association.target and self._pou.find_action(association.target) is None:
+                called.discard(path_of(parse_expression(association.target, self._dialect).tree))  # a global variable
             self._found[id(association)] = Effects(
                 found.reads | changed, (found.writes - called) | changed, found.calls
             )

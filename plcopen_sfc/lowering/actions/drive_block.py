@@ -11,7 +11,7 @@ from plcopen_sfc.languages.effects import targets
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, standard_block
+from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, standard_block
 from plcopen_sfc.lowering.actions.variable_access import OwnVariables
 from plcopen_sfc.lowering.code.boolean_logic import negation
 from plcopen_sfc.lowering.code.code_bodies import body_of
@@ -91,7 +91,6 @@ class DriveBlock:
 
     def _replace_signals(self) -> None:
         """Write inputs in the place of `signals`, and of outputs of instances outside."""
-        own = {system: block for block, system in S7_INSTANCES.items()}
         kinds = {v.name.casefold(): v.type for v in (*self._source.pou.variables(), *self._caller.variables)}
 
         def replaced(node: n.Node) -> n.Node:
@@ -103,7 +102,11 @@ class DriveBlock:
                     return negation(self._input(opposite, *self._signals[opposite]))
                 case n.Member(n.Name(instance), n.Name(output)):
                     kind = kinds.get(instance.casefold())
-                    block = standard_block(own.get(kind.name, kind.name)) if isinstance(kind, DerivedType) else None
+                    block = (
+                        standard_block(BLOCKS_OF_S7.get(kind.name, kind.name))
+                        if isinstance(kind, DerivedType)
+                        else None
+                    )
                     pin = block.output_name(output) if block is not None and block.stateful else None
                     types = {each.name: each.type for each in block.outputs} if block is not None else {}
                     if pin is not None and types[pin] in Elementary.__members__:

@@ -15,7 +15,7 @@ from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
-from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
+from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, Tool
 from plcopen_sfc.languages.translation.text_translation import region_marks
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, TextNetwork
 from plcopen_sfc.lowering.lowering_options import Language
@@ -67,8 +67,7 @@ def instruction_list(code: LoweredCode, dialect: Dialect, pou: str) -> IlBody:
 def _rules(code: LoweredCode, dialect: Dialect, declared: list[Variable]) -> DrawingRules:
     """Return how networks are drawn. Boxes of S7 have the names of IEC 61131-3: the writer of the file renames them."""
     rules = declared_rules(declared, dialect, None if code.tool is Tool.S7 else code.tool)
-    own = {system: block for block, system in S7_INSTANCES.items()}
-    instances = {name: own.get(kind, kind) for name, kind in {**code.instances, **rules.instances}.items()}
+    instances = {name: BLOCKS_OF_S7.get(kind, kind) for name, kind in {**code.instances, **rules.instances}.items()}
     operands = {print_node(name, dialect): block for name, block in code.operands.items()}
     return replace(rules, instances=instances, operands=operands)
 
