@@ -322,6 +322,10 @@ _NOT_EXECUTED = {
         "Transitionen eines GRAFCET haben keine Reihenfolge: zwei mit erfüllter Bedingung schalten zusammen (SEL01)"
     ),
     "a GRAFCET has no program beside its charts": "ein GRAFCET hat kein Programm neben seinen Plänen",
+    "a GRAFCET is a chart, and executes no other POU": "ein GRAFCET ist ein Plan und führt keine andere POE aus",
+    "a GRAFCET gets no expansion for its steps: dissolve the macro-step": (
+        "ein GRAFCET bekommt keine Expansion für seine Schritte: den Makroschritt auflösen"
+    ),
     "IEC 60848 has none: write {} into the conditions that leave the step": (
         "IEC 60848 hat keine: {} in die Bedingungen schreiben, die den Schritt verlassen"
     ),

@@ -14,12 +14,22 @@ from plcopen_sfc.report import ConversionReport, Outcome
 
 
 def report_unexpressed(project: Project, report: ConversionReport) -> None:
-    """Report times, supervisions, priorities, flags, exclusions and permanent instructions of charts of IEC 61131-3."""
+    """Report what charts of IEC 61131-3 do beside their actions, and the POUs that have no chart.
+
+    These are times, supervisions, priorities, flags, exclusions, permanent instructions, and macro-steps with a body.
+    """
     flags = [flag.variable for flag in SfcFlag]
     named = [(each.text_site.site.pou, each.reference.name) for each in Names(project).occurrences(*flags)]
     for pou in project.pous:
         chart = pou.chart
-        if chart is None or _is_grafcet(chart):
+        if chart is None:
+            report.add(Outcome.NOT_EXECUTED, "POU", pou.report_path, "a GRAFCET is a chart, and executes no other POU")
+            continue
+        for step in chart.steps:
+            if step.macro is not None and step.macro.body is not None:
+                why = "a GRAFCET gets no expansion for its steps: dissolve the macro-step"
+                report.add(Outcome.NOT_EXECUTED, "macro-step", f"{pou.report_path} / step {step.name}", why)
+        if _is_grafcet(chart):
             continue
         lost = [*_of_steps(chart), *_of_transitions(chart)]
         for place, what, why in lost:
@@ -82,4 +92,5 @@ def _competing(chart: SfcNetwork) -> Iterator[Step]:
 def _does_something(body: object) -> bool:
     if isinstance(body, FbdBody | LdBody):
         return any(network.nodes for network in body.networks)
-    return body is not None and bool(getattr(body, "text", " ").strip())
+    # a body of any other kind has no text: a chart, or what no reader understands, which is executed all the same
+    return body is not None and bool(getattr(body, "text", "?").strip())

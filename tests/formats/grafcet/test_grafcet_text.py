@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc import model as m
 from plcopen_sfc.errors import StructureError
 from plcopen_sfc.model import ActionKind, ForcedSituation, PartialChartKind, PouKind, Project, SfcNetwork, Variable
 from plcopen_sfc.model.numbering import numbered_in_order
@@ -252,6 +253,32 @@ def test_what_charts_of_tools_do_beside_their_actions_is_told(form: str) -> None
     assert "POU PLC_PRG / SFCReset" in told["SFC flag"]
     assert told["transition"]
     assert "POU FB_Drill / step Bottom" in told["selection"]
+
+
+@pytest.mark.parametrize("form", ["grafcet-text", "grafcet"])
+def test_what_is_no_chart_of_a_project_is_told(form: str) -> None:
+    text = """PROGRAM Main
+    INITIAL_STEP A: END_STEP
+    STEP B: Q(N); END_STEP
+    TRANSITION FROM A TO B := x; END_TRANSITION
+    TRANSITION FROM B TO A := y; END_TRANSITION
+END_PROGRAM
+PROGRAM Other
+    g := NOT g;
+END_PROGRAM
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    chart = project.pou("Main").chart
+    with project.edit() as edit:
+        edit.move_to_macro([chart.step("B")], "M1")
+    chart.permanent_pre.append(m.PermanentOperation(body=m.OpaqueBody(source="step7", content="CALL FC 1")))
+    report = sfc.convert(project, form, partial=True).report
+    lost = {(item.what, item.path) for item in report.losses}
+    assert {
+        ("POU", "POU Other"),
+        ("macro-step", "POU Main / step M1"),
+        ("permanent instruction", "POU Main"),
+    } <= lost
 
 
 @pytest.mark.slow
