@@ -19,6 +19,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import zip_longest
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_sites import named
@@ -201,8 +202,11 @@ class ActionCalls:
         passed = {
             name.casefold(): f"{name} := {path}.{name}" if path else f"{name} := #{name}" for name in function.around
         }
-        for place, argument in enumerate(call.arguments):
-            name = argument.name.identifier if argument.name is not None else function.parameters[place].name
+        known = {parameter.name.casefold(): parameter.name for parameter in function.parameters}
+        for argument, by_place in zip_longest(call.arguments, [*known.values()][: len(call.arguments)]):
+            name = argument.name.identifier if argument.name is not None else by_place
+            if name is None or name.casefold() not in known:
+                raise _NoStatementsError(f"it has no parameter for {name or 'all that is passed'}")
             if argument.value is None or argument.value.span is None or argument.negated:
                 raise _NoStatementsError(f"nothing is passed to {name}, or something negated")
             sign = "=>" if name.casefold() in function.outputs else ":="

@@ -240,6 +240,7 @@ _NOT_EXECUTED = {
     "it writes what its text does not name": "sie schreibt, was ihr Text nicht nennt",
     "it calls what nothing replaces: {}: {+}": "sie ruft auf, was nichts ersetzt: {}: {}",
     "nothing is passed to {}": "{} wird nichts übergeben",
+    "it has no parameter for {}": "sie hat keinen Parameter für {}",
     "its body is no list of statements": "ihr Rumpf ist keine Folge von Anweisungen",
     "its tool calls it when an instance is made or goes": (
         "ihr Werkzeug ruft sie auf, wenn eine Instanz entsteht oder endet"

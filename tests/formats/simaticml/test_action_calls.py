@@ -500,6 +500,16 @@ def test_a_method_that_no_function_holds_says_why(change: object, why: str) -> N
     assert why in item.why
 
 
+@pytest.mark.parametrize("call", ["axis.motor.Toggle(a, g)", "axis.motor.Toggle(slow := a, quick := g)"])
+def test_a_call_with_more_than_a_method_takes_is_left_and_told(call: str) -> None:
+    project = project_of(methods)
+    turn = project.pou("Main").find_action("Turn")
+    assert turn is not None
+    turn.body = m.StBody(text=f"q := {call};")
+    report = sfc.convert(project, "simaticml", partial=True).report
+    assert any("it has no parameter for" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
+
+
 def test_a_method_that_a_block_further_down_has_too_is_no_function() -> None:
     """Which of both is called, only the running program tells."""
     project = project_of(methods)
