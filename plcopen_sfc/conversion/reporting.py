@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from plcopen_sfc.conversion.causes import concerns, times_among, told_apart, told_difference, told_while_held
 from plcopen_sfc.conversion.comparison import ExecutionDifference
 from plcopen_sfc.conversion.executed_parts import (
+    HIDDEN_FLAG,
     OPERATING_INPUT,
     OPERATING_KINDS,
     PLAIN_VARIABLES,
@@ -98,7 +99,7 @@ def report_running(
             resolve(source, there.name),
             resolve(result, here.name),
             profiles,
-            step_flags=_step_flags(there, here, called),
+            step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
             inputs=_renamed_variables(here, called) | _executed_inputs(report, there),
             free_inputs=ALL_FREE,
             cap=_CAP,
@@ -230,14 +231,20 @@ def _note_proven(report: ConversionReport, path: str, what: str, how: str) -> No
             report.items[at] = replace(item, outcome=Outcome.TRANSLATED, why=why)
 
 
-def _step_flags(there: Chart, here: Chart, called: Mapping[str, str]) -> dict[str, str] | None:
-    """Return the steps of the result by those of the source; None where all have their names."""
+def _hidden_flags(report: ConversionReport, chart: Chart) -> set[str]:
+    """Return the steps whose flags are FALSE in the result where others are active in their place."""
+    paths = [ObjectPath.of(item.path) for item in report.items if item.what == HIDDEN_FLAG]
+    return {path.last.removeprefix("step ") for path in paths if path.around == chart.report_path}
+
+
+def _step_flags(there: Chart, here: Chart, called: Mapping[str, str], hidden: Collection[str]) -> dict[str, str] | None:
+    """Return the steps of the result by those of the source but for `hidden` ones; None where all have their names."""
     start = f"{here.report_path} / step "
     old = {step.name: ObjectPath.of(called.get(start + step.name, start + step.name)).last for step in here.chart.steps}
     found = {name.removeprefix("step "): step for step, name in old.items()}
-    if all(name == step for name, step in found.items()):
+    if not hidden and all(name == step for name, step in found.items()):
         return None
-    return {step.name: found[step.name] for step in there.chart.steps if step.name in found}
+    return {step.name: found[step.name] for step in there.chart.steps if step.name in found and step.name not in hidden}
 
 
 def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]:

@@ -20,6 +20,7 @@ from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
+from plcopen_sfc.semantics.profile import default_profile
 
 if TYPE_CHECKING:
     from lxml import etree
@@ -253,7 +254,13 @@ def _merged(
             if not is_other:  # what is written has another drawing
                 prepare_body(body, style, positions=False)
     before = codec.read(content).project if excerpt is None else excerpt.before
-    options = WriteOptions(source.version, same=True, source=content, untouched=frozenset(untouched - touched))
+    options = WriteOptions(
+        source.version,
+        same=True,
+        source=content,
+        untouched=frozenset(untouched - touched),
+        of_codesys=bool(default_profile(project).flags),  # a file of another tool may hold what stands for them
+    )
     if is_other:
         options = replace(options, untouched=frozenset())
 

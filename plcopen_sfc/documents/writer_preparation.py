@@ -100,6 +100,10 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         _put_into_dialect(copy, dialect, addresses, report, wholly=wholly, calls_actions=calls_actions)
     _renumber_addresses(copy, project.address_dialect, addresses, report)
     if options.flavour:
+        if options.of_codesys:
+            from plcopen_sfc.conversion.adaptation.chart_rules import obey_flags  # noqa: PLC0415
+
+            obey_flags(copy, project, "matiec", options, report)
         kind.codec().fit(copy, options, report)
         # what its rules would do otherwise is written out, or reported
         rules = PROFILES[options.flavour]

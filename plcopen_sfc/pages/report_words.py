@@ -96,6 +96,7 @@ _KINDS = {
     "static": "statisch",
     "step": "Schritt",
     "step flag": "Schrittmerker",
+    "flag of the initial step": "Merker des Initialschritts",
     "step name": "Schrittname",
     "supervision": "Überwachung",
     "tag table": "Variablentabelle",
@@ -274,6 +275,8 @@ _NOT_EXECUTED = {
         "`{}` ist vom Typ {}, und eine Aktion ist in {} eine boolesche Variable"
     ),
     "S7-GRAPH has no {}: {+}": "S7-GRAPH hat kein {}: {}",
+    "TC6 has no {}: {+}": "TC6 hat kein {}: {}",
+    "matiec has no {}: {+}": "matiec hat kein {}: {}",
     "the chart neither obeys it nor sets it": "die Ablaufkette gehorcht ihm nicht und setzt es nicht",
     "a sequence goes on whenever its block is called": "eine Kette läuft weiter, sooft ihr Baustein aufgerufen wird",
     "it has {}, which the caller of the block operates, not the block": (
@@ -647,6 +650,33 @@ _TRANSLATED = {
         "die Transition der Merker zum Initialschritt ist eine andere"
     ),
     "it obeys the SFC flags of the chart": "sie gehorcht den SFC-Merkern der Kette",
+    "its statements ask the SFC flags of the chart": "ihre Anweisungen fragen die SFC-Merker der Kette ab",
+    "the conditions that leave it ask for its time, and for the flags": (
+        "die Bedingungen, die ihn verlassen, fragen seine Zeit und die Merker ab"
+    ),
+    "the step {} ends what it stores": "der Schritt {} beendet, was sie speichert",
+    "it ends what is stored, and executes what the initial step does": (
+        "er beendet, was gespeichert ist, und führt aus, was der Initialschritt ausführt"
+    ),
+    "as from the initial step": "wie vom Initialschritt aus",
+    "its flag is FALSE {}, in CODESYS it is TRUE; nothing of the block reads it": (
+        "sein Merker ist FALSE ({}), in CODESYS TRUE; nichts im Baustein liest ihn"
+    ),
+    "its flag is FALSE {}, in CODESYS it is TRUE": "sein Merker ist FALSE ({}), in CODESYS TRUE",
+    "its time does not begin while the step {} is active in its place": (
+        "seine Zeit beginnt nicht, solange an seiner Stelle der Schritt {} aktiv ist"
+    ),
+    "behind {} it does not store what it stores otherwise": "nach {} speichert er nicht, was er sonst speichert",
+    "its time goes on during {}; in CODESYS nothing is executed, and all stays as it is": (
+        "ihre Zeit läuft während {} weiter; in CODESYS wird nichts ausgeführt, und alles bleibt, wie es ist"
+    ),
+    "it goes on during {}": "sie läuft während {} weiter",
+    "what holds transitions during SFCPause may be computed before actions that the conditions read": (
+        "was Transitionen während SFCPause hält, wird vielleicht vor Aktionen berechnet, die die Bedingungen lesen"
+    ),
+    "an action in place that is stored has no name by which it could be reset": (
+        "eine gespeicherte Aktion ohne Namen lässt sich nicht zurücksetzen"
+    ),
     "it is active instead of the initial step, and does nothing": (
         "er ist statt des Initialschritts aktiv und tut nichts"
     ),

@@ -63,9 +63,7 @@ REASONS = {
         "negated action|macro-step": "charts of CODESYS have no such element",
     },
     "plcopen-2.01": {
-        "SFCInit|SFCReset|SFCPause|SFCTip|maximum time": (
-            "TC6 has no SFC flags; statements for them are not written yet"
-        ),
+        "maximum time": "TC6 has no SFCError; statements for it are not written yet",
         "action that calls a method": "TC6 has no methods; functions in their places are written for TIA Portal only",
     },
     "codesys23": {

@@ -20,6 +20,7 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import (
     is_supervised,
     taken_names,
 )
+from plcopen_sfc.conversion.adaptation.flags_in_tc6 import execute_flags_in_tc6
 from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
 from plcopen_sfc.conversion.adaptation.sequence_loops import SequenceRewriter
 from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter, ShownState
@@ -52,7 +53,7 @@ from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
+from plcopen_sfc.model.sfc import FlagUse, SfcFlag, SfcSettings, Step, Transition
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.report import ORDER_OF_ACTIONS, ConversionReport, Outcome
 
@@ -148,10 +149,27 @@ def rewrite_charts(
     for chart, source in zip(list(copy.charts()), list(project.charts()), strict=True):
         if needs_rewriting(chart, host, options) or chart.chart != source.chart:
             rewriting = ChartRewriting(chart, source.chart, host, options, report, marks, taken_names(copy, chart))
-            if options.of_codesys and not host.is_codesys:
-                used = _flags_in_use(source)
-                rewriting.flags = used - flags_at_rest(project, source.pou, used, named)
+            if options.of_codesys and not host.is_codesys and not options.flavour:
+                rewriting.flags = _used_flags(project, source, named)
             _ChartRewriter(rewriting).rewrite()
+
+
+def obey_flags(project: Project, source: Project, tool: str, options: WriteOptions, report: ConversionReport) -> None:
+    """Let conditions of `project`, a copy of `source` from CODESYS, obey its SFC flags before other rules apply."""
+    named = named_flags(Names(source))
+    host = ChartHost(tool, is_codesys=False)
+    for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
+        flags = _used_flags(source, before, named)
+        if flags:
+            kept, taken = chart.chart.model_copy(deep=True), taken_names(project, chart)
+            rewriting = ChartRewriting(chart, kept, host, options, report, {}, taken, flags)
+            _ChartRewriter(rewriting).obey()
+
+
+def _used_flags(project: Project, source: Chart, named: frozenset[str]) -> frozenset[SfcFlag]:
+    """Return the SFC flags of a chart of CODESYS that something uses."""
+    used = _flags_in_use(source)
+    return used - flags_at_rest(project, source.pou, used, named)
 
 
 class _ChartRewriter:
@@ -169,6 +187,15 @@ class _ChartRewriter:
         """Change the chart, by `CHART_RULES`."""
         for rule in CHART_RULES:
             rule.apply(self)
+
+    def obey(self) -> None:
+        """Let the chart obey its flags, and nothing else."""
+        self._shown = ShownState(self._rewriting, self._checks, self._modes)
+        self._steps = StepRewriter(self._rewriting, self._checks)
+        self._permanent = PermanentRewriter(self._rewriting, self._steps, self._checks, self._shown)
+        self.flags()
+        self._report_codesys()
+        self._chart.settings = SfcSettings(flags={flag: FlagUse(use=False) for flag in SfcFlag})
 
     def conditions(self) -> None:
         """Rewrite the conditions, with the supervisions and minimum times of the steps that they leave."""
@@ -198,6 +225,11 @@ class _ChartRewriter:
     def drawn_logic(self) -> None:
         """Add the action for logic that is drawn in the chart."""
         self._boxes.store(self._steps, self._permanent)
+
+    def flags(self) -> None:
+        """Let conditions obey the SFC flags of CODESYS."""
+        if self._rewriting.flags:
+            execute_flags_in_tc6(self._rewriting, self._steps, self._checks, self._permanent)
 
     def losses(self) -> None:
         """Report what has no counterpart."""
@@ -497,7 +529,13 @@ CHART_RULES = (
         _ChartRewriter.drawn_logic,
     ),
     ChartRule(
-        "SkipSteps; SFC flags and maximum times in TC6",
+        "SFC flags in TC6",
+        "conditions that obey them, transitions to the initial step and to one that does nothing, and statements that "
+        "ask them; not executed where several steps may be active",
+        _ChartRewriter.flags,
+    ),
+    ChartRule(
+        "SkipSteps; maximum times in TC6",
         "not executed: the target has nothing of the kind",
         _ChartRewriter.losses,
     ),

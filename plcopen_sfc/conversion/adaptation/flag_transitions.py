@@ -1,8 +1,9 @@
-"""SFC flags of CODESYS as transitions of blocks of S7-GRAPH, which has no such variables.
+"""SFC flags of CODESYS as transitions of charts of tools without such variables: S7-GRAPH, and TC6 (`flags_in_tc6`).
 
 SFCInit holds a chart in its initial step, of which nothing is executed; SFCReset begins it again there, and keeps its
 transitions from firing; SFCPause stops it; SFCTipMode keeps transitions from firing, and an edge of SFCTip fires those
-that are enabled. A block of S7-GRAPH has INIT_SQ and T_PUSH, but for its caller only. So the flags are conditions: of
+that are enabled. A block of S7-GRAPH has INIT_SQ and T_PUSH, but for its caller only; TC6 has nothing of the kind. So
+the flags are conditions: of
 transitions that are tried before all others, to the initial step and to one that does nothing, and of those that the
 chart has (`plcopen_sfc.semantics.charts.sfc_flags`, and the tests compare both). No transition leaves one branch of a
 simultaneous sequence: SFCInit and SFCReset have no effect on charts with such branches.
@@ -11,11 +12,12 @@ simultaneous sequence: SFCInit and SFCReset have no effect on charts with such b
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Iterable, Mapping
 from itertools import chain
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
-from plcopen_sfc.conversion.executed_parts import told_flag
+from plcopen_sfc.conversion.executed_parts import HIDDEN_FLAG, told_flag
 from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
 from plcopen_sfc.languages.binding import Effects, Names, bind
@@ -29,7 +31,7 @@ from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import SfcFlag, Step
+from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -47,7 +49,7 @@ _WITHOUT = {
 """Why flags have no effect in a block of S7-GRAPH."""
 _TIPPING = frozenset({SfcFlag.TIP, SfcFlag.TIP_MODE})
 _ENDING = frozenset({SfcFlag.INIT, SfcFlag.RESET})
-_OBEYED = _TIPPING | _ENDING | {SfcFlag.PAUSE}
+OBEYED = _TIPPING | _ENDING | {SfcFlag.PAUSE}
 """The flags that conditions obey."""
 _BRANCHES = "several of its steps may be active at a time, which no transition leaves together"
 _ENDED = "actions that it ends, stored or delayed ones, go on there"
@@ -67,7 +69,7 @@ def execute_flags(
     for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
         flags = frozenset(flag for flag in _flags_of(chart) if flag.variable.upper() not in options.at_rest)
         resting = flags_at_rest(source, before.pou, flags, named)
-        rewriter = _FlagRewriter(chart, report, taken_names(project, chart), resting)
+        rewriter = _GraphFlags(chart, _texts_of(chart), resting, report, taken_names(project, chart))
         if not rewriter.rewrite(flags - WATCHING_FLAGS):
             continue
         marks[id(chart.chart)] = {"lines": rewriter.lines, "ends": rewriter.ends}
@@ -87,30 +89,42 @@ def _flags_of(chart: Chart) -> frozenset[SfcFlag]:
     return chart.chart.flags_in_use(lambda name: name.casefold() in declared)
 
 
-class _FlagRewriter:
-    """Rewrites one chart for its flags. Of those `resting`, it tells nothing that has no effect."""
+def _texts_of(place: Chart) -> dict[int, str | None]:
+    """Return the conditions of a chart by the ids of its transitions; None for those that are no expression."""
+    read = condition_reader(place.chart, Dialect.SCL, transitions=place.pou.transitions)
+    texts: dict[int, str | None] = {}
+    for transition in place.chart.transitions:
+        found = read(transition.condition) if transition.condition is not None else None
+        is_whole = found is not None and not found.before and not found.helpers and found.complete
+        tree = found.tree if found is not None and is_whole else None
+        texts[transition.id] = print_node(tree, Dialect.SCL) if tree is not None else None
+    return texts
 
-    def __init__(self, chart: Chart, report: ConversionReport, taken: set[str], resting: Collection[SfcFlag]) -> None:
-        self._place, self._chart, self._report, self._taken = chart, chart.chart, report, taken
-        self._resting = resting
-        self.declared: list[Variable] = []
-        """The variables added to the block: flags that only the source tool declares, and memories."""
-        self.ends: list[str] = []
-        """The flags that end actions which networks behind the sequence control."""
+
+class FlagRewriter(ABC):
+    """Rewrites one chart for its flags. Of those `resting`, it tells nothing that has no effect.
+
+    `texts` are the conditions of its transitions by their ids, None for those that are no expression.
+    """
+
+    title: str
+    prefix = ""
+    """What texts write before a variable of the block."""
+
+    def __init__(self, chart: Chart, texts: Mapping[int, str | None], resting: Collection[SfcFlag]) -> None:
+        self._place, self._chart, self._texts, self._resting = chart, chart.chart, {**texts}, resting
         self.lines: list[str] = []
         """The statements for behind the sequence, which set the memories."""
-        self._bodies = [bind(body, Dialect.SCL) for _, _, body in chart.pou.named_bodies()]
+        self.ends: list[str] = []
+        """The flags in use that end actions."""
+        dialect = Dialect.SCL if self.prefix else Dialect.IEC
+        self._bodies = [bind(body, dialect) for _, _, body in chart.pou.named_bodies()]
         """The texts of the POU before its chart is changed."""
-        read = condition_reader(chart.chart, Dialect.SCL, transitions=chart.pou.transitions)
-        self._texts: dict[int, str | None] = {}
-        for transition in chart.chart.transitions:
-            found = read(transition.condition) if transition.condition is not None else None
-            is_whole = found is not None and not found.before and not found.helpers and found.complete
-            tree = found.tree if found is not None and is_whole else None
-            self._texts[transition.id] = print_node(tree, Dialect.SCL) if tree is not None else None
+        names = (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.TIP, SfcFlag.TIP_MODE)
+        self._init, self._reset, self._pause, self._tip, self._tip_mode = (f"{self.prefix}{n.variable}" for n in names)
 
-    def rewrite(self, flags: Collection[SfcFlag]) -> bool:
-        """Change the chart, and report what became of these flags. Returns True if it is another one now."""
+    def rewrite(self, flags: Collection[SfcFlag]) -> frozenset[SfcFlag]:
+        """Change the chart, and report what became of these flags. Returns those that it obeys now."""
         refused = {flag: self._refusal(flag) for flag in sorted(flags)}
         executed = [flag for flag, why in refused.items() if why is None]
         for flag, why in refused.items():
@@ -118,16 +132,60 @@ class _FlagRewriter:
             if why is None:
                 self._note(Outcome.TRANSLATED, what, place, "the conditions of transitions obey it")
             elif flag not in self._resting:
-                self._note(Outcome.NOT_EXECUTED, what, place, f"S7-GRAPH has no {flag.variable}: {why}")
+                self._note(Outcome.NOT_EXECUTED, what, place, f"{self.title} has no {flag.variable}: {why}")
         if executed:
             self._execute(executed)
-        return bool(executed)
+        return frozenset(executed)
+
+    # -- what the target has
+
+    @abstractmethod
+    def _declare(self, name: str) -> str:
+        """Declare a Boolean variable that the source does not have; its name in texts."""
+
+    @abstractmethod
+    def _new_name(self, wish: str) -> str:
+        """Return a name that nothing in the block has."""
+
+    @abstractmethod
+    def _step_flag(self, step: Step) -> str:
+        """Return the flag of a step in texts."""
+
+    @abstractmethod
+    def _added_step(self, wish: str, why: str) -> Step:
+        """Add a step."""
+
+    @abstractmethod
+    def _lead(self, source: Step, target: Step, condition: str) -> None:
+        """Add a transition that is tried before the others."""
+
+    def _put(self, transition: Transition, condition: str) -> None:
+        """Give a transition another condition."""
+        transition.condition = Expression(text=condition)
+        place = f"transition {self._chart.label(transition)}"
+        self._note(Outcome.TRANSLATED, "condition", place, "it obeys the SFC flags of the chart")
+
+    @abstractmethod
+    def _note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
+        """Report what became of something at `place` in the chart."""
+
+    @abstractmethod
+    def _end_stored(self, flags: Collection[SfcFlag]) -> None:
+        """Let what actions store end where a flag ends it."""
 
     # -- what cannot be done
 
+    @abstractmethod
+    def _refused_end(self) -> str | None:
+        """Return why actions cannot end where a flag ends them."""
+
+    @abstractmethod
+    def _refused_pause(self) -> str | None:
+        """Return why actions cannot stop."""
+
     def _refusal(self, flag: SfcFlag) -> str | None:
         """Return why no condition does what a flag does; None where conditions do."""
-        if flag not in _OBEYED:
+        if flag not in OBEYED:
             return _WITHOUT.get(flag, "the chart neither obeys it nor sets it")
         chart = self._chart
         if not self._is_declared(flag) and (chart is not self._place.pou.chart or self._is_global(flag)):
@@ -161,6 +219,176 @@ class _FlagRewriter:
     def _initial(self) -> Step:
         return next(step for step in self._chart.steps if step.initial)
 
+    # -- the chart
+
+    def _execute(self, flags: Collection[SfcFlag]) -> None:
+        for flag in (flag for flag in flags if not self._is_declared(flag)):
+            self._declare(flag.variable)
+        steps = list(self._chart.steps)
+        again = self._initial
+        if SfcFlag.RESET in flags:
+            again = self._beginning()
+        self._hold(flags, again)
+        wanted = {SfcFlag.INIT: self._init, SfcFlag.RESET: self._reset}
+        begins = [text for flag, text in wanted.items() if flag in flags]
+        self.ends = [*begins]
+        if SfcFlag.INIT in flags and self._has_rest:
+            begins.remove(self._init)
+            rest = self._rest(flags)
+            for step in steps if again in steps else [*steps, again]:
+                self._lead(step, rest, self._init)
+        for step in (step for step in steps if step is not again and begins):
+            if any(step.id in each.sources and each.targets == [again.id] for each in self._chart.transitions):
+                why = "the transition of the flags to the initial step is another one"
+                self._note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", why)
+            self._lead(step, again, " OR ".join(begins))
+        self._report_ends([flag for flag in flags if flag in _ENDING], steps)
+
+    def _beginning(self) -> Step:
+        """Return the step to which SFCReset leads."""
+        return self._initial
+
+    @property
+    def _has_rest(self) -> bool:
+        """True if the initial step executes something, so that SFCInit activates another one that does nothing."""
+        initial = self._initial
+        return any((initial.actions, initial.entry_action, initial.main_action, initial.exit_action))
+
+    def _rest(self, flags: Collection[SfcFlag]) -> Step:
+        why = "it is active instead of the initial step, and does nothing"
+        rest = self._added_step(f"{SfcFlag.INIT.variable}_holds", why)
+        self._lead(rest, self._initial, all_of([f"NOT {self._init}", self._goes_on(flags)]))
+        return rest
+
+    def _goes_on(self, flags: Collection[SfcFlag]) -> str:
+        """Return when SFCPause does not stop the chart while SFCInit is FALSE; empty where it is no flag."""
+        if SfcFlag.PAUSE not in flags:
+            return ""
+        return f"NOT {self._pause}" + (f" OR {self._reset}" if SfcFlag.RESET in flags else "")
+
+    def _hold(self, flags: Collection[SfcFlag], again: Step) -> None:
+        """Let transitions not fire while a flag is TRUE, and as CODESYS tests them afterwards.
+
+        SFCReset leads to the step `again`, the initial one or another in its place.
+
+        CODESYS executes actions before it tests transitions: after a scan without either it tests none before it has
+        executed actions again, and the transition that it found before a pause fires behind that.
+        """
+        stops, waits = "", ""
+        if SfcFlag.PAUSE in flags:
+            stronger = {SfcFlag.INIT: self._init, SfcFlag.RESET: self._reset}
+            others = [f"NOT {text}" for flag, text in stronger.items() if flag in flags]
+            stops = self._memory("SFC_stops")
+            waits = self._memory(f"{SfcFlag.PAUSE.variable}_before")
+            self.lines.append(f"{stops} := {all_of([self._pause, *others])};")
+        rises = SfcFlag.INIT in flags and not self._has_rest
+        init = self._memory(f"{SfcFlag.INIT.variable}_before") if rises else ""
+        tips = not _TIPPING.isdisjoint(flags)
+        pushed, watching = self._pushed(flags, stops)
+        for transition in list(self._chart.transitions):
+            is_first = not {self._initial.id, again.id}.isdisjoint(transition.sources)
+            if not (stops or is_first or tips):
+                continue
+            text = self._texts[transition.id] or "TRUE"
+            text = all_of([text, f"NOT {self._tip_mode}" if SfcFlag.TIP_MODE in flags else ""])
+            text = f"({text}) OR ({pushed})" if pushed else text
+            fires = [text, *(f"NOT {each}" for each in (waits, init if is_first or stops else "") if each)]
+            condition = all_of(fires)
+            if stops:
+                found = self._memory(f"{self._chart.label(transition).replace(' -> ', '_to_')}_waits")
+                left = [step for step in self._chart.steps if step.id in transition.sources]
+                now = all_of([*map(self._step_flag, left), *fires])
+                self.lines.append(f"{found} := {stops} AND (({waits} AND {found}) OR ({now}));")
+                condition = all_of([f"({condition}) OR ({waits} AND {found})", f"NOT {self._pause}"])
+            if is_first:
+                held = [self._init] * rises + [self._reset] * (SfcFlag.RESET in flags)
+                condition = all_of([condition, *(f"NOT {text}" for text in held)])
+            self._put(transition, condition)
+        self.lines += watching
+        if waits:
+            self.lines.append(f"{waits} := {stops};")
+        if init:
+            self.lines.append(f"{init} := {self._init};")
+        if not _ENDING.isdisjoint(flags):
+            self._end_stored(flags)
+
+    def _pushed(self, flags: Collection[SfcFlag], stops: str) -> tuple[str, list[str]]:
+        """Return the edge of SFCTip, empty where it is no flag, and the statements for its memory.
+
+        CODESYS looks for it where it tests transitions, which it does behind scans with actions only.
+        """
+        if SfcFlag.TIP not in flags:
+            return "", []
+        before, tests = self._memory(f"{SfcFlag.TIP.variable}_before"), self._memory("SFC_tests")
+        stopped = [f"NOT {text}" for text in (stops, self._init if SfcFlag.INIT in flags else "") if text]
+        return f"{self._tip} AND NOT {before}", [
+            f"{before} := ({tests} AND {self._tip}) OR ({before} AND NOT {tests});",
+            f"{tests} := {all_of(stopped)};",
+        ]
+
+    def _memory(self, wish: str) -> str:
+        """Declare a Boolean variable that the source does not have; its name in texts."""
+        return self._declare(self._new_name(identifier(wish)))
+
+    # -- what differs
+
+    def _report_ends(self, flags: Collection[SfcFlag], steps: list[Step]) -> None:
+        """Report what is executed as a flag ends a step, and what of the initial step does not begin again."""
+        words = " and ".join(flag.variable for flag in flags)
+        for step in steps if flags else ():
+            if self._is_executed_at_end(step):
+                why = f"what it executes when it is left is executed when {words} ends it too, in CODESYS it is not"
+                self._note(Outcome.APPROXIMATED, "end of the step", f"step {step.name}", why)
+        initial = self._initial
+        is_plain = all(row.qualifier in _LASTING for row in initial.actions)
+        if SfcFlag.RESET in flags and not (is_plain and not initial.entry_action and not self._is_read(initial, "t")):
+            why = f"{SfcFlag.RESET.variable} does not begin it again where it is active already"
+            self._note(Outcome.APPROXIMATED, "initial step", f"step {initial.name}", why)
+        if SfcFlag.INIT in flags and self._is_read(initial, "t"):
+            why = f"its time does not begin again while {SfcFlag.INIT.variable} is TRUE"
+            self._note(Outcome.APPROXIMATED, "step time", f"step {initial.name}", why)
+        if SfcFlag.INIT in flags and self._has_rest:
+            self._hide(initial, f"while {SfcFlag.INIT.variable} is TRUE")
+
+    def _hide(self, initial: Step, when: str) -> None:
+        """Report that another step is active in place of the initial one."""
+        place, why = f"step {initial.name}", f"its flag is FALSE {when}, in CODESYS it is TRUE"
+        if self._is_read(initial, "x"):
+            self._note(Outcome.APPROXIMATED, "step flag", place, why)
+        else:
+            self._note(Outcome.TRANSLATED, HIDDEN_FLAG, place, f"{why}; nothing of the block reads it")
+
+    def _is_executed_at_end(self, step: Step) -> bool:
+        """True if a step executes something when it is left, however it is left."""
+        last = [row for row in step.actions if row.qualifier in _WITH_FINAL_SCAN and is_code(self._place, row)]
+        return bool(step.exit_action or last or any(row.qualifier is Qualifier.P0 for row in step.actions))
+
+    def _is_read(self, step: Step, member: str) -> bool:
+        """True if a text of the POU names data of a step, or its minimum time asks for its time."""
+        path = (step.name.casefold(),)
+        named = (each for body in self._bodies for each in body.uses if each.name.casefold() == member)
+        is_named = any(each.base is not None and path_of(each.base) == path for each in named)
+        return is_named or (member == "t" and step.min_time is not None)
+
+
+class _GraphFlags(FlagRewriter):
+    """Rewrites one chart for a block of S7-GRAPH."""
+
+    title, prefix = "S7-GRAPH", "#"
+
+    def __init__(
+        self,
+        chart: Chart,
+        texts: Mapping[int, str | None],
+        resting: Collection[SfcFlag],
+        report: ConversionReport,
+        taken: set[str],
+    ) -> None:
+        super().__init__(chart, texts, resting)
+        self._report, self._taken = report, taken
+        self.declared: list[Variable] = []
+        """The variables added to the block: flags that only the source tool declares, and memories."""
+
     def _refused_end(self) -> str | None:
         rows = [row for _, row in self._chart.associations()]
         controlled, stored = self._controlled(), self._stored()
@@ -192,119 +420,25 @@ class _FlagRewriter:
 
     def _refused_pause(self) -> str | None:
         for step, row in self._chart.associations():
-            if row.qualifier not in _LASTING or _is_code(self._place, row) or row.condition is not None:
+            if row.qualifier not in _LASTING or is_code(self._place, row) or row.condition is not None:
                 return f"the actions of the step {step.name} go on there"
         for step in self._chart.steps:
             if step.entry_action or step.main_action or step.exit_action:
                 return f"the actions of the step {step.name} go on there"
         return None
 
-    # -- the chart
-
-    def _execute(self, flags: Collection[SfcFlag]) -> None:
-        for flag in (flag for flag in flags if not self._is_declared(flag)):
-            self._declare(flag.variable)
-        initial, steps = self._initial, list(self._chart.steps)
-        self._hold(flags)
-        wanted = {SfcFlag.INIT: _INIT, SfcFlag.RESET: _RESET}
-        begins = [text for flag, text in wanted.items() if flag in flags]
-        self.ends = [*begins]
-        if SfcFlag.INIT in flags and self._has_rest:
-            begins.remove(_INIT)
-            rest = self._rest(flags)
-            for step in steps:
-                self._lead(step, rest, _INIT)
-        for step in (step for step in steps if step is not initial and begins):
-            if any(step.id in each.sources and each.targets == [initial.id] for each in self._chart.transitions):
-                why = "the transition of the flags to the initial step is another one"
-                self._note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", why)
-            self._lead(step, initial, " OR ".join(begins))
-        self._report_ends([flag for flag in flags if flag in _ENDING], steps)
-
-    @property
-    def _has_rest(self) -> bool:
-        """True if the initial step executes something, so that SFCInit activates another one that does nothing."""
-        initial = self._initial
-        return any((initial.actions, initial.entry_action, initial.main_action, initial.exit_action))
-
-    def _rest(self, flags: Collection[SfcFlag]) -> Step:
-        rest = self._added_step(f"{SfcFlag.INIT.variable}_holds")
-        self._lead(rest, self._initial, all_of([f"NOT {_INIT}", f"NOT {_PAUSE}" if SfcFlag.PAUSE in flags else ""]))
-        return rest
-
-    def _hold(self, flags: Collection[SfcFlag]) -> None:
-        """Let transitions not fire while a flag is TRUE, and as CODESYS tests them afterwards.
-
-        CODESYS executes actions before it tests transitions: after a scan without either it tests none before it has
-        executed actions again, and the transition that it found before a pause fires behind that.
-        """
-        stops, waits = "", ""
-        if SfcFlag.PAUSE in flags:
-            others = [f"NOT {text}" for flag, text in ((SfcFlag.INIT, _INIT), (SfcFlag.RESET, _RESET)) if flag in flags]
-            stops = self._memory("SFC_stops")
-            waits = self._memory(f"{SfcFlag.PAUSE.variable}_before")
-            self.lines.append(f"{stops} := {all_of([_PAUSE, *others])};")
-        rises = SfcFlag.INIT in flags and not self._has_rest
-        init = self._memory(f"{SfcFlag.INIT.variable}_before") if rises else ""
-        tips = not _TIPPING.isdisjoint(flags)
-        pushed, watching = self._pushed(flags, stops)
-        for transition in list(self._chart.transitions):
-            is_first = self._initial.id in transition.sources
-            if not (stops or is_first or tips):
-                continue
-            text = self._texts[transition.id] or "TRUE"
-            text = all_of([text, f"NOT {_TIP_MODE}" if SfcFlag.TIP_MODE in flags else ""])
-            text = f"({text}) OR ({pushed})" if pushed else text
-            fires = [text, *(f"NOT {each}" for each in (waits, init if is_first or stops else "") if each)]
-            condition = all_of(fires)
-            if stops:
-                found = self._memory(f"{self._chart.label(transition).replace(' -> ', '_to_')}_waits")
-                left = [step for step in self._chart.steps if step.id in transition.sources]
-                now = all_of([*map(step_flag, left), *fires])
-                self.lines.append(f"{found} := {stops} AND (({waits} AND {found}) OR ({now}));")
-                condition = all_of([f"({condition}) OR ({waits} AND {found})", f"NOT {_PAUSE}"])
-            if is_first:
-                held = [_INIT] * rises + [_RESET] * (SfcFlag.RESET in flags)
-                condition = all_of([condition, *(f"NOT {text}" for text in held)])
-            transition.condition = Expression(text=condition)
-            place = f"transition {self._chart.label(transition)}"
-            self._note(Outcome.TRANSLATED, "condition", place, "it obeys the SFC flags of the chart")
-        self.lines += watching
-        if waits:
-            self.lines.append(f"{waits} := {stops};")
-        if init:
-            self.lines.append(f"{init} := {_INIT};")
-        if self._stored() and not _ENDING.isdisjoint(flags):
-            self._end_stored(flags)
-
-    def _pushed(self, flags: Collection[SfcFlag], stops: str) -> tuple[str, list[str]]:
-        """Return the edge of SFCTip, empty where it is no flag, and the statements for its memory.
-
-        CODESYS looks for it where it tests transitions, which it does behind scans with actions only.
-        """
-        if SfcFlag.TIP not in flags:
-            return "", []
-        before, tests = self._memory(f"{SfcFlag.TIP.variable}_before"), self._memory("SFC_tests")
-        stopped = [f"NOT {text}" for text in (stops, _INIT if SfcFlag.INIT in flags else "") if text]
-        return f"{_TIP} AND NOT {before}", [
-            f"{before} := ({tests} AND {_TIP}) OR ({before} AND NOT {tests});",
-            f"{tests} := {all_of(stopped)};",
-        ]
-
     def _end_stored(self, flags: Collection[SfcFlag]) -> None:
         """Let what actions store end where a flag ends it."""
-        ends = [_INIT] * (SfcFlag.INIT in flags)
+        if not self._stored():
+            return
+        ends = [self._init] * (SfcFlag.INIT in flags)
         if SfcFlag.RESET in flags:
             before = self._memory(f"{SfcFlag.RESET.variable}_before")
-            ends.append(f"({_RESET} AND NOT {before})")
+            ends.append(f"({self._reset} AND NOT {before})")
         for name in self._stored().values():
             self.lines.append(f"IF {' OR '.join(ends)} THEN {name} := FALSE; END_IF;")
         if SfcFlag.RESET in flags:
-            self.lines.append(f"{before} := {_RESET};")
-
-    def _memory(self, wish: str) -> str:
-        """Declare a Boolean variable that the source does not have; its name in texts."""
-        return self._declare(self._new_name(identifier(wish)))
+            self.lines.append(f"{before} := {self._reset};")
 
     def _declare(self, name: str) -> str:
         pou = self._place.pou
@@ -317,12 +451,12 @@ class _FlagRewriter:
         self.declared.append(variable)
         return f"#{name}"
 
-    def _added_step(self, wish: str) -> Step:
-        name = self._new_name(wish)
-        step = self._chart.add_step(name)
-        self._note(
-            Outcome.TRANSLATED, "step", f"step {name}", "it is active instead of the initial step, and does nothing"
-        )
+    def _step_flag(self, step: Step) -> str:
+        return step_flag(step)
+
+    def _added_step(self, wish: str, why: str) -> Step:
+        step = self._chart.add_step(self._new_name(wish))
+        self._note(Outcome.TRANSLATED, "step", f"step {step.name}", why)
         return step
 
     def _new_name(self, wish: str) -> str:
@@ -338,43 +472,9 @@ class _FlagRewriter:
         why = "it stands for an SFC flag, and is tried before the others"
         self._note(Outcome.TRANSLATED, "transition", f"transition {added.name}", why)
 
-    # -- what differs
-
-    def _report_ends(self, flags: Collection[SfcFlag], steps: list[Step]) -> None:
-        """Report what is executed as a flag ends a step, and what of the initial step does not begin again."""
-        words = " and ".join(flag.variable for flag in flags)
-        for step in steps if flags else ():
-            last = [row for row in step.actions if row.qualifier in _WITH_FINAL_SCAN and _is_code(self._place, row)]
-            if step.exit_action or last or any(row.qualifier is Qualifier.P0 for row in step.actions):
-                why = f"what it executes when it is left is executed when {words} ends it too, in CODESYS it is not"
-                self._note(Outcome.APPROXIMATED, "end of the step", f"step {step.name}", why)
-        initial = self._initial
-        is_plain = all(row.qualifier in _LASTING for row in initial.actions)
-        if SfcFlag.RESET in flags and not (is_plain and not initial.entry_action and not self._is_read(initial, "t")):
-            why = f"{SfcFlag.RESET.variable} does not begin it again where it is active already"
-            self._note(Outcome.APPROXIMATED, "initial step", f"step {initial.name}", why)
-        if SfcFlag.INIT in flags and self._is_read(initial, "t"):
-            why = f"its time does not begin again while {SfcFlag.INIT.variable} is TRUE"
-            self._note(Outcome.APPROXIMATED, "step time", f"step {initial.name}", why)
-        if SfcFlag.INIT in flags and self._has_rest and self._is_read(initial, "x"):
-            why = f"its flag is FALSE while {SfcFlag.INIT.variable} is TRUE, in CODESYS it is TRUE"
-            self._note(Outcome.APPROXIMATED, "step flag", f"step {initial.name}", why)
-
-    def _is_read(self, step: Step, member: str) -> bool:
-        """True if a text of the POU names data of a step, or its minimum time asks for its time."""
-        path = (step.name.casefold(),)
-        named = (each for body in self._bodies for each in body.uses if each.name.casefold() == member)
-        is_named = any(each.base is not None and path_of(each.base) == path for each in named)
-        return is_named or (member == "t" and step.min_time is not None)
-
     def _note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
         path = self._place.report_path
         self._report.add(outcome, what, f"{path} / {place}" if place else path, why)
-
-
-_INIT, _RESET, _PAUSE, _TIP, _TIP_MODE = (
-    f"#{flag.variable}" for flag in (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.TIP, SfcFlag.TIP_MODE)
-)
 
 
 def step_flag(step: Step) -> str:
@@ -385,11 +485,11 @@ def step_flag(step: Step) -> str:
 def all_of(terms: Iterable[str]) -> str:
     """Return the conjunction of expressions; empty ones do not count."""
     found = [term for term in terms if term not in ("", "TRUE")]
-    simple = [term if re.fullmatch(r'(NOT )?#[\w."]+', term) else f"({term})" for term in found]
+    simple = [term if re.fullmatch(r'(NOT )?#?[\w."]+', term) else f"({term})" for term in found]
     return " AND ".join(simple) if len(found) > 1 else (found or ["TRUE"])[0]
 
 
-def _is_code(chart: Chart, row: ActionAssociation) -> bool:
+def is_code(chart: Chart, row: ActionAssociation) -> bool:
     """True if an association executes statements, and does not drive an operand."""
     is_named = row.target is not None and (chart.pou.find_action(_bare(row.target)) is not None or "." in row.target)
     return row.body is not None or row.value is not None or is_named

@@ -175,19 +175,25 @@ class AddedElements:
 
     def transition(
         self, source: Step, targets: Step | Iterable[Step], condition: str, why: str, *, first: bool = False
-    ) -> None:
+    ) -> Transition:
         """Add a transition; `first`: it is tried before all others."""
         priority = _HIGHEST_PRIORITY if first else None
         added = self._chart.add_transition(source, targets, Expression(text=condition), priority=priority)
         added.id = next(self._ids.get(SymbolKind.TRANSITION, iter(())), added.id)
         self._added.append(added)
         self._rewriting.note(Outcome.TRANSLATED, "transition", f"transition {self._chart.label(added)}", why)
+        return added
 
-    def mark(self, together: Iterable[str] = (), instead_of: dict[str, object] | None = None) -> None:
-        """Mark all that was added; `together`: names by which edits of one count for all."""
+    def mark(
+        self, together: Iterable[str] = (), instead_of: dict[str, object] | None = None, *, flags: bool = False
+    ) -> None:
+        """Mark all that was added; `together`: names by which edits of one count for all.
+
+        `flags`: it stands for SFC flags, and for no operating inputs of S7-GRAPH.
+        """
         uses = [*self._checks.names_of_edges(), *together]
         for added in self._added:
-            self._rewriting.marks[id(added)] = added_element(added, uses, instead_of)
+            self._rewriting.marks[id(added)] = added_element(added, uses, instead_of, flags=flags)
             instead_of = None
         self._added = []
 

@@ -259,6 +259,11 @@ class PermanentRewriter:
             other.reads, own.writes, frozenset()
         )
 
+    def is_overtaken(self, body: StBody) -> bool:
+        """True if an action that the initial step stores may be executed before others that write what it reads."""
+        initial = self._first
+        return initial is not None and self._interfere(self._effects(body), self._rows(initial, before=False))
+
     def _conditions(self) -> frozenset[Path]:
         """Return what the conditions of the chart read."""
         found: set[Path] = set()

@@ -248,6 +248,22 @@ class StepRewriter:
         self._note_action(Outcome.TRANSLATED, step, row.target, "executed in every scan")
         return row.target or "in place"
 
+    def add(self, step: Step, row: ActionAssociation) -> None:
+        """Add a row like another one to a step that was added to the chart."""
+        self._add_row(step, row.qualifier, target=row.target, duration=row.duration)
+        if isinstance(row.body, StBody):
+            step.actions[-1].body = row.body.model_copy()
+
+    def reset(self, step: Step, targets: Iterable[str]) -> None:
+        """Let a step that was added to the chart end what others store in `targets`."""
+        for target in targets:
+            self._add_row(step, Qualifier.R, target=target)
+
+    def execute(self, step: Step, uses: Iterable[str]) -> None:
+        """Mark a step, rewritten already, whose statements depend on the added variables `uses` now."""
+        self._uses.setdefault(step.id, []).extend(uses)
+        self._mark(step)
+
     def _note(self, outcome: Outcome, what: str, step: Step, why: str) -> None:
         self._rewriting.note(outcome, what, f"step {step.name}", why)
 
@@ -265,10 +281,16 @@ class StepRewriter:
         return action.name
 
     def _add_row(
-        self, step: Step, qualifier: Qualifier, *, target: str | None = None, body: StBody | None = None
+        self,
+        step: Step,
+        qualifier: Qualifier,
+        *,
+        target: str | None = None,
+        body: StBody | None = None,
+        duration: str | None = None,
     ) -> None:
         number = next(self._free_ids(step))
-        row = ActionAssociation(id=number, qualifier=qualifier, target=target, body=body)
+        row = ActionAssociation(id=number, qualifier=qualifier, target=target, body=body, duration=duration)
         self._rows.append((step, row))
         step.actions = [*step.actions, row]
 

@@ -32,7 +32,7 @@ from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Action
-from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType
 from plcopen_sfc.report import Outcome
 
@@ -135,22 +135,9 @@ class ChartFitter:
                 self.unit.note(Outcome.NOT_EXECUTED, what, path, why)
                 self.logic.append(self.unit.uncompilable(what))
         chart.partial_charts, chart.permanent_pre, chart.permanent_post = [], [], []
-        if self.final_scan:
-            self._refuse_flags()
         chart.settings = None
         chart.graph_settings = None
         chart.sequences = []
-
-    def _refuse_flags(self) -> None:
-        """Report what controls and watches a chart of CODESYS; a maximum time does nothing but set SFCError."""
-        declared = {variable.name.casefold() for variable in self.unit.pou.variables()} | self.unit.globals
-        used = self.chart.flags_in_use(lambda name: name.casefold() in declared)
-        for flag in sorted(used):
-            self.unit.note(Outcome.NOT_EXECUTED, "flag", self.unit.path, f"matiec has no {flag.variable}")
-        for step in self.chart.steps if SfcFlag.ERROR in used else ():
-            if step.max_time:
-                why = f"{step.max_time} is not watched: matiec has no SFCError"
-                self.unit.note(Outcome.NOT_EXECUTED, "maximum time", f"{self.unit.path} / step {step.name}", why)
 
     def _is_excluded(self, part: Step | Transition | ActionAssociation, path: str) -> bool:
         if part.exclude:

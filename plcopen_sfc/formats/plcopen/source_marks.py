@@ -20,7 +20,7 @@ from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Configuration
-from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import FlagUse, GraphSettings, SfcFlag, SfcNetwork, SfcSettings, Step, Transition
 from plcopen_sfc.model.variables import VariableSection
 
 if TYPE_CHECKING:
@@ -93,15 +93,21 @@ def _of_logic(logic: Mapping[int, Node] | None) -> dict[str, Any]:
 
 
 def added_element(
-    added: Step | Transition, uses: Iterable[str], instead_of: Mapping[str, Any] | None = None
+    added: Step | Transition,
+    uses: Iterable[str],
+    instead_of: Mapping[str, Any] | None = None,
+    *,
+    flags: bool = False,
 ) -> dict[str, Any]:
     """Return the mark of a step or transition that the source does not have; `uses` as in `rewritten_step`.
 
     `instead_of`: transitions and initial steps of the source that the chart lacks, as `replaced_sequences` gives them.
+    `flags`: it stands for SFC flags of CODESYS.
     """
     digest = _of_step(added) if isinstance(added, Step) else _of_condition(added.condition)
     names = sorted({name.casefold() for name in uses})
     mark: dict[str, Any] = {"source": {}, "digest": digest, "uses": names, "added": True}
+    mark |= {"flags": True} if flags else {}
     return {REWRITTEN_FIELD: mark | ({"instead_of": instead_of} if instead_of else {})}
 
 
@@ -216,9 +222,14 @@ def restore_chart(
     _take_out(chart, added)
     for number in sorted(added):
         _put_sequences(chart, marks[number])
-    if added and chart.graph_settings is None:
+    if any(not marks[number].get("flags") for number in added) and chart.graph_settings is None:
         chart.graph_settings = GraphSettings()  # by which a writer adds them again
-    if any(marks[number].get("added") for number in outdated):
+    of_flags = [number for number in outdated if marks[number].get("flags")]
+    if of_flags:  # transitions obey an edge of SFCTip now, which would fire those that stand for flags too
+        stated = chart.settings.flags if chart.settings is not None else {}
+        none = dict.fromkeys((SfcFlag.TIP, SfcFlag.TIP_MODE), FlagUse(use=False, declare=False))
+        chart.settings = (chart.settings or SfcSettings()).model_copy(update={"flags": {**stated, **none}})
+    if any(marks[number].get("added") for number in outdated if number not in of_flags):
         if chart.graph_settings not in (None, GraphSettings()):
             warn("the settings of the sequencer of S7-GRAPH")
         chart.graph_settings = None  # what stands for its operating inputs counts now

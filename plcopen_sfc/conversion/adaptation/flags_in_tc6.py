@@ -1,0 +1,283 @@
+"""SFC flags of CODESYS in charts of TC6: conditions, a step that ends what actions store, and guards of statements.
+
+Actions of IEC 61131-3 are executed once more after their step was left; CODESYS executes them no more where a flag ends
+the step, and none during SFCPause. So the statements ask the flags. What a step stores goes on until an action with R
+ends it: SFCInit and SFCReset lead to steps that do so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, guarded
+from plcopen_sfc.conversion.adaptation.flag_transitions import OBEYED, FlagRewriter, all_of, is_code
+from plcopen_sfc.conversion.adaptation.operating_inputs import AddedElements
+from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter
+from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
+from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
+from plcopen_sfc.formats.plcopen.source_marks import (
+    REWRITTEN_FIELD,
+    TEXTS_FIELD,
+    rewritten_transition,
+    text_digest,
+)
+from plcopen_sfc.languages.binding import Effects
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.body import Body, SfcBody, StBody
+from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
+from plcopen_sfc.model.types import Elementary, ElementaryType
+from plcopen_sfc.report import Outcome
+
+_STORES = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
+_RESETS = frozenset({Qualifier.R, Qualifier.R0})
+_PULSES = frozenset({Qualifier.P1, Qualifier.P0})
+_ACTIVE = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P, Qualifier.L, Qualifier.D})
+"""Qualifiers of actions that are executed while a step is active, and once more."""
+_TIMED = frozenset({Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL})
+_TOGETHER = ".flags"
+"""A name in all marks: an edit of what stands for one flag counts for all of it."""
+
+
+def execute_flags_in_tc6(
+    rewriting: ChartRewriting, steps: StepRewriter, checks: StepChecks, surroundings: PermanentRewriter
+) -> None:
+    """Let the conditions of a chart obey its flags; `rewriting.flags` are then those that have no effect."""
+    at_rest = rewriting.options.at_rest
+    used = frozenset(flag for flag in rewriting.flags if flag.variable.upper() not in at_rest)
+    rewriter = _Tc6Flags(rewriting, steps, checks)
+    wanted = used & OBEYED
+    if wanted:
+        rewriting.flags -= rewriter.rewrite(wanted) | rewriter.refused
+        rewriter.store(surroundings)
+
+
+class _Tc6Flags(FlagRewriter):
+    def __init__(self, rewriting: ChartRewriting, steps: StepRewriter, checks: StepChecks) -> None:
+        chart = rewriting.chart
+        self.title = rewriting.host.title
+        texts = {each.id: rewriting.text(each.condition) for each in chart.chart.transitions}
+        super().__init__(chart, texts, ())
+        self._rewriting, self._steps, self._added = rewriting, steps, AddedElements(rewriting, checks)
+        self._names = [_TOGETHER]
+        self._changed: list[Transition] = []
+        self._called = Effects.all(body.code for body in self._bodies).calls
+        self._firsts: set[int] = set()
+        """The steps that SFCReset does not leave."""
+        self.refused: frozenset[SfcFlag] = frozenset()
+
+    def rewrite(self, flags: Collection[SfcFlag]) -> frozenset[SfcFlag]:
+        """Change the chart, and report what became of these flags. Returns those that it obeys now."""
+        executed = super().rewrite(flags)
+        self.refused = frozenset(flags) - executed
+        if executed:
+            self._guard(executed)
+        return executed
+
+    def store(self, surroundings: PermanentRewriter) -> None:
+        """Let the initial step store the action with the memories, and mark what was changed for the way back."""
+        for transition in (each for each in self._changed if each.id in self._rewriting.source_transitions):
+            source = self._rewriting.source_transitions[transition.id]
+            known = self._rewriting.marks.get(id(transition), {}).get(REWRITTEN_FIELD, {})
+            uses = [*known.get("uses", ()), *self._names]
+            mark = rewritten_transition(transition, source, uses, known.get("held", ()))
+            if "logic" in known:
+                mark[REWRITTEN_FIELD]["logic"] = known["logic"]
+            self._rewriting.marks[id(transition)] = mark
+        self._added.mark(self._names, flags=True)
+        if not self.lines:
+            return
+        body = StBody(text="\n".join(self.lines))
+        if surroundings.is_overtaken(body):
+            why = "what holds transitions during SFCPause may be computed before actions that the conditions read"
+            self._note(Outcome.APPROXIMATED, "operating inputs", "", why)
+        self._steps.store(self._initial, "sfc_flags", body, first=False, instead_of=None, uses=self._names)
+
+    # -- what TC6 has
+
+    def _is_declared(self, flag: SfcFlag) -> bool:
+        return super()._is_declared(flag) or self._is_global(flag)
+
+    def _declare(self, name: str) -> str:
+        self._rewriting.declare(name, ElementaryType(name=Elementary.BOOL))
+        self._names.append(name)
+        return name
+
+    def _new_name(self, wish: str) -> str:
+        return self._rewriting.new_name(wish)
+
+    def _step_flag(self, step: Step) -> str:
+        return self._rewriting.host.active(step)
+
+    def _added_step(self, wish: str, why: str) -> Step:
+        return self._added.step(wish, why)
+
+    def _lead(self, source: Step, target: Step, condition: str) -> None:
+        why = "it stands for an SFC flag, and is tried before the others"
+        self._added.transition(source, target, condition, why, first=True)
+
+    def _put(self, transition: Transition, condition: str) -> None:
+        super()._put(transition, condition)
+        self._changed.append(transition)
+        for step in (each for each in self._chart.steps if each.id in transition.sources and each.min_time):
+            why = "the conditions that leave it ask for its time, and for the flags"
+            self._note(Outcome.TRANSLATED, "minimum time", f"step {step.name}", why)
+
+    def _note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
+        self._rewriting.note(outcome, what, place, why)
+
+    # -- what is stored
+
+    def _stored(self) -> list[str]:
+        """Return what rows store, in the order of the chart."""
+        rows = (row for _, row in self._chart.associations() if row.qualifier in _STORES and row.target)
+        found = {row.target.casefold(): row.target for row in rows if row.target is not None}
+        return list(found.values())
+
+    def _refused_end(self) -> str | None:
+        if any(row.target is None and row.qualifier in _STORES for _, row in self._chart.associations()):
+            return "an action in place that is stored has no name by which it could be reset"
+        return None
+
+    @property
+    def _has_rest(self) -> bool:
+        return super()._has_rest or bool(self._stored())
+
+    def _rest(self, flags: Collection[SfcFlag]) -> Step:
+        rest = super()._rest(flags)
+        self._end(rest)
+        return rest
+
+    def _end(self, step: Step) -> None:
+        """Let an added step end what is stored."""
+        stored = self._stored()
+        self._steps.reset(step, stored)
+        for owner, row in self._chart.associations() if stored else ():
+            if row.qualifier in _STORES:
+                why = f"the step {step.name} ends what it stores"
+                self._note(Outcome.TRANSLATED, "qualifier", f"step {owner.name} / action {row.target}", why)
+
+    def _beginning(self) -> Step:
+        """Return the step to which SFCReset leads: one that ends what is stored, and then is as the initial step."""
+        stored, initial = self._stored(), self._initial
+        self._firsts = {initial.id}
+        if not stored:
+            return initial
+        why = "it ends what is stored, and executes what the initial step does"
+        again = self._added_step(f"{SfcFlag.RESET.variable}_begins", why)
+        self._firsts.add(again.id)
+        names = {name.casefold() for name in stored}
+        rows = [row for row in initial.actions if (row.target or "").casefold() not in names]
+        for row in rows:
+            self._steps.add(again, row)
+        self._end(again)
+        for kind in ("entry", "main", "exit"):
+            code = getattr(initial, f"{kind}_action")
+            body = self._statements(code)  # a name would have one control for both steps
+            setattr(again, f"{kind}_action", code if body is None else StBody(text=body.text))
+        for each in [each for each in self._chart.transitions if initial.id in each.sources]:
+            targets = [step for step in self._chart.steps if step.id in each.targets]
+            text = self._texts[each.id]
+            added = self._added.transition(again, targets, text or "TRUE", "as from the initial step")
+            self._texts[added.id] = text
+        if any(row.qualifier not in _RESETS for row in initial.actions if (row.target or "").casefold() in names):
+            why = f"behind {self._reset} it does not store what it stores otherwise"
+            self._note(Outcome.APPROXIMATED, "initial step", f"step {initial.name}", why)
+        self._hide(initial, f"while the step {again.name} is active in its place")
+        if self._is_read(initial, "t"):
+            why = f"its time does not begin while the step {again.name} is active in its place"
+            self._note(Outcome.APPROXIMATED, "step time", f"step {initial.name}", why)
+        return again
+
+    def _end_stored(self, flags: Collection[SfcFlag]) -> None:
+        """Let nothing but the added steps end what is stored."""
+
+    # -- what is executed
+
+    def _refused_pause(self) -> str | None:
+        return None
+
+    def _text_of(self, row: ActionAssociation) -> StBody | None:
+        """Return the statements that a row executes, and nothing else does; None where there are none."""
+        if row.target is None:
+            return row.body if isinstance(row.body, StBody) else None
+        action, name = self._place.pou.find_action(row.target), row.target.casefold()
+        charts = [body.chart for _, _, body in self._place.pou.named_bodies() if isinstance(body, SfcBody)]
+        others = [row for chart in charts if chart is not self._chart for _, row in chart.associations()]
+        is_used = any((each.target or "").casefold() == name for each in others)
+        is_used |= (name,) in self._called
+        return action.body if action is not None and isinstance(action.body, StBody) and not is_used else None
+
+    def _runners(self, wanted: StBody) -> list[tuple[Step, ActionAssociation]]:
+        """Return the rows that execute a body."""
+        return [found for found in self._chart.associations() if self._text_of(found[1]) is wanted]
+
+    def _is_left(self, rows: list[tuple[Step, ActionAssociation]], ends: str) -> str:
+        """Return when statements are executed that a flag does not end; empty where rows store them."""
+        if not all(row.qualifier in _ACTIVE | _PULSES for _, row in rows):
+            return ""
+        steps = {step.id: step for step, row in rows if row.qualifier is not Qualifier.P0}
+        return " OR ".join([*map(self._step_flag, steps.values()), f"NOT ({ends})" if " " in ends else f"NOT {ends}"])
+
+    def _is_executed_at_end(self, step: Step) -> bool:
+        rows = [row for row in step.actions if is_code(self._place, row)]
+        bodies = [self._text_of(row) for row in rows if row.qualifier is not Qualifier.P1]
+        is_told = any(body is None or not self._is_left(self._runners(body), "TRUE") for body in bodies)
+        return is_told or (step.exit_action is not None and self._statements(step.exit_action) is None)
+
+    def _statements(self, found: Body | str | None) -> StBody | None:
+        """Return the statements of a step action; None where it has none."""
+        action = self._place.pou.find_action(found) if isinstance(found, str) else None
+        body = action.body if action is not None else found
+        return body if isinstance(body, StBody) else None
+
+    def _guard(self, flags: Collection[SfcFlag]) -> None:
+        """Let statements not run where a flag ends their step, or stops the chart."""
+        ends = " OR ".join(self.ends)
+        runs = self._goes_on(flags)
+        if runs:
+            self._report_pause()
+        bodies = {id(body): body for _, row in self._chart.associations() if (body := self._text_of(row)) is not None}
+        changed: set[int] = set()
+        for body in bodies.values():
+            rows = self._runners(body)
+            if all(row.qualifier is Qualifier.P1 for _, row in rows):  # once, when nothing stops or ends the step
+                continue
+            is_kept = SfcFlag.INIT not in flags and all(step.id in self._firsts for step, _ in rows)
+            text = _guarded(body.text, [runs, self._is_left(rows, ends) if ends and not is_kept else ""])
+            if text == body.text:
+                continue
+            if rows[0][1].target is not None:
+                mark = self._rewriting.marks.setdefault(id(body), {}).setdefault(TEXTS_FIELD, {})
+                mark["text"] = [mark.get("text", [body.text])[0], text_digest(text)]
+                for step, row in rows:
+                    why = "its statements ask the SFC flags of the chart"
+                    self._note(Outcome.TRANSLATED, "action", f"step {step.name} / action {row.target}", why)
+            else:
+                changed |= {step.id for step, _ in rows}
+            body.text = text
+        for step in self._chart.steps:
+            for kind, needed in (("main", runs), ("exit", f"NOT ({ends})" if ends else "")):
+                body = self._statements(getattr(step, f"{kind}_action")) if needed else None
+                if body is not None:
+                    setattr(step, f"{kind}_action", StBody(text=_guarded(body.text, [needed])))
+                    changed.add(step.id)
+            if step.id in changed:
+                self._steps.execute(step, self._names)
+
+    def _report_pause(self) -> None:
+        """Report what goes on during SFCPause."""
+        for step, row in self._chart.associations():
+            place = f"step {step.name} / action {row.target or 'in place'}"
+            if row.qualifier in _TIMED | {Qualifier.P} or row.duration is not None:
+                why = f"its time goes on during {self._pause}; in CODESYS nothing is executed, and all stays as it is"
+                self._note(Outcome.APPROXIMATED, "action", place, why)
+            elif is_code(self._place, row) and self._text_of(row) is None:
+                self._note(Outcome.APPROXIMATED, "action", place, f"it goes on during {self._pause}")
+        for step in self._chart.steps:
+            if step.main_action is not None and self._statements(step.main_action) is None:
+                why = f"it goes on during {self._pause}"
+                self._note(Outcome.APPROXIMATED, "main action", f"step {step.name}", why)
+
+
+def _guarded(text: str, terms: list[str]) -> str:
+    return "\n".join(guarded(all_of(terms), text.strip().splitlines())) if any(terms) else text

@@ -1,0 +1,102 @@
+"""SFC flags of CODESYS in charts of TC6 and of matiec: what obeys them there, proven by running both."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import ConversionReport, Outcome
+from tests.conversion.test_flags_in_tia import BRANCHES, FLAGS, chart_with, losses
+
+COUNT = "ACTION Count: n := 1 - n; END_ACTION"
+
+
+def compared(source: m.Project, *, flavour: str = "") -> tuple[bytes, ConversionReport]:
+    out = io.BytesIO()
+    report = sfc.save(source, out, format="plcopen-2.01", flavour=flavour, partial=True, limit=30)
+    return out.getvalue(), report
+
+
+@pytest.mark.parametrize(
+    ("flags", "fields"),
+    [
+        pytest.param(("SFCReset",), {}, marks=pytest.mark.slow),
+        (("SFCReset",), {"work": "q(S);"}),
+        (("SFCReset",), {"work": "q(SD, T#20ms);"}),
+        (("SFCInit", "SFCPause"), {"idle": "q(N);", "work": ""}),
+        pytest.param(("SFCPause",), {"chart": BRANCHES}, marks=pytest.mark.slow),
+        pytest.param(("SFCTip", "SFCTipMode"), {}, marks=pytest.mark.slow),
+        pytest.param(FLAGS, {"work": "q(S);"}, marks=pytest.mark.slow),
+        pytest.param(("SFCTip", *FLAGS), {}, marks=pytest.mark.slow),
+    ],
+)
+@pytest.mark.parametrize("flavour", ["", pytest.param("beremiz", marks=pytest.mark.slow)])
+def test_flags_are_obeyed(flags: tuple[str, ...], fields: dict[str, str], flavour: str) -> None:
+    data, report = compared(chart_with(*flags, **fields), flavour=flavour)
+    assert losses(report) == []
+    assert ["equal" in verdict and "proof:" in verdict for verdict in report.compared.values()] == [True], (
+        report.compared
+    )
+    assert flags[0].encode() in data
+
+
+@pytest.mark.parametrize("qualifier", ["N", *(pytest.param(each, marks=pytest.mark.slow) for each in ("P0", "P1"))])
+def test_statements_run_no_more_where_a_flag_ends_their_step(qualifier: str) -> None:
+    source = chart_with(*FLAGS, work=f"Count({qualifier});", actions=COUNT)
+    data, report = compared(source)
+    assert losses(report) == []
+    assert all("equal" in verdict for verdict in report.compared.values()), report.compared
+    seen = sfc.loads(data, format="plcopen-2.01", as_tool=True).pou("Main")
+    is_guarded = seen.actions[0].body.text.startswith("IF (NOT SFCPause OR SFCReset) AND (")
+    assert is_guarded is (qualifier != "P1")
+    assert sfc.loads(data, format="plcopen-2.01").pou("Main").actions[0].body.text == "n := 1 - n;"
+
+
+@pytest.mark.parametrize(
+    ("flag", "fields", "path"),
+    [
+        ("SFCReset", {"work": "Count(S);", "actions": COUNT}, "POU Main / step Work"),
+        ("SFCPause", {"work": "q(D, T#1s);"}, "POU Main / step Work / action q"),
+    ],
+)
+def test_what_differs_is_told(flag: str, fields: dict[str, str], path: str) -> None:
+    report = sfc.convert(chart_with(flag, **fields), "plcopen-2.01", partial=True)[1]
+    assert [(item.outcome, item.path) for item in report.losses] == [(Outcome.APPROXIMATED, path)]
+
+
+def test_no_transition_leaves_branches_together() -> None:
+    source = chart_with("SFCReset", chart=BRANCHES)
+    report = sfc.convert(source, "plcopen-2.01", partial=True)[1]
+    assert losses(report) == [("not executed", "operating input", "POU Main / SFCReset")]
+    assert not sfc.convert(source, "plcopen-2.01", at_rest=["SFCReset"])[1].losses
+
+
+def test_the_source_comes_back_and_an_edit_is_written_in_its_terms() -> None:
+    data, _ = sfc.convert(chart_with(*FLAGS, work="q(S); Count(N);", actions=COUNT), "plcopen-2.01")
+    back = sfc.loads(data, format="plcopen-2.01")
+    chart = back.pou("Main").chart
+    assert [step.name for step in chart.steps] == ["Idle", "Work", "Done"]
+    assert len(chart.transitions) == 4
+    assert chart.graph_settings is None
+    assert "SFC_stops" not in {variable.name for variable in back.pou("Main").variables()}
+    chart.rename_step("Work", "Fill")
+    edited = io.BytesIO()
+    assert not sfc.save(back, edited, format="plcopen-2.01").losses
+    seen = sfc.loads(edited.getvalue(), format="plcopen-2.01", as_tool=True).pou("Main").chart
+    assert [step.name for step in seen.steps] == ["Idle", "Fill", "SFCReset_begins", "Done", "SFCInit_holds"]
+    assert len(sfc.loads(edited.getvalue(), format="plcopen-2.01").pou("Main").chart.transitions) == 4
+
+
+def test_an_edit_of_the_written_chart_counts() -> None:
+    data, _ = sfc.convert(chart_with("SFCTip", *FLAGS), "plcopen-2.01")
+    edited = data.replace(b"NOT SFCReset</expression>", b"NOT SFCReset AND TRUE</expression>")
+    assert edited != data
+    back = sfc.loads(edited, format="plcopen-2.01")
+    chart = back.pou("Main").chart
+    assert len(chart.transitions) == 6  # two of them for the flags
+    assert chart.settings is not None
+    assert not chart.settings.flags[m.SfcFlag.TIP].use  # whose edge would fire those
+    assert "XML214" in {found.code for found in back.diagnostics}
