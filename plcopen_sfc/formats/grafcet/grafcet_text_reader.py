@@ -180,6 +180,9 @@ class _Reader:
             self._new_step(found, said, start, end)
         elif (found := _TRANSITION.match(content)) is not None:
             self._transition(found, said, start, end)
+        elif "->" in content.partition(":")[0]:
+            hint = "A transition leads from steps to steps: 1 -> 2 : condition, 1, 2 -> 3 : condition"
+            raise self._wrong(f"{content!r} is no transition", hint)
         elif self._section is not None and (found := _VARIABLE.match(content)) is not None:
             self._variable(found, said, start, end)
         elif self._step is not None:

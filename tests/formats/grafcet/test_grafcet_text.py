@@ -201,6 +201,7 @@ def test_what_the_text_has_no_words_for_comes_back_from_a_comment() -> None:
     [
         ("GRAFCET G\nSTEP 1\n1 -> 3 : a\nSTEP 2\n", "unknown step '3'", 3),
         ("GRAFCET G\nSTEP 1\nSTEP 1\n", "there is a step 1", 3),
+        ("GRAFCET G\nSTEP 1\n1 -> 2 -> 3 : a\n", "'1 -> 2 -> 3 : a' is no transition", 3),
         ("GRAFCET G\nSTEP 1\n    Q WHEN a\n", "'Q WHEN a' is no action", 3),
         ("GRAFCET G\nSTEP 1\n    FORCE G1\n", "'FORCE G1' is no action", 3),
         ("GRAFCET G\nQ\n", "belongs to no step", 2),
