@@ -47,19 +47,20 @@ class Mistake(NamedTuple):
     message: str
 
 
-def refuse_mistakes(project: Project, kind: Format) -> None:
-    """Raise `ModelError` for what cannot be saved.
+def refuse_mistakes(project: Project, kind: Format, *, of_grafcet: bool = False) -> None:
+    """Raise `ModelError` for what cannot be saved; `of_grafcet`: the steps get other names in the target (``Step1``).
 
     That are ids that two objects have, times that are not valid, and names and characters that the target cannot have.
     """
     # what was not edited has the mistakes of its source, which are taken out again, but for those of GRAFCETs
     grafcet = any(_has_numbers_for_names(source.format) for source in _sources(project))
-    found = set(_mistakes(project, kind, [each for each in project.objects() if grafcet or not is_untouched(each)]))
+    things = [each for each in project.objects() if grafcet or not is_untouched(each)]
+    found = set(_mistakes(project, kind, things, of_grafcet=of_grafcet))
     for source in _sources(project) if found else ():
         before = format_named(source.format)[0].codec().read(source.content).project
         _read_some(before, {mistake.path for mistake in found})
         known = set(_mistakes(before, kind, list(before.objects())))
-        if _has_numbers_for_names(source.format):  # right there; in the target steps get other names, variables do not
+        if _has_numbers_for_names(source.format):  # right there, and not in the target
             known = {mistake for mistake in known if " / step " in mistake.path}
         found -= known
     found |= set(_unwritable_texts(project, kind))
@@ -92,7 +93,9 @@ def _sources(project: Project) -> list[FileSource]:
     return [source] if isinstance(source, FileSource) else []
 
 
-def _mistakes(project: Project, kind: Format, things: Collection[ProjectObject]) -> Iterator[Mistake]:
+def _mistakes(
+    project: Project, kind: Format, things: Collection[ProjectObject], *, of_grafcet: bool = False
+) -> Iterator[Mistake]:
     """Yield the mistakes in what was read of a project and its `things`; what is unread is as it is in its file."""
     names: Dialect | None = None
     if kind.xml and not _has_numbers_for_names(
@@ -110,7 +113,7 @@ def _mistakes(project: Project, kind: Format, things: Collection[ProjectObject])
         for body in pou.named_bodies():
             chart = getattr(body.body, "chart", None)
             if isinstance(chart, SfcNetwork) and not chart.is_unread:
-                yield from _chart_mistakes(chart, pou.report_path_of(body.name), names)
+                yield from _chart_mistakes(chart, pou.report_path_of(body.name), None if of_grafcet else names)
 
 
 def _unwritable_texts(project: Project, kind: Format) -> Iterator[Mistake]:
@@ -278,16 +281,17 @@ def save_project(
         from plcopen_sfc.semantics.charts.graph.graph_parameters import operating_inputs  # noqa: PLC0415  # interpreter
 
         at_rest = operating_inputs(at_rest)
-    kind, declared = format_named(name)[0], ConversionReport()
+    kind, declared, of_grafcet = format_named(name)[0], ConversionReport(), False
     if project.source is None or project.source.format != kind.name:
         from plcopen_sfc.conversion.adaptation.grafcet_variables import (  # noqa: PLC0415  # for conversions only
             with_declarable_variables,
         )
         from plcopen_sfc.documents.writer_preparation import is_put_into_sfc  # noqa: PLC0415  # loading needs none
 
-        if is_put_into_sfc(project, kind):
+        of_grafcet = is_put_into_sfc(project, kind)
+        if of_grafcet:
             project, declared = with_declarable_variables(project, kind)
-    refuse_mistakes(project, kind)
+    refuse_mistakes(project, kind, of_grafcet=of_grafcet)
     if path is not None and is_folder(path, project, name):
         from plcopen_sfc.documents.folder_projects import save_folder  # noqa: PLC0415  # most projects are files
 

@@ -128,6 +128,21 @@ def test_names_that_begin_with_a_digit_get_others_where_only_tia_has_them(form: 
     assert source.pous[0].variables()[0].name == "1B1"
 
 
+@pytest.mark.parametrize("form", ["codesys", "plcopen", "simaticml", "codesys23"])
+def test_new_steps_have_numbers_for_names(form: str) -> None:
+    """In an edited file, and in a model without one."""
+    source = sfc.loads(TEXT.encode())
+    chart = source.pous[0].chart
+    assert chart is not None
+    chart.add_step("3")
+    chart.add_transition("2", "3", "B5")
+    chart.add_transition("3", "1", "B1")
+    for project in (source, source.model_copy(update={"source": None})):
+        written = sfc.loads(sfc.convert(project, form).data).pous[0].chart
+        assert written is not None
+        assert [step.name for step in written.steps] == ["Step1", "Step2", "Step3"]
+
+
 def test_a_new_name_is_one_that_is_free() -> None:
     text = DIGITS.replace("    B5\n", "    B5\n    _1B1\n")
     report = sfc.convert(sfc.loads(text.encode()), "plcopen").report
