@@ -73,6 +73,7 @@ _TOKEN = re.compile(
     )""",
     re.VERBOSE | re.IGNORECASE,
 )
+_COMPARISON = re.compile(r"[^\s(]+ [<>=]")
 _WORDS = {"AND": "and", "OR": "or", "XOR": "xor", "NOT": "not", "MOD": "mark"}
 _COMPARISONS = {"≤": "<=", "≥": ">=", "≠": "<>"}
 _SAME_LENGTH = str.maketrans("≤≥≠", "<>=")
@@ -232,7 +233,8 @@ class _Reader:
         token = self.tokens[start]
         if token.kind == "not" or token.text == "/":
             operand, behind = self._operand(start + 1, end)
-            return f"NOT {operand}", behind
+            # a time may stand as a comparison (Step1.T >= T#3s), of which NOT alone would take the first operand
+            return f"NOT ({operand})" if _COMPARISON.match(operand) else f"NOT {operand}", behind
         if token.text in ("↑", "↓"):
             operand, behind = self._operand(start + 1, end)
             return self._terms.edge(operand, rising=token.text == "↑"), behind

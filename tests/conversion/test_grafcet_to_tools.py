@@ -67,6 +67,11 @@ def test_conditions_and_names_are_those_of_the_tool() -> None:
     assert [(step.name, step.number) for step in chart.steps] == [("Step1", 1), ("Step2", 2)]
     texts = [getattr(transition.condition, "text", None) for transition in chart.transitions]
     assert texts == ["B1 AND NOT B2", "Step2.T >= T#50ms AND B2 AND NOT B1"]
+    # a time that has not passed is negated as a whole, however that is written
+    for time in ("/50ms/X2", "NOT 50ms/X2", "¬50ms/X2", "/(50ms/X2)"):
+        chart = converted(TEXT.replace("50ms/X2", time), "plcopen")[0].pous[0].chart
+        assert chart is not None
+        assert chart.transitions[1].condition == Expression(text="NOT (Step2.T >= T#50ms) AND B2 AND NOT B1")
     graph = converted(TEXT, "simaticml")[0].pous[0].chart
     assert graph is not None
     events = [(a.target, a.value, a.event) for a in graph.step("Step2").actions if a.event is not None]
