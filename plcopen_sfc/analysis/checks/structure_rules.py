@@ -156,8 +156,8 @@ STR01 = Rule(
     code="STR01",
     title="Steps and transitions alternate",
     why="A step that leads to a step, or a transition that leads to a transition, has no meaning: tools refuse the "
-    "chart or guess (IEC 61131-3 ed. 3, 6.7.5; IEC 60848:2013, 4). A GRAFCET as text cannot have it, as each of its arrows "
-    "is a transition; a .grafcet file with such an arc is refused when it is read.",
+    "chart or guess (IEC 61131-3 ed. 3, 6.7.5; IEC 60848:2013, 4). A GRAFCET as text cannot have it, as each of its "
+    "arrows is a transition; a .grafcet file with such an arc is refused when it is read.",
     hint="Insert what is missing between them.",
     example="a wire drawn from step S1 to step S2",
     check=_alternation,
