@@ -102,7 +102,7 @@ def text_mutants(text: str, dialect: Dialect, booleans: frozenset[str] = frozens
     parsed = parse_statements(text, dialect)
 
     def shown(node: n.Node) -> str:
-        words = " ".join(print_node(node, dialect).split())
+        words = " ".join(print_node(node).split())
         line = text.count("\n", 0, node.span[0]) + 1 if node.span else 0
         return f"line {line}, {words[:_SHOWN]}{'..' if len(words) > _SHOWN else ''}"
 
@@ -232,7 +232,7 @@ def expression_mutants(text: str, dialect: Dialect) -> Iterator[TextMutant]:
 
     for node in walk(parsed.tree):
         for kind, told, new in _changes(node, frozenset(), {}, dialect):
-            yield kind, print_node(told, dialect), partial(edited, node, new)
+            yield kind, print_node(told), partial(edited, node, new)
 
 
 # -- declarations

@@ -206,7 +206,6 @@ class ProgramParts:
 
     def __init__(self, instance: Instance) -> None:
         self._pou = instance.unit.pou
-        self._dialect = instance.controller.project.dialect
         if self._pou.actions or self._pou.transitions:
             raise NotDivisibleError(f"{self._pou.name} is more than one body")
         self._effects = NamedEffects(instance)
@@ -216,7 +215,7 @@ class ProgramParts:
     def taken(self, kept: Set[int]) -> Pou:
         """The body with these parts only."""
         statements = self._kept(self._statements, iter(number in kept for number in range(len(self.parts))))
-        text = print_node(n.Statements(statements), self._dialect)
+        text = print_node(n.Statements(statements))
         return self._pou.model_copy(update={"bodies": [StBody(text=text)]})
 
     def _parts(self, statements: Sequence[n.Statement], around: ProgramPart) -> Iterator[ProgramPart]:

@@ -167,7 +167,6 @@ class DirectedSearch:
         self._states: list[_State] = []
         self._by_key: dict[Any, int] = {}
         self._waiting: list[tuple[int, int, float, int, int]] = []
-        self._version: dict[int, int] = {}
         self._frontier: list[Goal] = []
         self._reached = -1
         self._progress = 0

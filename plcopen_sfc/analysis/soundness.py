@@ -37,7 +37,6 @@ class ReducedNet:
 
     def __init__(self, net: Net, closing: Iterable[tuple[int, int]] = ()) -> None:
         """Reduce `net`. `closing`: transitions that are added to it first, as bits of their sources and targets."""
-        self._net = net
         self._places = {step.index: _Place(net.initial >> step.index & 1) for step in net.steps}
         self._moves: dict[int, _Move] = {}
         self._equal_moves: dict[tuple[frozenset[int], frozenset[int]], set[int]] = {}

@@ -146,7 +146,7 @@ def _comparable(network: LogicNetwork, dialect: Dialect) -> Any:
         return None
     texts = sorted(text for _, text in found.comments)
     annotations = sorted(map(repr, _annotations(network.nodes)))
-    return print_node(found.tree, dialect), found.helpers, dict(found.instances), texts, annotations
+    return print_node(found.tree), found.helpers, dict(found.instances), texts, annotations
 
 
 def _annotations(thing: Any) -> Iterator[Any]:

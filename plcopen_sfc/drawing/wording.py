@@ -37,7 +37,6 @@ class Wording:
     """Words for the elements of one chart."""
 
     def __init__(self, chart: SfcNetwork, dialect: Dialect = Dialect.IEC) -> None:
-        self._dialect = dialect
         self._read = condition_reader(chart, dialect)
 
     def condition(self, condition: Condition | None) -> str:
@@ -92,7 +91,7 @@ class Wording:
         return f"({self._text(value)})"
 
     def _text(self, tree: n.Expression) -> str:
-        return _one_line(print_node(tree, self._dialect))
+        return _one_line(print_node(tree))
 
     def actions(self, step: Step) -> Iterator[ActionLine]:
         """Return what a step does: step actions and associations, each as ``N Motor`` or ``D T#2s Lamp``."""

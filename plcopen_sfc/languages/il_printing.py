@@ -13,7 +13,6 @@ from plcopen_sfc.languages.il import ARITHMETIC, COMPARISONS, LOGIC, Instruction
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Operator
-from plcopen_sfc.model.dialect import Dialect
 
 _WORDS = {operator: word for word, operator in {**LOGIC, **ARITHMETIC, **COMPARISONS}.items() if word != "&"}
 _NEGATABLE = frozenset({Operator.AND, Operator.OR, Operator.XOR})
@@ -24,36 +23,33 @@ class NoInstructionError(ValueError):
     """A part of structured text that instruction list has no words for."""
 
 
-def print_instructions(found: Iterable[Instruction], dialect: Dialect = Dialect.IEC) -> str:
+def print_instructions(found: Iterable[Instruction]) -> str:
     """Return instructions as text, one in a line."""
-    return "\n".join(_line(each, dialect) for each in found)
+    return "\n".join(_line(each) for each in found)
 
 
-def _line(instruction: Instruction, dialect: Dialect) -> str:
-    operands = ", ".join(print_node(operand.parsed.tree, dialect) for operand in instruction.operands)
+def _line(instruction: Instruction) -> str:
+    operands = ", ".join(print_node(operand.parsed.tree) for operand in instruction.operands)
     operator = instruction.operator + ("(" if instruction.opens else "")
     return " ".join(filter(None, [f"{instruction.label}:" if instruction.label else "", operator, operands]))
 
 
-def expression_instructions(tree: n.Expression, dialect: Dialect = Dialect.IEC) -> str:
+def expression_instructions(tree: n.Expression) -> str:
     """Return instructions whose result is the value of an expression. Raises `NoInstructionError`."""
-    return "\n".join(_Writer(dialect).value(tree))
+    return "\n".join(_Writer().value(tree))
 
 
-def statement_instructions(
-    statements: Sequence[n.Statement], dialect: Dialect = Dialect.IEC, labels: Iterator[int] | None = None
-) -> str:
+def statement_instructions(statements: Sequence[n.Statement], labels: Iterator[int] | None = None) -> str:
     """Return instructions that do what statements do. Raises `NoInstructionError`.
 
     `labels` has the numbers of the labels of jumps, which are those of the whole body.
     """
-    writer = _Writer(dialect, labels)
+    writer = _Writer(labels)
     return "\n".join(line for each in statements for line in writer.statement(each))
 
 
 class _Writer:
-    def __init__(self, dialect: Dialect, labels: Iterator[int] | None = None) -> None:
-        self._dialect = dialect
+    def __init__(self, labels: Iterator[int] | None = None) -> None:
         self._labels = labels or count(1)
 
     # -- expressions
@@ -111,7 +107,7 @@ class _Writer:
         yield " ".join(filter(None, [name, ", ".join(map(self._text, others))]))
 
     def _text(self, tree: n.Node) -> str:
-        return print_node(tree, self._dialect)
+        return print_node(tree)
 
     # -- statements
 

@@ -333,7 +333,7 @@ def _code(action: Action) -> str:
         drawn = body_statements(body, Dialect.SCL)
         if drawn.obstacles or drawn.helpers or drawn.open_ends:
             raise _NoStatementsError("its network is no list of statements")
-        return print_node(drawn.tree, Dialect.SCL)
+        return print_node(drawn.tree)
     if not isinstance(body, StBody):
         raise _NoStatementsError(f"it is a body in {body.language}")
     parsed = parse_statements(body.text, Dialect.SCL)

@@ -253,8 +253,8 @@ def construct(
         chosen,
         rules,
         why,
-        {path: _bare_names(expression, dialect) for path, expression in maker.active_steps().items()},
-        {step.path: _bare_names(maker.active(step.index), dialect) for step in source.net.steps},
+        {path: _bare_names(expression) for path, expression in maker.active_steps().items()},
+        {step.path: _bare_names(maker.active(step.index)) for step in source.net.steps},
         code.at_rest,
         code.left_out.identifier if code.left_out is not None else None,
         tuple(code.data_types),
@@ -341,10 +341,10 @@ def _numbers(source: ChartSource, maker: Encoding, construction: Construction, r
     return {step.path: number for step, number in numbers if not merged(step.index)}
 
 
-def _bare_names(expression: Expression, dialect: Dialect) -> str:
+def _bare_names(expression: Expression) -> str:
     """Return an expression with bare names of variables, which are the same in files of other dialects."""
 
     def bare(node: Node) -> Node:
         return Name(node.identifier) if isinstance(node, Name) else node
 
-    return print_node(transform(expression, bare), dialect)
+    return print_node(transform(expression, bare))

@@ -26,7 +26,7 @@ def write_conditions_as_expressions(project: Project) -> Iterator[str]:
                 continue
             tree = result_expression(condition.body.text, dialect, stored_in=condition.name)
             if tree is not None:
-                transition.condition = Expression(text=print_node(tree, dialect), negated=condition.negated)
+                transition.condition = Expression(text=print_node(tree), negated=condition.negated)
                 yield f"{chart.report_path} / transition {chart.chart.label(transition)}"
 
 
@@ -84,4 +84,4 @@ def _of_exported_networks(body: Body | str | None, _: Dialect) -> StBody | None:
 def _of_instructions(body: Body | str | None, dialect: Dialect) -> StBody | None:
     if not isinstance(body, IlBody) or (tree := statements(body.text, dialect)) is None:
         return None
-    return StBody(text=print_node(tree, dialect), worksheet=body.worksheet)
+    return StBody(text=print_node(tree), worksheet=body.worksheet)

@@ -84,7 +84,7 @@ def _guarded(step: Step, dialect: Dialect) -> str:
             pass
         case IlBody(text=listed):
             tree = statements(listed, dialect, among_others=True)
-            text = print_node(tree, dialect) if tree is not None else None
+            text = print_node(tree) if tree is not None else None
         case FbdBody() | LdBody() as drawn:
             text = shown_body(drawn, dialect)
         case _:

@@ -48,11 +48,11 @@ def _pou(pou: Pou, dialect: Dialect, profile: Profile) -> Pou:
     if profile.drawn_blocks is DrawnBlocks.EVERY_SCAN and any(_is_drawn(t) for t in transitions):
         taken = [v.name for v in pou.variables()] + [action.name for action in pou.actions]
         drawn, conditions = kept_conditions(chart, dialect, transitions=pou.transitions, taken=taken)
-        transitions = [_with_condition(t, conditions.get(t.id), dialect) for t in transitions]
+        transitions = [_with_condition(t, conditions.get(t.id)) for t in transitions]
         initial = next((place for place, step in enumerate(steps) if step.initial), None)
         if drawn.tree.statements and initial is not None:
             name = _free(_ACTION, taken)
-            update["actions"] = [*pou.actions, Action(name=name, body=StBody(text=print_node(drawn.tree, dialect)))]
+            update["actions"] = [*pou.actions, Action(name=name, body=StBody(text=print_node(drawn.tree)))]
             steps[initial] = _storing(steps[initial], name, chart)
         update["interface"] = _interface(pou, drawn)
     if profile.order_of_flow:
@@ -75,10 +75,10 @@ def _is_drawn(transition: Transition) -> bool:
     return isinstance(transition.condition, WiredCondition | BodyCondition | NamedCondition)
 
 
-def _with_condition(transition: Transition, tree: n.Expression | None, dialect: Dialect) -> Transition:
+def _with_condition(transition: Transition, tree: n.Expression | None) -> Transition:
     if tree is None:
         return transition
-    return transition.model_copy(update={"condition": Expression(text=print_node(tree, dialect))})
+    return transition.model_copy(update={"condition": Expression(text=print_node(tree))})
 
 
 def _storing(step: Step, name: str, chart: SfcNetwork) -> Step:

@@ -29,7 +29,7 @@ from plcopen_sfc.model.dialect import Dialect
 def test_what_only_computes_is_an_expression(text: str, expected: str) -> None:
     tree = result_expression(text, Dialect.CODESYS, stored_in="ready")
     assert tree is not None
-    assert print_node(tree, Dialect.CODESYS) == expected
+    assert print_node(tree) == expected
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ JUMPS = [
 def test_ways_behind_jumps_are_joined(text: str, expected: str) -> None:
     tree = result_expression(text, Dialect.CODESYS, stored_in="ready")
     assert tree is not None
-    assert print_node(tree, Dialect.CODESYS) == expected
+    assert print_node(tree) == expected
 
 
 @pytest.mark.parametrize(("text", "expected"), [*JUMPS[:1], *JUMPS[2:3]])

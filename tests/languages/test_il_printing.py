@@ -59,7 +59,7 @@ def test_expressions_are_instructions(text: str, listed: str) -> None:
 @pytest.mark.parametrize("text", ["f(x := 1) > 2", "MAX(a, b + 1)", "t.Q AND_THEN a"])
 def test_what_has_no_instructions_is_refused(text: str) -> None:
     with pytest.raises(NoInstructionError):
-        expression_instructions(parse_expression(text, Dialect.CODESYS).tree, Dialect.CODESYS)
+        expression_instructions(parse_expression(text, Dialect.CODESYS).tree)
 
 
 STATEMENTS = [

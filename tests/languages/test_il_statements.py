@@ -14,7 +14,7 @@ from plcopen_sfc.model.dialect import Dialect
 
 def shown(text: str) -> str | None:
     tree = statements(text, Dialect.CODESYS)
-    return None if tree is None else print_node(tree, Dialect.CODESYS)
+    return None if tree is None else print_node(tree)
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_random_instructions_do_the_same() -> None:
         one, two = (
             sfc.loads(f"FUNCTION_BLOCK F VAR_INPUT a, b : BOOL; END_VAR VAR_OUTPUT q, r : BOOL; END_VAR\n{body}\n"
             "END_FUNCTION_BLOCK".encode(), format="iec-text").pous[0]
-            for body in ("\n".join(lines), print_node(tree, Dialect.IEC))
+            for body in ("\n".join(lines), print_node(tree))
         )  # fmt: skip
         assert one.body is not None
         assert one.body.language == "IL"

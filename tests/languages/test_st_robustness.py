@@ -248,7 +248,7 @@ def test_programs_with_tokens_lost_or_put_in(
     data: st.DataObject, program: tuple[Dialect, n.Statements], changes: int
 ) -> None:
     dialect, tree = program
-    text = data.draw(laid_out(print_node(tree, dialect), dialect))
+    text = data.draw(laid_out(print_node(tree), dialect))
     for _ in range(changes):
         tokens = tokenize(text, dialect).tokens
         if not tokens:
@@ -274,7 +274,7 @@ def test_a_wrong_statement_costs_no_other(
         return
     wrong = data.draw(st.sampled_from(["x := ;", "x := (1;", "f(1,,2);", "?;", "x y;", "IF THEN a; END_IF;"]))
     marks = ["marker_1 := 1;", "marker_2 := 2;"]
-    text = "\n".join([print_node(before[1], dialect), marks[0], wrong, marks[1], print_node(after[1], dialect)])
+    text = "\n".join([print_node(before[1]), marks[0], wrong, marks[1], print_node(after[1])])
     parsed = parse_statements(text, dialect)
     assert_tree_fits(parsed)
     first, last = text.index(wrong), text.index(marks[1])

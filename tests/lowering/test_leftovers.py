@@ -249,7 +249,7 @@ def calling(path: Path, function: str = "", condition: str = "a", work: str = "l
     back = sfc.load(path)
     body = next(pou for pou in back.pous if pou.name == "Main").body
     assert isinstance(body, m.FbdBody)
-    return print_node(body_statements(body, m.Dialect.SCL).tree, m.Dialect.SCL)
+    return print_node(body_statements(body, m.Dialect.SCL).tree)
 
 
 def test_functions_of_the_project_are_boxes_with_named_inputs_in_tia_portal(tmp_path: Path) -> None:

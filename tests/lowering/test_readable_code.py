@@ -42,7 +42,7 @@ def without(text: str) -> str:
     """The statement without comparisons of s with A, B and C that others decide."""
     (statement,) = parse_statements(text, m.Dialect.IEC).tree.statements
     found: Statement = with_distinct(statement, one_of_values({Name(each) for each in "ABC"}))
-    return print_node(found, m.Dialect.IEC)
+    return print_node(found)
 
 
 def test_comparisons_that_another_one_decides_are_left_out() -> None:

@@ -22,7 +22,7 @@ def inlined(text: str, *, helpers: str = "edge old", behind: str = "", kept: str
     inline_single_uses(code, [Name(name) for name in kept.split()])
     first = code.networks[0]
     assert isinstance(first, CodeNetwork)
-    shown = print_node(Statements(first.statements), m.Dialect.IEC)
+    shown = print_node(Statements(first.statements))
     return " ".join(shown.split()), [variable.name for variable in code.variables]
 
 
@@ -50,7 +50,7 @@ def test_what_changes_the_value_keeps_the_helper() -> None:
     ):
         helpers = "edge old" if "old" in text else "edge"
         made, variables = inlined(text, helpers=helpers)
-        as_it_was = " ".join(print_node(statements_of(text), m.Dialect.IEC).split())
+        as_it_was = " ".join(print_node(statements_of(text)).split())
         assert (made, variables) == (as_it_was, helpers.split()), text
 
 

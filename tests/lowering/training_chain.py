@@ -73,7 +73,7 @@ def listing(project: m.Project) -> str:
     for network in body.networks:
         text = network_statements([network], project.dialect)
         assert text.complete
-        paragraphs.append(f"// {network.title}\n{print_node(text.tree, project.dialect)}\n")
+        paragraphs.append(f"// {network.title}\n{print_node(text.tree)}\n")
     return "\n".join(paragraphs)
 
 

@@ -177,7 +177,7 @@ def _writes(chart: CheckedChart) -> Iterator[_Write]:
                 for assigned in assignments(body, chart):
                     path = path_of(assigned.target)
                     if path and isinstance(n.bare(assigned.target), n.Name | n.Member | n.Address):
-                        name = print_node(assigned.target, chart.dialect)
+                        name = print_node(assigned.target)
                         for step in of_step.get(id(own), ()):
                             yield _Write(step, place, path, name, constant(assigned.value), action, in_code=True)
 

@@ -268,7 +268,7 @@ def _never(chart: CheckedChart) -> Iterator[Finding]:
 
 def _text(chart: CheckedChart, sheet: CheckedSheet, transition: Transition) -> str:
     tree = chart.condition(sheet, transition).tree
-    return " ".join(print_node(tree, chart.dialect).split()) if tree is not None else ""
+    return " ".join(print_node(tree).split()) if tree is not None else ""
 
 
 def _nodes(found: NetworkExpression) -> Iterator[n.Node]:
@@ -286,7 +286,7 @@ def _assigning(chart: CheckedChart) -> Iterator[Finding]:
         trees = [*found.before, *([found.tree] if found.tree is not None else [])]
         written = [target for tree in trees for target in targets(tree)]
         names = [
-            print_node(target, chart.dialect)
+            print_node(target)
             for target in written
             if not (isinstance(target, n.Name) and target.identifier.casefold() in own)
         ]
@@ -312,7 +312,7 @@ def _stored(chart: CheckedChart, transition: Transition) -> Iterator[str]:
     body, name = _body_of(chart, transition)
     if isinstance(body, IlBody):
         for target in bind(body, chart.dialect).targets():
-            text = print_node(target, chart.dialect)
+            text = print_node(target)
             if text.casefold() != name.casefold():
                 yield text
 
@@ -320,7 +320,7 @@ def _stored(chart: CheckedChart, transition: Transition) -> Iterator[str]:
 def _calling(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, transition in _transitions(chart):
         found = chart.condition(sheet, transition)
-        called = [print_node(call.callee, chart.dialect) for call in _calls(found) if _has_state(call, chart)]
+        called = [print_node(call.callee) for call in _calls(found) if _has_state(call, chart)]
         if called:
             names = ", ".join(dict.fromkeys(called))
             yield Finding(sheet.at(transition), f"the condition calls {names}, which keeps values between calls")
@@ -380,7 +380,7 @@ def _unknown_steps(chart: CheckedChart) -> Iterator[Finding]:
             if isinstance(node, n.Member) and isinstance(node.base, n.Name) and node.name.identifier in _STEP_MEMBERS:
                 name = node.base.identifier
                 if name.casefold() not in known:
-                    said = print_node(node, chart.dialect)
+                    said = print_node(node)
                     yield Finding(sheet.at(transition), f"{said} asks for a step {name!r}, and there is no such step")
 
 

@@ -99,7 +99,7 @@ def _moved(chart: Chart) -> list[_Moved]:
         found = read(transition.condition) if transition.condition is not None else None
         if found is None or found.tree is None or found.obstacles or not found.complete:
             return []
-        text = print_node(found.tree, Dialect.SCL)
+        text = print_node(found.tree)
         if found.before:
             known = {f"#{each.name}": each.type_name or "" for each in found.helpers}
             if not set(known.values()) <= _INPUTS.keys():
@@ -129,7 +129,7 @@ def _networks(before: Sequence[n.Statement], enabled: str, instances: dict[str, 
     lines: list[str] = []
     for statement in before:
         call = statement.call if isinstance(statement, n.CallStatement) else None
-        name = print_node(call.callee, Dialect.SCL) if isinstance(call, n.Call) else ""
+        name = print_node(call.callee) if isinstance(call, n.Call) else ""
         held = _INPUTS.get(instances.get(name, ""))
         if not isinstance(call, n.Call) or held is None:
             return None
@@ -137,7 +137,7 @@ def _networks(before: Sequence[n.Statement], enabled: str, instances: dict[str, 
         for argument in call.arguments:
             if argument.name is None or argument.value is None or argument.output:
                 return None
-            pin, value = argument.name.identifier.upper(), print_node(argument.value, Dialect.SCL)
+            pin, value = argument.name.identifier.upper(), print_node(argument.value)
             if pin == held:
                 value = f"({enabled} AND ({value})) OR (NOT ({enabled}) AND {name}.{held})"
             elif not isinstance(argument.value, n.Literal):

@@ -58,7 +58,7 @@ class ChartRewriting:
         found = self.read(condition)
         if found.tree is None or found.before or found.helpers or not found.complete:
             return None
-        return print_node(found.tree, self.host.dialect)
+        return print_node(found.tree)
 
     @property
     def of_graph(self) -> bool:

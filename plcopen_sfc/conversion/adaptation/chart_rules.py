@@ -354,7 +354,7 @@ class _DrawnBoxes:
 
     def value(self, transition: Transition) -> str | None:
         """Return the expression for the condition of a transition; its boxes are in the action then."""
-        condition, dialect = transition.condition, self._rewriting.host.dialect
+        condition = transition.condition
         text = self._rewriting.text(condition)
         if text is None and condition is not None:
             found = self._rewriting.read(condition)
@@ -364,9 +364,9 @@ class _DrawnBoxes:
                 text = self._value_before(transition)
             else:
                 self.uses[transition.id] = self._declare(found)
-                statements = print_node(n.Statements(found.before), dialect).splitlines()
+                statements = print_node(n.Statements(found.before)).splitlines()
                 self._lines += guarded(self._when(transition), statements)
-                text = print_node(found.tree, dialect)
+                text = print_node(found.tree)
         if text is not None:
             self._tried.append((transition, text))
         return text
@@ -422,7 +422,7 @@ class _DrawnBoxes:
         if found.obstacles:
             return None
         self._added += self._declare(found)
-        return print_node(found.tree, dialect).splitlines()
+        return print_node(found.tree).splitlines()
 
     @property
     def _initial(self) -> Step | None:
@@ -456,11 +456,11 @@ class _DrawnBoxes:
             found, self._kept = kept_conditions(chart, dialect, transitions=objects, taken=taken)
             self._added += self._declare(found)
             self._instances = {name.casefold() for name in found.instances}
-            self._lines += print_node(found.tree, dialect).splitlines()
+            self._lines += print_node(found.tree).splitlines()
         tree = self._kept.get(transition.id)
         if tree is None:
             return None
-        text = print_node(transform(tree, self._as_before), dialect)
+        text = print_node(transform(tree, self._as_before))
         self.uses[transition.id] = [*self._added, *self._before.values()]
         return text
 
@@ -479,7 +479,7 @@ class _DrawnBoxes:
                 is_given = False
         if not is_given:
             return node
-        value = print_node(node, self._rewriting.host.dialect)
+        value = print_node(node)
         if value not in self._before:
             self._before[value] = self._rewriting.new_variable(f"{value.replace('.', '_')}_before")
             self._lines.insert(0, f"{self._before[value]} := {value};")

@@ -97,7 +97,7 @@ def _texts_of(place: Chart) -> dict[int, str | None]:
         found = read(transition.condition) if transition.condition is not None else None
         is_whole = found is not None and not found.before and not found.helpers and found.complete
         tree = found.tree if found is not None and is_whole else None
-        texts[transition.id] = print_node(tree, Dialect.SCL) if tree is not None else None
+        texts[transition.id] = print_node(tree) if tree is not None else None
     return texts
 
 

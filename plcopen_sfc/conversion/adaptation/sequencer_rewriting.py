@@ -227,7 +227,7 @@ class PermanentRewriter:
         if not isinstance(body, FbdBody | LdBody):
             return None
         found = body_statements(body, self._host.dialect, taken=self._rewriting.taken)
-        return print_node(found.tree, self._host.dialect) if found.complete and not found.helpers else None
+        return print_node(found.tree) if found.complete and not found.helpers else None
 
     # -- the order of execution
 

@@ -179,7 +179,7 @@ class ChartFitter:
             if not timed and self._stays_drawn(transition.condition, keeps=keeps):
                 continue
             if transition.id in late:
-                text = print_node(late[transition.id], unit.dialect)
+                text = print_node(late[transition.id])
             else:
                 text = self._condition(transition.condition, read, path)
             for source in transition.sources:
@@ -210,7 +210,7 @@ class ChartFitter:
             return {}
         # what feeds conditions only, and has no other type, is Boolean
         unit.declare_helpers(replace(helper, type_name=helper.type_name or "BOOL") for helper in drawn.helpers)
-        self.logic += [print_node(statement, unit.dialect) for statement in drawn.tree.statements]
+        self.logic += [print_node(statement) for statement in drawn.tree.statements]
         bodies = (t.body for t in unit.pou.transitions)
         networks = [
             chart.logic,
@@ -260,7 +260,7 @@ class ChartFitter:
         if wrong or found.tree is None:
             unit.note(Outcome.NOT_EXECUTED, "condition", path, f"{'; '.join(wrong)}; the text does not compile there")
             return unit.missing("condition")
-        before = [print_node(statement, unit.dialect) for statement in found.before]
+        before = [print_node(statement) for statement in found.before]
         self.logic += [text for text in before if text not in self.logic]  # a block may feed several conditions
         drawn = not isinstance(condition, Expression)
         if before and not unit.own:
@@ -268,7 +268,7 @@ class ChartFitter:
             unit.note(Outcome.APPROXIMATED, "condition", path, why)
         elif drawn:
             unit.note(Outcome.TRANSLATED, "condition", path, "an expression")
-        return print_node(found.tree, unit.dialect)
+        return print_node(found.tree)
 
     def _ends(self) -> None:
         """A transition that leads nowhere leads to a step that is never left."""
@@ -441,7 +441,7 @@ class ChartFitter:
             unit.note(Outcome.NOT_EXECUTED, "drawn logic", unit.path, "; ".join(wrong))
             self.logic.append(unit.uncompilable("drawn logic"))
         elif read.tree.statements:
-            texts = [print_node(statement, unit.dialect) for statement in read.tree.statements]
+            texts = [print_node(statement) for statement in read.tree.statements]
             self.logic += [text for text in texts if text not in self.logic]
             why = "statements of an action of every scan, behind the transitions: they see steps a scan earlier"
             unit.note(Outcome.APPROXIMATED, "drawn logic", unit.path, why)

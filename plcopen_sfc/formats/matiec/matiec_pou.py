@@ -180,12 +180,12 @@ class FittedPou:
             elif not wrong:
                 self.note(Outcome.TRANSLATED, "body", path, f"{body.language} became statements")
             if not wrong:
-                return print_node(read.tree, self.dialect)
+                return print_node(read.tree)
         elif isinstance(body, IlBody):
             tree = il_statements(body.text, self.dialect)
             if tree is not None:
                 self.note(Outcome.TRANSLATED, "body", path, "instruction list became statements")
-                return print_node(tree, self.dialect)
+                return print_node(tree)
             wrong = ["matiec has instructions in bodies of POUs only, and no statements are known for these"]
         elif isinstance(body, SfcBody):
             wrong = ["matiec has no charts in actions"]

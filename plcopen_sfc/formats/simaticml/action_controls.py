@@ -393,7 +393,7 @@ class _Planner:
         found = self._read(row.condition)
         if found.tree is None or found.before or found.helpers or not found.complete:
             raise _ImpossibleError
-        return _and([acts, print_node(found.tree, Dialect.SCL)])
+        return _and([acts, print_node(found.tree)])
 
     def _flag(self, step: Step) -> str:
         name = f'"{step.name}"' if needs_quotes(step.name) else step.name

@@ -503,7 +503,7 @@ def _text(body: Body) -> str | None:
     """Return a body as statements; None where it is none."""
     if isinstance(body, FbdBody | LdBody):
         drawn = body_statements(body, Dialect.SCL)
-        return None if drawn.obstacles or drawn.helpers or drawn.open_ends else print_node(drawn.tree, Dialect.SCL)
+        return None if drawn.obstacles or drawn.helpers or drawn.open_ends else print_node(drawn.tree)
     return body.text if isinstance(body, StBody) else None
 
 

@@ -318,7 +318,7 @@ def _row(statement: n.Statement) -> ActionAssociation | None:
     value = n.bare(statement.value)
     if not _is_variable(statement.target) or not _is_operand(value):
         return None
-    target, text = print_node(statement.target, Dialect.SCL), print_node(value, Dialect.SCL)
+    target, text = print_node(statement.target), print_node(value)
     return ActionAssociation(id=0, target=target, value=text)
 
 

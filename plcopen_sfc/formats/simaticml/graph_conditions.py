@@ -210,7 +210,7 @@ def drawn_condition(
     if found.before:
         return "function blocks or edges are in it, which a transition of S7-GRAPH cannot have"
     tree = found.tree
-    texts = [print_node(_operand_of(tree) if also else tree, Dialect.SCL), *also]
+    texts = [print_node(_operand_of(tree) if also else tree), *also]
     if isinstance(tree, n.Literal) and tree.text.upper() == "TRUE" and also:
         texts = [*also]
     text = " AND ".join(texts)

@@ -203,7 +203,7 @@ def _expression(element: etree._Element, network: etree._Element, result: str) -
     read = condition_reader(SfcNetwork(), Dialect.SCL)(BodyCondition(name=result, body=body))
     if read.tree is None or read.obstacles or read.before:
         return None
-    return print_node(read.tree, Dialect.SCL)
+    return print_node(read.tree)
 
 
 def _structure(network: XmlNode) -> list[Any]:

@@ -37,12 +37,12 @@ def shown_condition(
     if found.tree is None or found.helpers or found.obstacles:
         return None
     if not found.before:
-        return print_node(found.tree, dialect), False
+        return print_node(found.tree), False
     if any(isinstance(statement, Assignment) for statement in found.before):
         return None  # the assignment that gives the condition could not be found among several
     name = transition.name if is_plain(transition.name) else "Condition"
     statements = Statements((*found.before, Assignment(Name(name), found.tree)))
-    return print_node(statements, dialect), True
+    return print_node(statements), True
 
 
 def shown_named_condition(transition: NamedTransition, dialect: Dialect) -> tuple[str, bool] | None:
@@ -57,7 +57,7 @@ def shown_body(body: FbdBody | LdBody, dialect: Dialect) -> str | None:
     found = body_statements(body, dialect)
     if found.helpers or found.obstacles:
         return None
-    return print_node(found.tree, dialect) or None
+    return print_node(found.tree) or None
 
 
 def condition_expression(

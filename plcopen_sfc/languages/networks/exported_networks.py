@@ -94,7 +94,7 @@ class _Networks:
             self._network(ladder=body == "_LD_BODY")
         if self._place != len(self._words):
             raise _UnknownWordError
-        return print_node(n.Statements(tuple(self._done)), Dialect.CODESYS)
+        return print_node(n.Statements(tuple(self._done)))
 
     # -- words
 

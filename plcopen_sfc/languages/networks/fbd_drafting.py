@@ -247,7 +247,7 @@ class Drafter:
         tree = n.Statements(tuple(code))
         if self.rules.dialect not in (Dialect.CODESYS, Dialect.TWINCAT):
             tree = transform(tree, _without_storing)
-        text = print_node(tree, self.rules.dialect)
+        text = print_node(tree)
         draft = BlockDraft("EXECUTE", call=BlockCall.EXECUTE, code=text, outputs=["ENO"])
         draft.inputs = [("EN", self.power(enable) if enable is not None else None)]
         item = self._block(draft, None, acting=True)
@@ -488,7 +488,7 @@ class Drafter:
     def _text(self, expression: Expression) -> str:
         if isinstance(expression, n.Member) and path_of(expression.base) in self._operands:
             expression = expression.base  # the output of such a box is what it keeps
-        return print_node(expression, self.rules.dialect)
+        return print_node(expression)
 
     def new_id(self) -> int:
         """An id that no element has."""

@@ -16,18 +16,17 @@ from plcopen_sfc.languages.st.lexer import Comment, CommentKind
 from plcopen_sfc.languages.st.nodes import Branch, Node, Operation, Operator, Span, Statement, Statements, Unary
 from plcopen_sfc.languages.st.parsing import Parsed
 from plcopen_sfc.languages.st.walking import parts, walk
-from plcopen_sfc.model.dialect import Dialect
 
 INDENT = "    "
 
 _UNARY = {Operator.NOT: "NOT ", Operator.NEGATE: "-", Operator.PLUS: "+"}
 
 
-def print_node(node: Node, dialect: Dialect = Dialect.IEC, *, newline: str = "\n") -> str:
+def print_node(node: Node, *, newline: str = "\n") -> str:
     """The text of an expression or of statements. Puts parentheses where the tree needs them to mean what it says."""
     if type(node) is n.Name and node.quoting is n.Quoting.NONE:  # most of what drawings and code print
         return node.identifier
-    return Printer(dialect, newline=newline).text(node)
+    return Printer(newline=newline).text(node)
 
 
 def _nothing(_: Node) -> str | None:
@@ -59,10 +58,7 @@ def needs_parentheses(node: n.Operation | n.Unary, index: int) -> bool:
 class Printer:
     """Prints nodes; `known` gives the text of those that have one already, which is left as it is."""
 
-    def __init__(
-        self, dialect: Dialect, *, newline: str = "\n", known: Callable[[Node], str | None] = _nothing
-    ) -> None:
-        self._codesys = dialect in (Dialect.CODESYS, Dialect.TWINCAT)
+    def __init__(self, *, newline: str = "\n", known: Callable[[Node], str | None] = _nothing) -> None:
         self._newline = newline
         self._known = known
 
@@ -255,7 +251,7 @@ class _Comparison:
         self._printed_anew: set[int] = set()
         newline = "\r\n" if "\r\n" in parsed.text else "\n"
         self._newline = newline
-        self._printer = Printer(parsed.dialect, newline=newline, known=self._written)
+        self._printer = Printer(newline=newline, known=self._written)
 
     def _written(self, node: Node) -> str | None:
         """The text of a node that has some: of one that was edited with the edits made, so that its layout stays."""

@@ -170,7 +170,7 @@ def translate_tree(
 ) -> Translated:
     """A tree that has no text in another dialect; the notes are about the text that `source` prints of it."""
     kind: TextKind = "statements" if isinstance(tree, Statements) else "expression"
-    return translate_text(print_node(tree, source), kind, source, target, context)
+    return translate_text(print_node(tree), kind, source, target, context)
 
 
 def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext | None = None) -> Translated:

@@ -306,11 +306,11 @@ class _Execution:
             acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
             self._code.add(title, [*before, *acting, *behind], self._captions(action))
             return
-        lines = print_node(n.Statements(tuple(before)), self._source.dialect).splitlines()
-        lines.append(f"IF {print_node(executed, self._source.dialect)} THEN")
+        lines = print_node(n.Statements(tuple(before))).splitlines()
+        lines.append(f"IF {print_node(executed)} THEN")
         own = dedent(action.text).strip("\n")
         lines += [f"    {line}".rstrip() for line in own.splitlines()]
-        lines += ["END_IF;", *print_node(n.Statements(tuple(behind)), self._source.dialect).splitlines()]
+        lines += ["END_IF;", *print_node(n.Statements(tuple(behind))).splitlines()]
         guarded = GuardedText(executed, own, action.statements) if not (before or behind) else None
         self._code.networks.append(TextNetwork(title, "\n".join(lines), self._captions(action), guarded))
 
@@ -410,7 +410,7 @@ def add_main_actions(source: ChartSource, code: LoweredCode, steps: StepSelectio
         if each.main and not code.drawn and has_comments(each.main_text):  # a syntax tree has no comments
             end()
             own, active = dedent(each.main_text).strip("\n"), steps.active(each.step)
-            lines = [f"IF {print_node(active, source.dialect)} THEN", *indented(own.splitlines()), "END_IF;"]
+            lines = [f"IF {print_node(active)} THEN", *indented(own.splitlines()), "END_IF;"]
             guarded = GuardedText(active, own, each.main)
             code.networks.append(TextNetwork(texts.main_actions, "\n".join(lines), guarded=guarded))
         elif each.main:

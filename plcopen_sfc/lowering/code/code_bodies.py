@@ -44,7 +44,7 @@ def ladder_diagram(code: LoweredCode, dialect: Dialect, declared: list[Variable]
     return LdBody(networks=_drawn(code, draw_ld, _rules(code, dialect, declared), pou))
 
 
-def instruction_list(code: LoweredCode, dialect: Dialect, pou: str) -> IlBody:
+def instruction_list(code: LoweredCode, pou: str) -> IlBody:
     """Return the instructions of each network of `pou`. Raises `LoweringError` for what has none."""
     labels, parts = count(1), []
     for network in code.networks:
@@ -55,7 +55,7 @@ def instruction_list(code: LoweredCode, dialect: Dialect, pou: str) -> IlBody:
         remarks += [text for _, text in sorted(network.remarks.items())]
         lines = [line.strip() for text in remarks for line in text.splitlines() if line.strip()]
         try:
-            text = statement_instructions(network.statements, dialect, labels)
+            text = statement_instructions(network.statements, labels)
         except NoInstructionError as error:
             raise LoweringError(
                 f"instruction list has no words for {error}", location=place, hint="Structured text can hold it."
@@ -68,7 +68,7 @@ def _rules(code: LoweredCode, dialect: Dialect, declared: list[Variable]) -> Dra
     """Return how networks are drawn. Boxes of S7 have the names of IEC 61131-3: the writer of the file renames them."""
     rules = declared_rules(declared, dialect, None if code.tool is Tool.S7 else code.tool)
     instances = {name: BLOCKS_OF_S7.get(kind, kind) for name, kind in {**code.instances, **rules.instances}.items()}
-    operands = {print_node(name, dialect): block for name, block in code.operands.items()}
+    operands = {print_node(name): block for name, block in code.operands.items()}
     return replace(rules, instances=instances, operands=operands)
 
 
@@ -78,7 +78,7 @@ INDENT = "    "
 
 
 def _section(network: CodeNetwork | TextNetwork, dialect: Dialect, *, regions: bool) -> str:
-    text = paragraph(network, dialect)
+    text = paragraph(network)
     title = comment_lines(" ".join(network.title.split()))
     lines = text.splitlines()
     if not regions or not title or len(lines) <= _SHORT + 1:
@@ -104,7 +104,7 @@ def spaced(parts: Sequence[Sequence[str]]) -> list[str]:
     return [line for place, part in enumerate(parts) for line in ([""] * (place > 0) + list(part))]
 
 
-def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
+def paragraph(network: CodeNetwork | TextNetwork) -> str:
     """Return the text of a network, with its title and comment before it."""
     title = " ".join(network.title.split())  # a line break in a name would end the comment
     heading = [*comment_lines(title), *comment_lines(network.comment)]
@@ -114,7 +114,7 @@ def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
     parts = pairwise([*starts, len(network.statements)])
     for start, end in parts:
         heading += comment_lines(network.remarks.get(start, ""))
-        heading.append(print_node(n.Statements(network.statements[start:end]), dialect))
+        heading.append(print_node(n.Statements(network.statements[start:end])))
     return "\n".join(heading)
 
 
@@ -191,7 +191,7 @@ def body_of(code: LoweredCode, dialect: Dialect, language: Language, declared: l
     if language is Language.ST:
         return structured_text(code, dialect)
     if language is Language.IL:
-        return instruction_list(code, dialect, pou)
+        return instruction_list(code, pou)
     if language is Language.FBD:
         return function_block_diagram(code, dialect, declared, pou)
     return ladder_diagram(code, dialect, declared, pou)

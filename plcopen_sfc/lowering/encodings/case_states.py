@@ -72,7 +72,7 @@ class StateNames:
         *,
         merged: Collection[int] = (),
     ) -> None:
-        self._code, self._texts, self._dialect = code, rules.texts, source.dialect
+        self._code, self._texts = code, rules.texts
         self.merged = merged
         self._new_value: Callable[[str, str], Expression] | None = None
         self.no_empty_statements, self.has_regions = code.is_portable, code.has_regions
@@ -91,7 +91,7 @@ class StateNames:
         elif rules.states is States.ENUMERATION:
             _refuse_without_enumerations(source, rules)
             written = self._enumeration(states, source, surroundings)
-            self._initial = [print_node(value, source.dialect) for value in written]
+            self._initial = [print_node(value) for value in written]
         self.all: frozenset[Expression] = frozenset(written)
         self._steps = written[: len(steps)]
         self._waiting = written[len(steps) : len(steps) + len(waiting)]
@@ -106,7 +106,7 @@ class StateNames:
         if self._no_state is None:
             if self._new_value is not None:
                 self._no_state = self._new_value(self._texts.no_step, self._no_number)
-                self._no_initial = print_node(self._no_state, self._dialect)
+                self._no_initial = print_node(self._no_state)
             else:
                 self._no_state, self._no_initial = n.Literal(self._no_number), self._no_number
         return self._no_state
@@ -396,7 +396,7 @@ class StateVariables:
 
     def text(self, node: n.Node) -> str:
         """Return a node in the dialect of the code."""
-        return print_node(node, self._dialect)
+        return print_node(node)
 
     def title(self, machine: RegionState) -> str:
         """Return the title of the CASE of a region."""

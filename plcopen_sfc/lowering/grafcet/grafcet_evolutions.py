@@ -132,7 +132,6 @@ class Concurrency:
     """
 
     def __init__(self, source: ChartSource, profile: Profile) -> None:
-        self._net = source.net
         # competing transitions whose conditions exclude each other never fire together: then the situations under
         # priority are all, and they are fewer
         together = profile.competing is Competing.ALL and not _competing_exclude_each_other(source)
@@ -255,7 +254,7 @@ class Stability:
         seen: Concurrency,
     ) -> None:
         assert source.grafcet is not None  # noqa: S101  # only such charts are asked for
-        self._source, self._grafcet, self._terms, self._seen = source, source.grafcet, terms, seen
+        self._source, self._grafcet, self._seen = source, source.grafcet, seen
         self._steps = {expression: step for step, expression in enumerate(active)}
         states = (node for each in self._steps for node in walk(each) if isinstance(node, n.Name))
         self._states = {name.identifier.casefold() for name in states}

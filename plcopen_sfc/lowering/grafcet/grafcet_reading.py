@@ -251,7 +251,7 @@ def without_emergency_stop(chart: Subject, profile: Profile) -> tuple[Subject, s
         alone = others[0].chart if len(others) == 1 else None
         reduced = alone or whole.model_copy(update={"partial_charts": others})
         pou = chart.pou.model_copy(update={"bodies": [SfcBody(chart=reduced)]})
-        return Subject(chart.project, pou, chart.name), print_node(pressed, chart.project.dialect)
+        return Subject(chart.project, pou, chart.name), print_node(pressed)
     return chart, ""
 
 
@@ -294,7 +294,7 @@ def plain_chart(source: ChartSource) -> ChartSource:
     actions = {action.name.casefold(): action for action in (*source.actions, *grafcet.continuous)}
     for stored in grafcet.stored:
         target, use = _use(source, stored)
-        name = print_node(target, source.dialect)
+        name = print_node(target)
         before = actions.get(name.casefold(), ActionSource(name, target, (), ()))
         actions[name.casefold()] = replace(before, uses=(*before.uses, use))
     # stored actions come among the others in the order of the steps that use them first

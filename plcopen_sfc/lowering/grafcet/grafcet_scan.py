@@ -403,7 +403,7 @@ class GrafcetScan:
 
     def _loop(self, evolution: Sequence[CodeNetwork | TextNetwork], moves: Expression) -> None:
         """Repeat an evolution until no transition fires any more."""
-        texts, dialect = self._texts, self._encoding.source.dialect
+        texts = self._texts
         moving = self._code.declare(texts.moving, comment=texts.moving_comment)
         goes_on = assignment(moving, moves)
         inside = [*evolution, CodeNetwork("", (goes_on,))]
@@ -415,11 +415,11 @@ class GrafcetScan:
             inside.insert(0, CodeNetwork("", (counted,)))
             ends = disjunction([ends, n.Operation(n.Operator.GREATER_OR_EQUAL, (number, self._most))])
             ahead, behind = [assignment(number, n.Literal("0"))], [assignment(unstable, moving)]
-        lines = [print_node(statement, dialect) for statement in ahead] + ["REPEAT"]
-        texts_inside = "\n\n".join(paragraph(network, dialect) for network in inside)
+        lines = [print_node(statement) for statement in ahead] + ["REPEAT"]
+        texts_inside = "\n\n".join(paragraph(network) for network in inside)
         lines += indented(texts_inside.splitlines())
-        lines += [f"UNTIL {print_node(ends, dialect)}", "END_REPEAT;"]
-        lines += [print_node(statement, dialect) for statement in behind]
+        lines += [f"UNTIL {print_node(ends)}", "END_REPEAT;"]
+        lines += [print_node(statement) for statement in behind]
         self._code.networks.append(TextNetwork(texts.stability, "\n".join(lines)))
 
 

@@ -72,7 +72,7 @@ def exclude(one: Expression, other: Expression, dialect: Dialect) -> bool:
     # conditions without a common name are independent: the prover would only cost time
     if not names[0] & names[1]:
         return False  # each of them can be TRUE, or the prover did not decide
-    return bool(exclusive(print_node(one, dialect), print_node(other, dialect), dialect=dialect).answer)
+    return bool(exclusive(print_node(one), print_node(other), dialect=dialect).answer)
 
 
 def firing_together(source: ChartSource, profile: Profile) -> NetTransition | None:

@@ -107,7 +107,7 @@ def value(tree: n.Expression, values: Mapping[str, Any]) -> Any:
         if tree.operator is n.Operator.OR:
             return any(parts)
         return COMPARE[tree.operator](*parts)
-    text = print_node(tree, Dialect.SCL)
+    text = print_node(tree)
     if text in ("TRUE", "FALSE"):
         return text == "TRUE"
     return int(text) if text.isdigit() else values[text]

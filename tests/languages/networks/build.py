@@ -85,7 +85,7 @@ def read(*nodes: Node, dialect: Dialect = Dialect.IEC, **options: Any) -> Networ
 
 def lines(result: NetworkStatements, dialect: Dialect = Dialect.IEC) -> list[str]:
     """The text of the statements."""
-    return print_node(result.tree, dialect).splitlines()
+    return print_node(result.tree).splitlines()
 
 
 def said(result: NetworkStatements) -> list[str]:

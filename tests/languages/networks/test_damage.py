@@ -120,7 +120,7 @@ def damaged(draw: Any) -> LogicNetwork:
 def test_nothing_is_lost_silently(network: LogicNetwork) -> None:
     read = network_statements([network], Dialect.CODESYS)
     told = {problem.node for problem in read.problems}
-    text = print_node(read.tree, Dialect.CODESYS)
+    text = print_node(read.tree)
     words = set(re.findall(r"\w+", text))
     excused: dict[int, bool] = {}
 

@@ -19,7 +19,6 @@ from plcopen_sfc.languages.networks import (
     draw_ld,
 )
 from plcopen_sfc.languages.st import parse_statements, print_node
-from plcopen_sfc.model.dialect import Dialect
 from tests.sweeps import examples
 
 
@@ -32,7 +31,7 @@ def lines(found: DrawnFbd | DrawnLd) -> list[str]:
     assert not found.problems
     read = body_statements(found.body)
     assert read.complete
-    return print_node(read.tree, Dialect.IEC).split("\n")
+    return print_node(read.tree).split("\n")
 
 
 RULES = DrawingRules(instances={"drive": "FB_Drive", "late": "TON"})

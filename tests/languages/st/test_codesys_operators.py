@@ -41,7 +41,7 @@ def test_operators_are_read_and_printed(text: str, dialect: Dialect) -> None:
     parsed = parse_statements(text, dialect)
     assert parsed.problems == ()
     assert not any(isinstance(node, n.Unreadable) for node in walk(parsed.tree))
-    again = parse_statements(print_node(parsed.tree, dialect), dialect)
+    again = parse_statements(print_node(parsed.tree), dialect)
     assert again.problems == ()
     assert again.tree == parsed.tree
 

@@ -54,7 +54,7 @@ def test_it_is_a_statement(text: str, kinds: list[type]) -> None:
     parsed = parse_statements(text)
     assert parsed.problems == ()
     assert [type(statement) for statement in parsed.tree.statements] == kinds
-    again = parse_statements(print_node(parsed.tree, Dialect.IEC))
+    again = parse_statements(print_node(parsed.tree))
     assert [type(statement) for statement in again.tree.statements] == kinds
 
 

@@ -174,7 +174,7 @@ def test_an_argument_more() -> None:
     ],
 )
 def test_parentheses_stand_where_the_tree_needs_them(tree: Expression, text: str) -> None:
-    assert print_node(tree, Dialect.IEC) == text
+    assert print_node(tree) == text
 
 
 def test_edits_that_overlap_are_refused() -> None:

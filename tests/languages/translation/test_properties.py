@@ -167,7 +167,7 @@ def test_there_and_back_is_where_it_started(
 ) -> None:
     source, target = pair
     tree = transform(tree, _without_powers_and_slashes)
-    text = data.draw(laid_out(print_node(in_dialect(tree, source), source), source))
+    text = data.draw(laid_out(print_node(in_dialect(tree, source)), source))
     there = translate_text(text, "statements", source, target, CONTEXT)
     back = translate(there.parsed, source, CONTEXT)
     expected = text.replace("/* C */", "(* C *)")
@@ -191,7 +191,7 @@ def _without_powers_and_slashes(node: Node) -> Node:
 @given(st.data(), programs(), st.sampled_from(Dialect))
 def test_nothing_is_lost_silently(data: st.DataObject, program: tuple[Dialect, n.Statements], target: Dialect) -> None:
     source, tree = program
-    text = data.draw(laid_out(print_node(tree, source), source))
+    text = data.draw(laid_out(print_node(tree), source))
     context = TranslationContext(locals=["a", "Motor"])
     found = translate_text(text, "statements", source, target, context)
     parsed = parse_statements(text, source)

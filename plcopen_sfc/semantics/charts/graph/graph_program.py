@@ -320,7 +320,6 @@ class GraphProgram:
         self.reached = Reached()
         self._chart = chart
         self._scope = scope
-        self._profile = profile
         self._clock = scope.clock
         self._situation = scope.declare(f"{path}: situation", LINT, hidden=True)
         self._shown = scope.declare(f"{path}: situation shown", LINT, hidden=True)
