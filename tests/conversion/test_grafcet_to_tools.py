@@ -193,6 +193,31 @@ def test_the_textbook_chart_is_lowered_for_every_tool(form: str, tmp_path: Path)
     assert not [item for item in made.report.items if item.outcome == "not executed"]
 
 
+EXCLUSIVE = {
+    "four_steps": {": B1": " * /B2 * /B4", ": B2": " * /B1 * /B3", ": B3": " * /B2 * /B4", ": B4": " * /B1 * /B3"},
+    "two_cylinders": {
+        'START "': " * /1B2",
+        ": 1B2": " * /1B1",
+        ": 1B1\n": " * /1B2 * /2B2",
+        ": 2B2": " * /2B1",
+        ": 2B1": " * /2B2 * /START",
+    },
+}
+
+
+@pytest.mark.parametrize("name", EXCLUSIVE)
+def test_textbook_charts_do_the_same_where_conditions_exclude_each_other(name: str) -> None:
+    """As the page on the format has it; with the conditions of the book the machine passes steps."""
+    text = Path(f"fixtures/grafcet/{name}.gct").read_text(encoding="utf-8")
+    for condition, more in EXCLUSIVE[name].items():
+        assert text.count(condition) == 1
+        bare = condition.rstrip('\n "')
+        text = text.replace(condition, condition.replace(bare, bare + more))
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="plcopen", limit=20)
+    assert report.compared.popitem()[1].startswith("equal (proof")
+    assert losses(report).keys() <= {START}
+
+
 HIERARCHY = """GRAFCET Ofen AS FUNCTION_BLOCK
 INPUTS
     a
