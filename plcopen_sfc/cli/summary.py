@@ -35,6 +35,7 @@ from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.semantics.profile import default_profile
 
 if TYPE_CHECKING:
     from plcopen_sfc.formats.format_interface import Format, TextCodec
@@ -358,7 +359,8 @@ class FileSummary:
     """Summary of a file. `documents`: how many a folder has.
 
     `blocks` are those with a number (``FB 10 FB_Drill``), `cultures` the languages of its texts (``de-DE``), both of
-    TIA Portal only.
+    TIA Portal only. `rules` is the name of the execution profile of its charts, `kept_of` that of the format whose tool
+    had charts that a converted file keeps.
     """
 
     file: str
@@ -376,6 +378,8 @@ class FileSummary:
     documents: int | None = None
     blocks: list[str] | None = None
     cultures: list[str] | None = None
+    rules: str | None = None
+    kept_of: str | None = None
     charts: list[ChartSummary] = field(default_factory=list)
 
     def as_dict(self) -> dict[str, Any]:
@@ -421,6 +425,8 @@ def summarise(file: str, project: Project) -> FileSummary:
         documents=len(contents) if isinstance(project.source, FolderSource) else None,
         blocks=_blocks(project) or None,
         cultures=_cultures(contents) or None if kind.name == TIA_FORMAT else None,
+        rules=default_profile(project).name if any(project.charts()) else None,
+        kept_of=project.tool_format if project.is_converted else None,
         size=sum(map(len, contents)),
         pous=dict(Counter(pou.kind.value for pou in project.pous)),
         languages=dict(Counter(body.language for _, _, body in project.bodies())),

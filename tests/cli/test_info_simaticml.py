@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc.cli import main
 from tests.corpus import ROOT
 
@@ -28,6 +29,7 @@ def test_a_graph_block(capsys: pytest.CaptureFixture[str]) -> None:
     assert "blocks FB 10 FB_Drill" in text
     assert "texts de-DE, en-US" in text
     assert "GRAPH 6.0" in text
+    assert "rules execution profile s7graph" in text
     assert re.search(r"seq\.|sequences", text)
     file: dict[str, Any] = json.loads(told(capsys, "info", DRILL, "--json"))["files"][0]
     (chart,) = file["charts"]
@@ -42,6 +44,15 @@ def test_a_graph_block(capsys: pytest.CaptureFixture[str]) -> None:
     assert file["blocks"] == ["FB 10 FB_Drill"]
     assert file["cultures"] == ["de-DE", "en-US"]
     assert file["totals"]["sequences"] == 2
+
+
+def test_rules_are_those_of_the_tool_whose_charts_a_file_keeps(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "block.xml"
+    sfc.save(sfc.load(ROOT / "fixtures" / "codesys" / "distribution_belt.xml"), path, format="simaticml", partial=True)
+    text = told(capsys, "info", path, "--no-charts")
+    assert "rules    execution profile codesys (charts of CODESYS, which the file keeps)" in text
 
 
 def test_a_folder(capsys: pytest.CaptureFixture[str]) -> None:

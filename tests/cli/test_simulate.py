@@ -37,6 +37,7 @@ def test_shows_the_scans_in_which_something_happens(cli: Cli, plant: Path) -> No
         ["11", "110ms", "Wait"],
         ["15", "150ms", "Wait"],
     ]
+    assert done.err.startswith("rules: execution profile iec\n")
     assert "unchanged: " in done.err
     assert "Selected = Auto, Count = 0, Total = 0" in done.err
 

@@ -9,6 +9,7 @@ from plcopen_sfc.cli.many_files import ManyFiles, for_each
 from plcopen_sfc.cli.reading import exit_code_for, finding_data, load_input
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.cli.summary import FileSummary, all_charts, outline, summarise
+from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import FileHeader, Project
 
 _FEW_CHARTS = 4
@@ -52,6 +53,7 @@ def _print_file(screen: Screen, summary: FileSummary) -> None:
         "file": f"{_count(summary)}{summary.size:,} bytes, {summary.encoding}, {summary.line_ends}",
         "POUs": pous,
         "bodies": bodies,
+        "rules": _rules(summary),
         "blocks": _first(summary.blocks or []),
         "texts": ", ".join(summary.cultures or []),
         "GRAPH": ", ".join(dict.fromkeys(chart.graph_version for chart in summary.charts if chart.graph_version)),
@@ -64,6 +66,11 @@ def _print_file(screen: Screen, summary: FileSummary) -> None:
         return
     screen.line()
     screen.table(_chart_table(summary))
+
+
+def _rules(summary: FileSummary) -> str:
+    kept = f" (charts of {format_named(summary.kept_of)[0].tool}, which the file keeps)" if summary.kept_of else ""
+    return f"execution profile {summary.rules}{kept}" if summary.rules else ""
 
 
 def _first(names: list[str]) -> str:

@@ -71,6 +71,7 @@ def run(screen: Screen, file: str, how: SimulateOptions, *, files: TraceFiles) -
         if not sign:
             raise InputError(f"{setting!r} sets nothing", hint="Write it as NAME=VALUE.")
         simulation.set(name.strip(), value.strip())
+    screen.note(f"rules: execution profile {simulation.profile.name}")
     failure = _drive(screen, simulation, how)
     trace = simulation.trace
     if screen.as_json or screen.report is not None:
