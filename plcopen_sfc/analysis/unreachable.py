@@ -8,6 +8,7 @@ transitions are looked at in turn until nothing more is found to be possible.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 
 from plcopen_sfc.analysis.exclusivity import condition_of
 from plcopen_sfc.analysis.formulas import Formula, JudgedCondition
@@ -15,7 +16,7 @@ from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
-from plcopen_sfc.languages.binding import names_in, texts_in
+from plcopen_sfc.languages.binding import bind, names_in, texts_in
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.networks.wires import inverted
 from plcopen_sfc.languages.st import nodes as n
@@ -64,6 +65,19 @@ class Unreachable:
         main = [body for body in self._pou.bodies if isinstance(body, SfcBody)]
         if nets and len(main) == len(self._pou.bodies) == 1:
             self._find()
+        elif chart is not None:
+            self._fixed = {name for name in chart.fixed if not self._changed_by_code.intersection(("", name))}
+
+    @property
+    def fixed(self) -> set[str]:
+        """Names (lower case) of variables that keep their first value: nothing that is executed writes them."""
+        return self._fixed
+
+    @cached_property
+    def _changed_by_code(self) -> set[str]:
+        """The names that the bodies of code write or call, "" for anything; its actions are those of the chart."""
+        effects = [bind(body, self._system.subject.project.dialect).effects for body in self._pou.bodies]
+        return {path[0] if path else "" for found in effects for path in (*found.writes, *found.calls)}
 
     def is_never_executed(self, owner: str) -> bool:
         """True if nothing executes a text: ``Main.Fill``, ``Main / step A``."""

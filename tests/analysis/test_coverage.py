@@ -543,3 +543,18 @@ def test_an_assignment_that_only_code_has_is_named_where_nothing_reached_it() ->
     assert verdict.kind is VerdictKind.UNTESTED
     assert "(1 assignment)" in str(verdict)
     assert "not reached: assignment bDone := TRUE;: needs `fForce * fForce < 0.0`, never reached" in str(verdict)
+
+
+def test_variables_that_keep_their_value_in_a_chart_keep_it_in_its_code() -> None:
+    chart = project(
+        "VAR_INPUT a : BOOL; x : REAL; END_VAR VAR_OUTPUT q : BOOL; r : REAL; END_VAR VAR late : TON; END_VAR",
+        """TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+        TRANSITION FROM S2 TO S3 := late.Q; END_TRANSITION
+        ACTION Do: r := r * x + x; END_ACTION
+        ACTION Other: late(IN := TRUE, PT := T#1s); END_ACTION""",
+        "INITIAL_STEP S1: Do(N); END_STEP STEP S2: END_STEP STEP S3: q(S); END_STEP",
+    )
+    code = sfc.lower(chart, "case", verify=False).project
+    verdict = equivalent(chart, code, "iec", cap=20, runs=4, scans=50)
+    (missed,) = [each for each in verdict.coverage[1].unreached if each.name.endswith(":= 3;")]
+    assert (missed.why, missed.impossible) == ("needs `late.Q`, never TRUE (proven)", True)
