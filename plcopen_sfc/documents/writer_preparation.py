@@ -327,20 +327,26 @@ def _note_operands(project: Project, kind: Format, options: WriteOptions, report
 
 
 def _note_falling_edges(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
-    """Report blocks with F_TRIG where only one of two tools sees an edge in its first call with FALSE.
+    """Report blocks and lists with F_TRIG where only one of two tools sees an edge in its first call with FALSE.
 
     IEC 61131-3 ed. 3, table 44: it is one. TIA Portal help: F_TRIG compares with the last call, at first FALSE.
     """
     if dialect is None or (dialect is Dialect.SCL) is (project.dialect is Dialect.SCL):
         return
     own = {pou.name.casefold() for pou in project.pous}
-    for pou in project.pous if _FALLING not in own else ():
-        found = [v.name for v in pou.variables() if _FALLING in map(str.casefold, used_types(v.type))]
+    if _FALLING in own:
+        return
+    sides = ("in the source", f"in {kind.tool}")
+    here, there = sides if dialect is Dialect.SCL else sides[::-1]
+    declared = [(pou.report_path, pou.variables()) for pou in project.pous]
+    # CODESYS needs no VAR_EXTERNAL: a block that calls a global instance may not declare it
+    for section in project.global_sections():
+        declared.append((f"list of global variables {section.name or ''}".strip(), section.variables))
+    for path, variables in declared:
+        found = [v.name for v in variables if _FALLING in map(str.casefold, used_types(v.type))]
         if found:
-            sides = ("in the source", f"in {kind.tool}")
-            here, there = sides if dialect is Dialect.SCL else sides[::-1]
             why = f"the first call of {found[0]} with FALSE is a falling edge {here} and none {there}"
-            report.add(Outcome.APPROXIMATED, FALLING_EDGE, pou.report_path, why)
+            report.add(Outcome.APPROXIMATED, FALLING_EDGE, path, why)
 
 
 _FALLING = "f_trig"

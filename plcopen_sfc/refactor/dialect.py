@@ -358,7 +358,7 @@ _MAY_DIFFER = re.compile(r"\.\d|[-+*/]|\bMOD\b", re.IGNORECASE)
 
 
 def _reason_of_codesys(node: Node, types: ExpressionTypes) -> str:
-    """Why IEC 61131-3 does not have an expression of CODESYS; empty if it has."""
+    """Return why IEC 61131-3 does not have an expression of CODESYS; empty if it has."""
     if isinstance(node, Member) and node.name.identifier.isdecimal():
         return f"IEC 61131-3 has no bits of variables as .{node.name.identifier}: only tools of CODESYS compile it"
     if not isinstance(node, Operation) or node.operator not in CALCULATING:

@@ -335,6 +335,12 @@ END_FUNCTION_BLOCK
 """
 
 
+def test_a_global_f_trig_is_told_where_the_blocks_that_call_it_do_not_declare_it() -> None:
+    text = "VAR_GLOBAL f : F_TRIG; END_VAR PROGRAM P VAR a : BOOL; END_VAR f(CLK := a); END_PROGRAM"
+    losses = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "simaticml", partial=True).report.losses
+    assert ("falling edge", "list of global variables") in {(item.what, item.path) for item in losses}
+
+
 @pytest.mark.parametrize(("condition", "differs"), [("TRUE", True), ("a", False)])
 def test_the_first_call_of_f_trig_is_told_without_a_run_and_taken_back_by_a_proof(
     condition: str, differs: bool

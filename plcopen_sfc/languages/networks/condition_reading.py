@@ -67,18 +67,16 @@ def condition_expression(
     *,
     transitions: Iterable[NamedTransition] = (),
     taken: Iterable[str] = (),
-    known: Container[str] | None = None,
 ) -> NetworkExpression:
     """The condition of a transition as an expression, whatever it is given as.
 
     `transitions` are the transition objects of the POU (`Pou.transitions`): the expression of one that the condition
     names is taken; one that is not among them stands in the expression by its name. What must be executed before the
-    expression (function blocks, edges) stands in `NetworkExpression.before`. `taken` and `known` as in
-    `body_statements`.
+    expression (function blocks, edges) stands in `NetworkExpression.before`. `taken` as in `body_statements`.
     """
     if transition.condition is None:
         return _failed("the transition has no condition")
-    return condition_reader(chart, dialect, transitions=transitions, taken=[*taken], known=known)(transition.condition)
+    return condition_reader(chart, dialect, transitions=transitions, taken=[*taken])(transition.condition)
 
 
 def condition_reader(
@@ -98,19 +96,19 @@ def condition_reader(
 
 
 def chart_statements(
-    chart: SfcNetwork, dialect: Dialect = Dialect.IEC, *, taken: Iterable[str] = (), known: Container[str] | None = None
+    chart: SfcNetwork, dialect: Dialect = Dialect.IEC, *, taken: Iterable[str] = ()
 ) -> NetworkStatements:
     """Return the effects of the logic drawn in a chart besides feeding conditions: it is executed in every cycle.
 
     Function blocks and edges that feed conditions only are left to `condition_expression`.
     """
     pins = [t.condition.input for t in chart.transitions if isinstance(t.condition, WiredCondition)]
-    whole = reader_of_chart(chart, chart.logic, dialect, taken=taken, known=known)
+    whole = reader_of_chart(chart, chart.logic, dialect, taken=taken)
     feeding = _feeding(whole, [whole.graph.resolve(None, pin) for pin in pins])
     acting = [node for node in chart.logic if node.id not in feeding and whole.acts(node)]
     needed = {node.id for node in acting} | _feeding(whole, [s for node in acting for s in whole.graph.sources(node)])
     left = [node for node in chart.logic if node.id in needed or node.id not in feeding]
-    reader = reader_of_chart(chart, left, dialect, taken=taken, known=known)
+    reader = reader_of_chart(chart, left, dialect, taken=taken)
     reader.run()
     return reader.result()
 

@@ -331,7 +331,7 @@ def parse_statements(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Stat
 
 @lru_cache(maxsize=4096)
 def statement_problems(text: str, dialect: Dialect = Dialect.IEC) -> tuple[Problem, ...]:
-    """What does not parse in the statements of a body, in the order of the text.
+    """Return the problems in the statements of a body, in the order of the text.
 
     Remembered, unlike the trees of long texts: to save an edit, a file is read again, and most of it is as it was.
     """
