@@ -1,4 +1,4 @@
-"""Pictures on several sheets: nothing is lost, and elements are whole where there is a place between them."""
+"""Pictures on several sheets: nothing is lost, and every element is whole on one of them."""
 
 from __future__ import annotations
 
@@ -14,22 +14,65 @@ from plcopen_sfc.errors import ModelError
 CONVEYOR = Path("fixtures/codesys/sorting_conveyor.xml")
 
 
-def windows(files: list[Path]) -> list[tuple[int, ...]]:
-    """The part of the picture that each sheet shows: left, top, width, height."""
-    roots = [etree.fromstring(file.read_bytes()) for file in files]
-    return [tuple(map(int, root[-1].get("viewBox").split())) for root in roots]
+Area = tuple[int, ...]
 
 
-def test_sheets_show_the_whole_picture_once(tmp_path: Path) -> None:
+def window(root: etree._Element) -> Area:
+    """The part of the picture that a sheet shows: left, top, width, height."""
+    return tuple(map(int, root[-1].get("viewBox").split()))
+
+
+def areas(root: etree._Element) -> list[Area]:
+    return [tuple(map(int, each.get("data-area").split())) for each in root.iter() if each.get("data-area")]
+
+
+def is_inside(area: Area, shown: Area) -> bool:
+    return all(shown[at] <= area[at] and area[at] + area[at + 2] <= shown[at] + shown[at + 2] for at in (0, 1))
+
+
+def test_every_element_is_whole_on_a_sheet_of_the_size_of_the_paper(tmp_path: Path) -> None:
     project = sfc.load(CONVEYOR)
-    whole = project.pou("PLC_PRG").chart.to_svg()
-    width, height = map(int, re.findall(r'(?:width|height)="(\d+)"', whole)[:2])
+    whole = etree.fromstring(project.pou("PLC_PRG").chart.to_svg().encode())
     drawn = sfc.draw(project, f"{tmp_path}/", pou="PLC_PRG", paper="a4")
     assert [picture.path.name for picture in drawn] == [f"PLC_PRG-{number}.svg" for number in range(1, len(drawn) + 1)]
-    assert len(drawn) > 3
-    found = windows([picture.path for picture in drawn])
-    assert sum(w * h for _, _, w, h in found) == width * height
-    assert all(w <= 794 - 76 and h <= 1123 - 76 for _, _, w, h in found)
+    roots = [etree.fromstring(picture.path.read_bytes()) for picture in drawn]
+    assert len(roots) > 3
+    assert all(sorted(map(int, (root.get("width"), root.get("height")))) <= [794, 1123] for root in roots)
+    found = [area for root in roots for area in areas(root) if is_inside(area, window(root))]
+    assert set(found) == set(areas(whole))
+    assert all(areas(root) for root in roots)
+
+
+def test_sheets_have_their_numbers_and_those_beside_them(tmp_path: Path) -> None:
+    drawn = sfc.draw(sfc.load(CONVEYOR), f"{tmp_path}/", pou="PLC_PRG", paper="A4")
+    texts = [etree.fromstring(picture.path.read_bytes()).xpath("*[local-name()='text']/text()") for picture in drawn]
+    assert [text[0] for text in texts] == [f"PLC_PRG {number}/{len(drawn)}" for number in range(1, len(drawn) + 1)]
+    leading = {
+        (at, int(number)) for at, text in enumerate(texts, 1) for each in text[1:] for number in each[1:].split(",")
+    }
+    assert leading == {(number, at) for at, number in leading}
+    assert {at for at, _ in leading} == set(range(1, len(drawn) + 1))
+
+
+def test_a_wire_goes_on_where_the_sheet_before_ends(tmp_path: Path) -> None:
+    drawn = sfc.draw(sfc.load(CONVEYOR), f"{tmp_path}/", pou="PLC_PRG", paper="A4")
+    first, *others = (etree.fromstring(picture.path.read_bytes()) for picture in drawn)
+    _, top, _, height = window(first)
+    below = next(root for root in others if window(root)[1] > top)
+    assert window(below)[1] <= top + height
+    wires = [{each.get("d") for each in root.iter() if each.get("class") == "wire"} for root in (first, below)]
+    assert wires[0] & wires[1]
+
+
+def test_nothing_of_networks_is_left_out(tmp_path: Path) -> None:
+    project = sfc.lower(sfc.load(CONVEYOR), "flipflop", pou="FB_Pusher", language="FBD", verify=False).project
+    (whole,) = sfc.draw(project, tmp_path / "whole.svg", pou="FB_Pusher")
+    drawn = sfc.draw(project, f"{tmp_path}/", pou="FB_Pusher", paper="A4")
+    assert len(drawn) > 1
+    head, shapes = "<(?:svg|title|style|/svg|rect class=.paper)", set(whole.path.read_text().splitlines())
+    found = {line for picture in drawn for line in picture.path.read_text().splitlines()}
+    assert {line for line in shapes - found if not re.match(head, line)} == set()
+    assert any("<circle" in line for line in found)
 
 
 def test_elements_of_a_long_chart_are_on_one_sheet_each(tmp_path: Path) -> None:
@@ -41,10 +84,10 @@ def test_elements_of_a_long_chart_are_on_one_sheet_each(tmp_path: Path) -> None:
     project = sfc.Project(name="p", pous=[sfc.Pou(name="Main", kind="program", bodies=[sfc.SfcBody(chart=chart)])])
     drawn = sfc.draw(project, tmp_path / "main.svg", paper="A4")
     assert len(drawn) > 2
-    cuts = [top for _, top, _, _ in windows([picture.path for picture in drawn])][1:]
-    areas = re.findall(r'data-area="-?\d+ (-?\d+) \d+ (\d+)"', chart.to_svg())
-    divided = [cut for cut in cuts for top, high in areas if int(top) < cut < int(top) + int(high)]
-    assert divided == []
+    roots = [etree.fromstring(picture.path.read_bytes()) for picture in drawn]
+    found = [area for root in roots for area in areas(root)]
+    assert sorted(found) == sorted(areas(etree.fromstring(chart.to_svg().encode())))
+    assert all(is_inside(area, window(root)) for root in roots for area in areas(root))
 
 
 def test_a_small_chart_is_one_file_and_papers_have_names(tmp_path: Path) -> None:

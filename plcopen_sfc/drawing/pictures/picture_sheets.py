@@ -1,69 +1,217 @@
-"""Large pictures on several sheets of paper, which are cut between their elements where that is possible."""
+"""Large pictures on several sheets of paper: each element is whole on one of them, wires go on from sheet to sheet."""
 
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
 
+from plcopen_sfc.drawing.pictures.svg_canvas import DOUBLE
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 
 _MARGIN = 38
 """The margin of a sheet, 10 mm at 96 pixels an inch."""
 PAPERS = {"A4": (794, 1123), "A3": (1123, 1587), "letter": (816, 1056)}
-"""Papers, upright, in pixels. A picture that is wider than high is on sheets that are, too."""
-_AREA = re.compile(r'data-area="(-?\d+) (-?\d+) (\d+) (\d+)"')
-_HEAD = re.compile(r' width="(\d+)" height="(\d+)" viewBox="0 0 \d+ \d+"')
+"""Papers, upright, in pixels. They lie where a picture needs fewer sheets so."""
 _LEAST = 0.5
-"""The part of a sheet that is filled at least: elements that are in the way of every later cut are divided."""
+"""The part of a sheet that is filled at least."""
+_REPEATED = 0.4
+"""The part of a sheet that the next one shows again at most."""
+_HEAD = re.compile(r'<svg xmlns="[^"]*" (class="[^"]*" role="[^"]*") width="(\d+)" height="(\d+)"')
+_AREA = re.compile(r'<g [^>]*data-area="(-?\d+) (-?\d+) (\d+) (\d+)"')
+_LINE = re.compile(r'<(?:path|text|circle) class="[^"]*" (d="[^"]*"|c?x="-?\d+" c?y="-?\d+")')
+_NUMBER = re.compile(r"-?\d+")
+
+Span = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class _Part:
+    """What is drawn at one place: an element of the picture, or a wire. `across` and `down` are from where to where."""
+
+    shape: str
+    across: Span
+    down: Span
+    divisible: bool
+
+
+@dataclass(frozen=True)
+class _Sheet:
+    """The part of a picture that a sheet shows."""
+
+    across: Span
+    down: Span
+    parts: list[_Part]
+
+    def holds(self, part: _Part) -> bool:
+        """True if a part is whole on the sheet."""
+        (left, right), (top, bottom) = part.across, part.down
+        return self.across[0] <= left and right <= self.across[1] and self.down[0] <= top and bottom <= self.down[1]
 
 
 def sheets(svg: str, paper: str) -> list[str]:
     """Return a picture in its size on sheets of `paper`, from left to right and then down; one if it fits.
 
-    Wires go on at the same height of the next sheet in a row. Raises `ModelError` for a paper that does not exist.
+    An element that a border would divide is whole on the next sheet, which begins before it; a large one is divided.
+    Margins have the number of the sheet and of its neighbours. Raises `ModelError` for a paper that does not exist.
     """
     check_argument(paper, str, "the paper of a picture is a text")
     known = {name.casefold(): size for name, size in PAPERS.items()}
     if paper.casefold() not in known:
         hint = "There are: " + ", ".join(PAPERS)
         raise ModelError(f"there is no paper {paper!r}{nearest(paper, PAPERS)}", hint=hint)
-    head = _HEAD.search(svg)
+    shapes = list(_shapes(svg))
+    head = _HEAD.match(svg)
     assert head is not None  # noqa: S101  # every picture of this package has a size
-    width, height = int(head[1]), int(head[2])
+    width, height = int(head[2]), int(head[3])
     size = known[paper.casefold()]
-    across, down = size if height >= width else (size[1], size[0])
-    inner = across - 2 * _MARGIN, down - 2 * _MARGIN
-    areas = [tuple(map(int, found.groups())) for found in _AREA.finditer(svg)]
-    made = []
-    for y, bottom in _pieces(height, inner[1], [(top, top + h) for _, top, _, h in areas]):
-        beside = [(left, left + w) for left, top, w, h in areas if top < bottom and top + h > y]
-        made += [_sheet(svg, head, (x, y), (right - x, bottom - y)) for x, right in _pieces(width, inner[0], beside)]
-    return made
+    parts = _parts(shapes)
+    upright, across = (
+        _divided(parts, (width, height), (room[0] - 2 * _MARGIN, room[1] - 2 * _MARGIN)) for room in (size, size[::-1])
+    )
+    rows = min((upright, across) if height >= width else (across, upright), key=lambda made: sum(map(len, made)))
+    if sum(map(len, rows)) == 1:
+        return [svg]
+    title = re.sub("<[^>]*>", "", shapes[1].partition("<desc>")[0])
+    kept = [shape for shape in shapes[1:3] if shape.startswith(("<title>", "<style>"))]
+    first = list(accumulate(map(len, rows), initial=1))
+    return [
+        _document(sheet, head[1], [*kept, *_marks(f"{title} {number}/{first[-1] - 1}", rows, first, (row, number))])
+        for row, made in enumerate(rows)
+        for number, sheet in enumerate(made, first[row])
+    ]
 
 
-def _pieces(length: int, room: int, spans: Sequence[tuple[int, int]]) -> Iterator[tuple[int, int]]:
-    """Yield the parts of a length that fit into `room`, divided where the least of spans is cut off, but late."""
-    start = 0
+def _shapes(svg: str) -> Iterator[str]:
+    """Yield what a picture of this package consists of: its head, and the lines of each wire and element."""
+    lines: list[str] = []
+    depth = 0
+    for line in svg.split("\n"):
+        lines.append(line)
+        depth += line.count("<g ") - line.count("</g>")  # texts have no brackets of their own
+        if not depth:
+            yield "\n".join(lines)
+            lines = []
+
+
+def _parts(shapes: Sequence[str]) -> list[_Part]:
+    """Return what is drawn in a picture, in the order in which it is drawn, without its head and its background."""
+    found = []
+    for shape in shapes:
+        if area := _AREA.match(shape):
+            x, y, width, height = map(int, area.groups())
+            found.append(_Part(shape, (x, x + width), (y, y + height), divisible=False))
+        elif line := _LINE.match(shape):
+            numbers = list(map(int, _NUMBER.findall(line[1])))
+            xs, ys = numbers[::2], numbers[1::2]
+            found.append(_Part(shape, (min(xs), max(xs)), (min(ys), max(ys)), divisible=True))
+    return found
+
+
+def _divided(parts: Sequence[_Part], size: tuple[int, int], room: tuple[int, int]) -> list[list[_Sheet]]:
+    """Return the sheets, row by row, each with what it shows."""
+    bars = [(part.down[0], part.down[0] + DOUBLE) for part in parts if part.down[0] == part.down[1]]
+    rows = list(_pieces(size[1], room[1], bars + [part.down for part in parts if not part.divisible]))
+    inside: list[list[_Part]] = [[] for _ in rows]
+    for part in parts:
+        for number in _meeting(rows, part.down):
+            inside[number].append(part)
+    grid = []
+    for row, found in zip(rows, inside, strict=True):
+        width = min(size[0], max((part.across[1] for part in found), default=0) + 2)
+        spans = [part.across for part in found if not part.divisible]
+        grid.append([_Sheet(across, row, []) for across in _pieces(width, room[0], spans)])
+    for part in parts:
+        met = [
+            sheet
+            for number in _meeting(rows, part.down)
+            for sheet in grid[number]
+            if part.across[0] <= sheet.across[1] and part.across[1] >= sheet.across[0]
+        ]
+        whole = [sheet for sheet in met if sheet.holds(part)]
+        for sheet in met if part.divisible else whole or met:
+            sheet.parts.append(part)
+    return grid
+
+
+def _meeting(pieces: Sequence[Span], span: Span) -> Iterator[int]:
+    """Yield the numbers of the pieces, which are in order, that a span reaches into: at a border the one before it."""
+    number = bisect_left(pieces, span[0], key=lambda piece: piece[1])
+    while number < len(pieces) and (not number or pieces[number][0] < span[1]):
+        yield number
+        number += 1
+
+
+def _pieces(length: int, room: int, spans: Sequence[Span]) -> Iterator[Span]:
+    """Yield the parts of a length that fit into `room`. A span that a cut divides is whole in the next part."""
+    ordered = sorted(spans)
+    start = first = 0
     while length - start > room:
         end, least = start + room, start + int(room * _LEAST)
-        places = {end, *(edge for span in spans for edge in span if least < edge < end)}
-        cut = min(places, key=lambda place: (_cut_off(place, spans), -place))
+        while first < len(ordered) and ordered[first][1] <= start:  # one that is longer only keeps more in sight
+            first += 1
+        last = bisect_left(ordered, end, key=lambda span: span[0])
+        near = ordered[first:last]
+        places = {end, *(edge for span in near for edge in span if least < edge < end)}
+        cut = min(places, key=lambda place: (_spoilt(place, near, room), -place))
         yield start, cut
-        start = cut
+        start = _before(cut, near, room)
     yield start, length
 
 
-def _cut_off(place: int, spans: Sequence[tuple[int, int]]) -> int:
-    """Return how much of spans a cut at a place separates: of each the smaller part."""
-    return sum(min(place - low, high - place) for low, high in spans if low < place < high)
+def _before(cut: int, spans: Sequence[Span], room: int) -> int:
+    """Return where the part after a cut begins: before what the cut divides, unless that would repeat too much."""
+    return min([cut, *(low for low, high in spans if low < cut < high and cut - low < room * _REPEATED)])
 
 
-def _sheet(svg: str, head: re.Match[str], place: tuple[int, int], size: tuple[int, int]) -> str:
-    """Return the part of a picture on one sheet, with its margin."""
-    (x, y), (width, height) = place, size
-    outer = f' width="{width + 2 * _MARGIN}" height="{height + 2 * _MARGIN}"'
-    box = f' viewBox="{-_MARGIN} {-_MARGIN} {width + 2 * _MARGIN} {height + 2 * _MARGIN}"'
-    inner = f'<svg width="{width}" height="{height}" viewBox="{x} {y} {width} {height}">'
-    opening = svg.index(">", head.end()) + 1
-    body = svg[opening:].replace("</svg>\n", "</svg></svg>\n")
-    return f"{svg[: head.start()]}{outer}{box}{svg[head.end() : opening]}\n{inner}{body}"
+def _spoilt(cut: int, spans: Sequence[Span], room: int) -> int:
+    """Return how bad a cut is: what the next part repeats, and more for each span that stays divided."""
+    start = _before(cut, spans, room)
+    return cut - start + room * sum(low < start and high > cut for low, high in spans)
+
+
+def _document(sheet: _Sheet, classes: str, shapes: Sequence[str]) -> str:
+    """Return one sheet as a picture: `shapes` beside its part of the whole."""
+    (left, right), (top, bottom) = sheet.across, sheet.down
+    width, height = right - left, bottom - top
+    outer = width + 2 * _MARGIN, height + 2 * _MARGIN
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" {classes} width="{outer[0]}" height="{outer[1]}" '
+        f'viewBox="{-_MARGIN} {-_MARGIN} {outer[0]} {outer[1]}">',
+        f'<rect class="paper" x="{-_MARGIN}" y="{-_MARGIN}" width="{outer[0]}" height="{outer[1]}"/>',
+        *shapes,
+        f'<svg width="{width}" height="{height}" viewBox="{left} {top} {width} {height}">',
+        *(part.shape for part in sheet.parts),
+        "</svg></svg>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _marks(title: str, rows: Sequence[Sequence[_Sheet]], first: Sequence[int], place: tuple[int, int]) -> Iterator[str]:
+    """Yield the texts in the margins of a sheet: its title, which is escaped, and the numbers of the sheets beside it.
+
+    `first` are the numbers of the first sheets of the rows; `place` is the row and the number of the sheet.
+    """
+    row, number = place
+    sheet = rows[row][number - first[row]]
+    width, height = (high - low for low, high in (sheet.across, sheet.down))
+
+    def at(x: int, y: int, text: str, anchor: str = "middle") -> str:
+        return f'<text class="quiet" x="{x}" y="{y}" text-anchor="{anchor}">{text}</text>'
+
+    def numbers(beside: int) -> str:
+        """The sheets of another row that show something above or below this one."""
+        meeting = _meeting([other.across for other in rows[beside]], sheet.across) if 0 <= beside < len(rows) else ()
+        return ", ".join(str(first[beside] + at) for at in meeting)
+
+    yield at(width, height + _MARGIN * 2 // 3, title, "end")
+    if number > first[row]:
+        yield at(-_MARGIN // 2, height // 2, f"&#8592; {number - 1}")
+    if number + 1 < first[row + 1]:
+        yield at(width + _MARGIN // 2, height // 2, f"&#8594; {number + 1}")
+    if above := numbers(row - 1):
+        yield at(width // 2, -_MARGIN // 3, f"&#8593; {above}")
+    if below := numbers(row + 1):
+        yield at(width // 2, height + _MARGIN * 2 // 3, f"&#8595; {below}")
