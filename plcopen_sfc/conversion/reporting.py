@@ -37,6 +37,7 @@ from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
@@ -262,8 +263,13 @@ def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]
 def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:
     """The inputs that operate a chart of S7-GRAPH and are executed in the target; all others rest."""
     executed = [item for item in report.with_outcome(Outcome.TRANSLATED) if item.what == OPERATING_INPUT]
-    paths = (ObjectPath.of(item.path) for item in executed)
-    return {path.last: path.last for path in paths if path.around == chart.report_path}
+    paths = [ObjectPath.of(item.path) for item in executed]
+    found = {path.last: path.last for path in paths if path.around == chart.report_path}
+    enables = SfcFlag.ENABLE_LIMIT.variable
+    is_asked = any((each.what, each.path) == (enables, chart.report_path) for each in report.items)
+    if is_asked and any(each.name == enables for each in chart.pou.variables(SectionKind.INPUT)):
+        found[enables] = enables
+    return found
 
 
 def _note_untested(report: ConversionReport, path: str, found: str, *unreached: str) -> None:

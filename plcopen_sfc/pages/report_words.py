@@ -654,6 +654,11 @@ _TRANSLATED = {
     "the conditions that leave it ask for its time, and for the flags": (
         "die Bedingungen, die ihn verlassen, fragen seine Zeit und die Merker ab"
     ),
+    "statements that every scan executes set it, or ask for it": (
+        "Anweisungen, die jeder Zyklus ausführt, setzen ihn oder fragen ihn ab"
+    ),
+    "statements that every scan executes set SFCError": "Anweisungen, die jeder Zyklus ausführt, setzen SFCError",
+    "{} does not let it begin again, which it does in CODESYS": ("{} lässt sie nicht neu beginnen, in CODESYS schon"),
     "the step {} ends what it stores": "der Schritt {} beendet, was sie speichert",
     "it ends what is stored, and executes what the initial step does": (
         "er beendet, was gespeichert ist, und führt aus, was der Initialschritt ausführt"

@@ -298,6 +298,22 @@ def _maximum(rig: Rig) -> None:
     rig.act("Work", "q")
 
 
+def _quitted(rig: Rig) -> None:
+    rig.chart.step("Work").max_time = "T#30ms"
+    rig.declare(m.SectionKind.INPUT, variable("SFCQuitError"))
+    rig.declare(m.SectionKind.OUTPUT, variable("SFCError"))
+    rig.chart.settings = settings(m.SfcFlag.ERROR, m.SfcFlag.QUIT_ERROR)
+    rig.act("Work", "q")
+
+
+def _current_step(rig: Rig) -> None:
+    rig.declare(m.SectionKind.OUTPUT, variable("SFCCurrentStep", "STRING"))
+    rig.chart.settings = settings(m.SfcFlag.CURRENT_STEP)
+    rig.action("Count", m.StBody(text="n := LEN(SFCCurrentStep);"))
+    rig.act("Work", "Count")
+    rig.act("Done", "q")
+
+
 def settings(*flags: m.SfcFlag) -> m.SfcSettings:
     """SFC settings in which some flags are in use."""
     return m.SfcSettings(flags={flag: m.FlagUse(use=True, declare=False) for flag in flags})
@@ -559,6 +575,8 @@ def _features() -> Iterator[Feature]:
     yield Feature("condition: step time", _ALL, _condition("Work.T > T#50ms"))
     yield Feature("minimum time", ("codesys",), _minimum)
     yield Feature("maximum time with SFCError", ("codesys",), _maximum)
+    yield Feature("SFCQuitError", ("codesys",), _quitted)
+    yield Feature("SFCCurrentStep", ("codesys",), _current_step)
     for flag in (m.SfcFlag.INIT, m.SfcFlag.RESET, m.SfcFlag.PAUSE, m.SfcFlag.TIP, m.SfcFlag.TIP_MODE):
         yield Feature(flag.variable, ("codesys",), _flag(flag))
     yield Feature("initial value", _ALL, _initial_value)

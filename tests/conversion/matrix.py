@@ -50,20 +50,23 @@ REASONS = {
             "would keep the source for the way back"
         ),
         "global variable|address": "tags, data blocks and lists are not written as VAR_GLOBAL of a text yet",
-        "minimum time|maximum time": "textual SFC has no minimum and maximum times",
+        "minimum time|maximum time|SFCQuitError": "textual SFC has no minimum and maximum times",
         "negated action|macro-step|drawn logic": "textual SFC has no such element",
         "exit action of two": "P0 has one control for both steps, and a text gets no statements in its place yet",
     },
     "simaticml": {
         "priority of a convergence": "a branch of S7-GRAPH cannot begin where a simultaneous one ends",
         "macro-step|drawn logic": "S7-GRAPH has no such element",
+        "SFCQuitError|SFCCurrentStep": (
+            "nothing forgets an error there and lets the times of steps begin again; `S_NO` has the number of the "
+            "step, and no network the name"
+        ),
     },
     "codesys|twincat|codesys-export": {
         "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
         "negated action|macro-step": "charts of CODESYS have no such element",
     },
     "plcopen-2.01": {
-        "maximum time": "TC6 has no SFCError; statements for it are not written yet",
         "action that calls a method": "TC6 has no methods; functions in their places are written for TIA Portal only",
     },
     "codesys23": {
@@ -193,7 +196,7 @@ def undeclared(source: m.Project, result: m.Project) -> set[str]:
     return kinds[1] - kinds[0]
 
 
-OPERATED = ("INIT_SQ", "OFF_SQ", "SFCInit", "SFCReset", "SFCPause", "SFCTip", "SFCTipMode")
+OPERATED = ("INIT_SQ", "OFF_SQ", "SFCInit", "SFCReset", "SFCPause", "SFCQuitError", "SFCTip", "SFCTipMode")
 OUTPUTS = ("q", "r", "n", "SFCError")
 
 

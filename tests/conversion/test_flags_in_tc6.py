@@ -55,6 +55,28 @@ def test_statements_run_no_more_where_a_flag_ends_their_step(qualifier: str) -> 
     assert sfc.loads(data, format="plcopen-2.01").pou("Main").actions[0].body.text == "n := 1 - n;"
 
 
+def chart_with_times(*flags: str) -> m.Project:
+    source = chart_with(*flags)
+    pou = source.pou("Main")
+    pou.chart.step("Work").max_time = "T#30ms"
+    assert pou.interface is not None
+    (outputs,) = (each for each in pou.interface.sections if each.kind is m.SectionKind.OUTPUT)
+    texts = [m.Variable(name=name, type="STRING") for name in ("SFCErrorStep", "SFCCurrentStep")]
+    outputs.variables += [m.Variable(name="SFCError", type="BOOL"), *texts]
+    pou.actions.append(m.Action(name="Tell", body=m.StBody(text="n := LEN(SFCErrorStep) + LEN(SFCCurrentStep);")))
+    pou.chart.step("Done").actions.append(m.ActionAssociation(id=pou.chart.new_id(), target="Tell"))
+    return sfc.loads(sfc.dumps(source, format="codesys", partial=True), format="codesys")
+
+
+@pytest.mark.parametrize("flavour", ["", pytest.param("beremiz", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("flag", ["SFCEnableLimit", "SFCQuitError", pytest.param("SFCPause", marks=pytest.mark.slow)])
+def test_statements_report_on_the_chart(flag: str, flavour: str) -> None:
+    data, report = compared(chart_with_times(flag), flavour=flavour)
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    assert all("equal" in verdict for verdict in report.compared.values()), report.compared
+    assert not flavour or flag.encode() in data
+
+
 @pytest.mark.parametrize(
     ("flag", "fields", "path"),
     [

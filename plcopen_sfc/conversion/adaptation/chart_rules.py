@@ -45,7 +45,7 @@ from plcopen_sfc.languages.networks import (
     is_empty_network,
     kept_conditions,
 )
-from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
+from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.model.actions import Qualifier
@@ -167,9 +167,9 @@ def obey_flags(project: Project, source: Project, tool: str, options: WriteOptio
 
 
 def _used_flags(project: Project, source: Chart, named: frozenset[str]) -> frozenset[SfcFlag]:
-    """Return the SFC flags of a chart of CODESYS that something uses."""
+    """Return the SFC flags of a chart of CODESYS that something uses; an output that is set is for people, too."""
     used = _flags_in_use(source)
-    return used - flags_at_rest(project, source.pou, used, named)
+    return used - (flags_at_rest(project, source.pou, used, named) - WATCHING_FLAGS)
 
 
 class _ChartRewriter:
@@ -529,13 +529,13 @@ CHART_RULES = (
         _ChartRewriter.drawn_logic,
     ),
     ChartRule(
-        "SFC flags in TC6",
-        "conditions that obey them, transitions to the initial step and to one that does nothing, and statements that "
-        "ask them; not executed where several steps may be active",
+        "SFC flags and maximum times in TC6",
+        "conditions that obey them, transitions to the initial step and to one that does nothing, statements that ask "
+        "them, and such that set SFCError and SFCCurrentStep; not executed where several steps may be active",
         _ChartRewriter.flags,
     ),
     ChartRule(
-        "SkipSteps; maximum times in TC6",
+        "SkipSteps; SFC flags that analyse errors in TC6",
         "not executed: the target has nothing of the kind",
         _ChartRewriter.losses,
     ),

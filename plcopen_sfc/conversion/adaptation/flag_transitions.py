@@ -49,8 +49,8 @@ _WITHOUT = {
 """Why flags have no effect in a block of S7-GRAPH."""
 _TIPPING = frozenset({SfcFlag.TIP, SfcFlag.TIP_MODE})
 _ENDING = frozenset({SfcFlag.INIT, SfcFlag.RESET})
-OBEYED = _TIPPING | _ENDING | {SfcFlag.PAUSE}
-"""The flags that conditions obey."""
+_STOPPING = frozenset({SfcFlag.PAUSE, SfcFlag.QUIT_ERROR})
+_OBEYED = _TIPPING | _ENDING | {SfcFlag.PAUSE}
 _BRANCHES = "several of its steps may be active at a time, which no transition leaves together"
 _ENDED = "actions that it ends, stored or delayed ones, go on there"
 
@@ -108,6 +108,8 @@ class FlagRewriter(ABC):
     """
 
     title: str
+    obeyed = _OBEYED
+    """The flags that conditions obey."""
     prefix = ""
     """What texts write before a variable of the block."""
 
@@ -120,8 +122,10 @@ class FlagRewriter(ABC):
         dialect = Dialect.SCL if self.prefix else Dialect.IEC
         self._bodies = [bind(body, dialect) for _, _, body in chart.pou.named_bodies()]
         """The texts of the POU before its chart is changed."""
-        names = (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.TIP, SfcFlag.TIP_MODE)
-        self._init, self._reset, self._pause, self._tip, self._tip_mode = (f"{self.prefix}{n.variable}" for n in names)
+        names = (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.TIP, SfcFlag.TIP_MODE)
+        self._init, self._reset, self._tip, self._tip_mode = (f"{self.prefix}{each.variable}" for each in names)
+        self._pause = ""
+        """What stops the chart, where something does."""
 
     def rewrite(self, flags: Collection[SfcFlag]) -> frozenset[SfcFlag]:
         """Change the chart, and report what became of these flags. Returns those that it obeys now."""
@@ -134,6 +138,8 @@ class FlagRewriter(ABC):
             elif flag not in self._resting:
                 self._note(Outcome.NOT_EXECUTED, what, place, f"{self.title} has no {flag.variable}: {why}")
         if executed:
+            stopping = [f"{self.prefix}{flag.variable}" for flag in executed if flag in _STOPPING]
+            self._pause = f"({' OR '.join(stopping)})" if len(stopping) > 1 else "".join(stopping)
             self._execute(executed)
         return frozenset(executed)
 
@@ -185,7 +191,7 @@ class FlagRewriter(ABC):
 
     def _refusal(self, flag: SfcFlag) -> str | None:
         """Return why no condition does what a flag does; None where conditions do."""
-        if flag not in OBEYED:
+        if flag not in self.obeyed:
             return _WITHOUT.get(flag, "the chart neither obeys it nor sets it")
         chart = self._chart
         if not self._is_declared(flag) and (chart is not self._place.pou.chart or self._is_global(flag)):
@@ -200,7 +206,7 @@ class FlagRewriter(ABC):
             return "a condition that would obey it is no expression"
         if flag in _ENDING:
             return self._refused_end()
-        return self._refused_pause() if flag is SfcFlag.PAUSE else None
+        return self._refused_pause() if flag in _STOPPING else None
 
     def _is_declared(self, flag: SfcFlag) -> bool:
         return any(each.name.casefold() == flag.variable.casefold() for each in self._place.pou.variables())
@@ -262,7 +268,7 @@ class FlagRewriter(ABC):
 
     def _goes_on(self, flags: Collection[SfcFlag]) -> str:
         """Return when SFCPause does not stop the chart while SFCInit is FALSE; empty where it is no flag."""
-        if SfcFlag.PAUSE not in flags:
+        if not self._pause:
             return ""
         return f"NOT {self._pause}" + (f" OR {self._reset}" if SfcFlag.RESET in flags else "")
 
@@ -275,7 +281,7 @@ class FlagRewriter(ABC):
         executed actions again, and the transition that it found before a pause fires behind that.
         """
         stops, waits = "", ""
-        if SfcFlag.PAUSE in flags:
+        if self._pause:
             stronger = {SfcFlag.INIT: self._init, SfcFlag.RESET: self._reset}
             others = [f"NOT {text}" for flag, text in stronger.items() if flag in flags]
             stops = self._memory("SFC_stops")

@@ -7,14 +7,15 @@ ends it: SFCInit and SFCReset lead to steps that do so.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, guarded
-from plcopen_sfc.conversion.adaptation.flag_transitions import OBEYED, FlagRewriter, all_of, is_code
+from plcopen_sfc.conversion.adaptation.flag_transitions import FlagRewriter, all_of, is_code
 from plcopen_sfc.conversion.adaptation.operating_inputs import AddedElements
 from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
+from plcopen_sfc.conversion.executed_parts import told_flag
 from plcopen_sfc.formats.plcopen.source_marks import (
     REWRITTEN_FIELD,
     TEXTS_FIELD,
@@ -25,7 +26,8 @@ from plcopen_sfc.languages.binding import Effects
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
-from plcopen_sfc.model.types import Elementary, ElementaryType
+from plcopen_sfc.model.types import Elementary, ElementaryType, StringType
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Outcome
 
 _STORES = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
@@ -34,6 +36,9 @@ _PULSES = frozenset({Qualifier.P1, Qualifier.P0})
 _ACTIVE = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P, Qualifier.L, Qualifier.D})
 """Qualifiers of actions that are executed while a step is active, and once more."""
 _TIMED = frozenset({Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL})
+_FORGOTTEN = {SfcFlag.ERROR: "FALSE", SfcFlag.ERROR_STEP: "''", SfcFlag.ERROR_POU: "''"}
+_REPORTS = frozenset({*_FORGOTTEN, SfcFlag.ENABLE_LIMIT, SfcFlag.CURRENT_STEP})
+"""The flags that statements set, and the one that enables this."""
 _TOGETHER = ".flags"
 """A name in all marks: an edit of what stands for one flag counts for all of it."""
 
@@ -45,13 +50,16 @@ def execute_flags_in_tc6(
     at_rest = rewriting.options.at_rest
     used = frozenset(flag for flag in rewriting.flags if flag.variable.upper() not in at_rest)
     rewriter = _Tc6Flags(rewriting, steps, checks)
-    wanted = used & OBEYED
-    if wanted:
-        rewriting.flags -= rewriter.rewrite(wanted) | rewriter.refused
+    wanted = used & rewriter.obeyed
+    if used & (rewriter.obeyed | _REPORTS):
+        executed = rewriter.rewrite(wanted)
+        rewriting.flags -= wanted | rewriter.watch(used, executed)
         rewriter.store(surroundings)
 
 
 class _Tc6Flags(FlagRewriter):
+    obeyed = FlagRewriter.obeyed | {SfcFlag.QUIT_ERROR}
+
     def __init__(self, rewriting: ChartRewriting, steps: StepRewriter, checks: StepChecks) -> None:
         chart = rewriting.chart
         self.title = rewriting.host.title
@@ -61,14 +69,15 @@ class _Tc6Flags(FlagRewriter):
         self._names = [_TOGETHER]
         self._changed: list[Transition] = []
         self._called = Effects.all(body.code for body in self._bodies).calls
+        self._quit_before = ""
         self._firsts: set[int] = set()
         """The steps that SFCReset does not leave."""
-        self.refused: frozenset[SfcFlag] = frozenset()
+        self._watching: list[str] = []
+        """The statements for before all actions, which set the flags that report on the chart."""
 
     def rewrite(self, flags: Collection[SfcFlag]) -> frozenset[SfcFlag]:
         """Change the chart, and report what became of these flags. Returns those that it obeys now."""
         executed = super().rewrite(flags)
-        self.refused = frozenset(flags) - executed
         if executed:
             self._guard(executed)
         return executed
@@ -84,13 +93,15 @@ class _Tc6Flags(FlagRewriter):
                 mark[REWRITTEN_FIELD]["logic"] = known["logic"]
             self._rewriting.marks[id(transition)] = mark
         self._added.mark(self._names, flags=True)
-        if not self.lines:
-            return
-        body = StBody(text="\n".join(self.lines))
-        if surroundings.is_overtaken(body):
-            why = "what holds transitions during SFCPause may be computed before actions that the conditions read"
-            self._note(Outcome.APPROXIMATED, "operating inputs", "", why)
-        self._steps.store(self._initial, "sfc_flags", body, first=False, instead_of=None, uses=self._names)
+        if self.lines:
+            body = StBody(text="\n".join(self.lines))
+            if surroundings.is_overtaken(body):
+                why = "what holds transitions during SFCPause may be computed before actions that the conditions read"
+                self._note(Outcome.APPROXIMATED, "operating inputs", "", why)
+            self._steps.store(self._initial, "sfc_flags", body, first=False, instead_of=None, uses=self._names)
+        if self._watching:
+            body = StBody(text="\n".join(self._watching))
+            self._steps.store(self._initial, "sfc_times", body, first=True, instead_of=None, uses=self._names)
 
     # -- what TC6 has
 
@@ -264,6 +275,92 @@ class _Tc6Flags(FlagRewriter):
             if step.id in changed:
                 self._steps.execute(step, self._names)
 
+    # -- what reports on the chart
+
+    def watch(self, used: Collection[SfcFlag], obeyed: Collection[SfcFlag]) -> frozenset[SfcFlag]:
+        """Let statements set the flags that report on the chart, of which `obeyed` operate it. Returns those."""
+        inputs = {each.name.casefold() for each in self._place.pou.variables(SectionKind.INPUT)}
+        found = [flag for flag in sorted(_REPORTS & set(used)) if self._can_tell(flag)]
+        found = [flag for flag in found if flag is SfcFlag.ENABLE_LIMIT or flag.variable.casefold() not in inputs]
+        if not any(step.initial for step in self._chart.steps) or (
+            SfcFlag.ERROR in used and SfcFlag.ERROR not in found
+        ):
+            found = []
+        if SfcFlag.ENABLE_LIMIT in used and SfcFlag.ENABLE_LIMIT not in found:
+            found = [flag for flag in found if flag is SfcFlag.CURRENT_STEP]
+        for flag in found:
+            if not self._is_declared(flag):
+                is_truth = flag in (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT)
+                self._rewriting.declare(
+                    flag.variable, ElementaryType(name=Elementary.BOOL) if is_truth else StringType()
+                )
+                self._names.append(flag.variable)
+            what, place = told_flag(flag)
+            self._note(Outcome.TRANSLATED, what, place, "statements that every scan executes set it, or ask for it")
+        halts = [flag.variable for flag in (SfcFlag.QUIT_ERROR, SfcFlag.INIT) if flag in obeyed]
+        stopped = [*halts, *([SfcFlag.PAUSE.variable] if SfcFlag.PAUSE in obeyed else [])]
+        if SfcFlag.RESET in obeyed and len(stopped) > len(halts):
+            stopped[-1] = f"({stopped[-1]} AND NOT {self._reset})"
+        if SfcFlag.ERROR in found:
+            self._watch_times(found, obeyed, halts, stopped)
+        if SfcFlag.CURRENT_STEP in found:
+            name = SfcFlag.CURRENT_STEP.variable
+            steps = [(self._step_flag(step), f"{name} := '{step.name}';") for step in reversed(self._chart.steps)]
+            self._watching += guarded(_none(stopped), _first_of([*steps, ("", f"{name} := '';")]))
+            self._watching += guarded(self._init, [f"{name} := '';"]) if SfcFlag.INIT in obeyed else []
+        return frozenset(found)
+
+    def _can_tell(self, flag: SfcFlag) -> bool:
+        return self._is_declared(flag) or self._chart is self._place.pou.chart
+
+    def _watch_times(
+        self, found: Collection[SfcFlag], obeyed: Collection[SfcFlag], halts: list[str], stopped: list[str]
+    ) -> None:
+        """Set SFCError while a step is active longer than its maximum time, until something lets it be forgotten."""
+        known = [flag for flag in _FORGOTTEN if flag in found]
+        causes = [*halts]
+        if SfcFlag.RESET in obeyed:
+            before = self._memory(f"{SfcFlag.RESET.variable}_before")
+            causes.append(f"({self._reset} AND NOT {before})")
+        forgotten = [f"{flag.variable} := {_FORGOTTEN[flag]};" for flag in known]
+        self._watching += guarded(" OR ".join(causes), forgotten) if causes else []
+        values = {SfcFlag.ERROR: "TRUE", SfcFlag.ERROR_POU: f"'{self._place.pou.name}'"}
+        late: list[tuple[str, str]] = []
+        for step in (step for step in self._chart.steps if step.max_time):
+            elapsed = self._rewriting.host.elapsed(step)
+            if SfcFlag.QUIT_ERROR in obeyed:
+                elapsed = f"{elapsed} - {self._quitted(step, elapsed)}"
+            told = values | {SfcFlag.ERROR_STEP: f"'{step.name}'"}
+            lines = " ".join(f"{flag.variable} := {told[flag]};" for flag in known)
+            late.append((f"{self._step_flag(step)} AND {elapsed} > {step.max_time}", lines))
+            why = "statements that every scan executes set SFCError"
+            self._note(Outcome.TRANSLATED, "max time", f"step {step.name}", why)
+        watches = [*stopped, SfcFlag.ERROR.variable]
+        enabled = SfcFlag.ENABLE_LIMIT.variable if SfcFlag.ENABLE_LIMIT in found else ""
+        self._watching += guarded(all_of([enabled, _none(watches)]), _first_of(late)) if late else []
+        if SfcFlag.RESET in obeyed:
+            self._watching.append(f"{before} := {self._reset};")
+
+    def _quitted(self, step: Step, elapsed: str) -> str:
+        """Return the variable with the time of a step at which SFCQuitError let its time begin again."""
+        name = self._rewriting.new_variable(f"{step.name}_quit", ElementaryType(name=Elementary.TIME))
+        self._names.append(name)
+        quits = SfcFlag.QUIT_ERROR.variable
+        if not self._quit_before:
+            self._quit_before = self._memory(f"{quits}_before")
+            is_paused = f" OR ({self._quit_before} AND {self._pause})" if self._pause != quits else ""
+            self.lines.append(f"{self._quit_before} := {quits}{is_paused};")
+        left = f"NOT {self._step_flag(step)}"
+        if any(step.id in each.sources and step.id in each.targets for each in self._chart.transitions):
+            left += f" OR {elapsed} < {name}"  # it was left and entered at once
+        self._watching += _first_of(
+            [
+                (left, f"{name} := T#0s;"),
+                (f"{quits} OR {self._quit_before}", f"{name} := {elapsed};"),
+            ]
+        )
+        return name
+
     def _report_pause(self) -> None:
         """Report what goes on during SFCPause."""
         for step, row in self._chart.associations():
@@ -277,6 +374,24 @@ class _Tc6Flags(FlagRewriter):
             if step.main_action is not None and self._statements(step.main_action) is None:
                 why = f"it goes on during {self._pause}"
                 self._note(Outcome.APPROXIMATED, "main action", f"step {step.name}", why)
+        if SfcFlag.QUIT_ERROR.variable in self._pause:
+            for step in (step for step in self._chart.steps if self._is_read(step, "t")):
+                why = f"{SfcFlag.QUIT_ERROR.variable} does not let it begin again, which it does in CODESYS"
+                self._note(Outcome.APPROXIMATED, "step time", f"step {step.name}", why)
+
+
+def _none(terms: Iterable[str]) -> str:
+    """Return an expression that is TRUE while none of the terms is."""
+    return all_of(f"NOT {term}" for term in terms)
+
+
+def _first_of(cases: Iterable[tuple[str, str]]) -> list[str]:
+    """Return a statement for the first of the conditions that is TRUE; an empty condition is for what is left."""
+    lines: list[str] = []
+    for condition, statement in cases:
+        word = "ELSIF" if lines else "IF"
+        lines += [f"{word} {condition} THEN" if condition else "ELSE", f"    {statement}"]
+    return [*lines, "END_IF;"] if lines else []
 
 
 def _guarded(text: str, terms: list[str]) -> str:
