@@ -207,7 +207,7 @@ class _Inlining:
             start = text.rfind("\n", 0, node.span[0]) + 1
             before = text[start : node.span[0]]
             indent = before[: len(before) - len(before.lstrip())]
-            put = f"\n{indent}".join([f"// {name}", *inside.split("\n")])
+            put = "\n".join([f"// {name}", *(f"{indent}{line}".rstrip() for line in inside.split("\n"))])
             if before.strip():
                 put = f"\n{indent}{put}"
             behind = text[stop : (text + "\n").index("\n", stop)]

@@ -216,7 +216,7 @@ def test_what_is_short_and_stays_the_same_has_no_helper() -> None:
     assert "IF Pumpe_before AND (step_number <> STEP_Pumpen OR Pumpe_L.Q) THEN" in text
     assert "Pumpe_Q" not in {variable.name for variable in made.pou.variables()}
     # the end of the scan of SFCInit is in the IF that ends all else
-    assert "    last_step_number := 0;\n    RETURN;\nEND_IF;" in text
+    assert "    last_step_number := NO_STEP;\n    RETURN;\nEND_IF;" in text
 
 
 def test_a_time_is_restarted_only_where_the_step_may_have_changed() -> None:
@@ -224,3 +224,25 @@ def test_a_time_is_restarted_only_where_the_step_may_have_changed() -> None:
     assert text.startswith("// Step times\nstep_time(IN := TRUE, PT := T#24d);\n\n// Step sequence")
     assert text.count("step_time(IN := FALSE, PT := T#24d);") == 1
     assert "p := step_number = 3 AND step_time.ET < T#3s;" in text
+
+
+def test_actions_of_single_steps_are_one_case_behind_the_transitions() -> None:
+    """An action of two steps between them stays where it is, and so does what comes behind it."""
+    bodies = ["ACTION One: n := n + 1; END_ACTION", "ACTION Two: n := n + 2; // twice\nEND_ACTION"]
+    bodies += ["ACTION Both: n := n * 2; END_ACTION", "ACTION Once: n := 0; END_ACTION"]
+    text = lowered(first="One(N);", second="Two(N); Both(N);", third="Once(P1); Both(N);", actions="\n".join(bodies))
+    assert "CASE step_number OF\n    1:\n        // Action One\n        n := n + 1;" in text
+    assert "\n    2:\n        // Action Two\n        n := n + 2; // twice\nEND_CASE;" in text
+    assert "IF step_number = 2 OR step_number = 3 THEN" in text
+    assert text.count("CASE step_number OF") == 2
+    apart = lowered(first="One(N);", second="Both(N);", third="Once(P1);", actions="\n".join(bodies))
+    assert apart.count("IF step_number") == 1
+    assert "    3:\n        // Action Once\n        IF step_number <> last_step_number THEN" in apart
+
+
+def test_a_branch_does_not_ask_for_its_own_step() -> None:
+    project = sfc.load(FIXTURES / "codesys23/distribution_belt.EXP")
+    made = sfc.lower(project, "case", pou="Ablauf", verify=False)
+    assert isinstance(made.pou.body, m.StBody)
+    branch = made.pou.body.text.partition("STEP_Warten: // Step Warten\n")[2].partition("\n\n")[0]
+    assert branch.splitlines()[:2] == ["        Band_Rechts := FALSE;", "        Wartezeit(IN := TRUE, PT := t#3s);"]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Iterable
-from typing import TypeAlias
+from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
+from typing import TypeAlias, TypeVar
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 
+N = TypeVar("N", bound=n.Node)
 TRUE = n.Literal("TRUE")
 FALSE = n.Literal("FALSE")
 
@@ -63,7 +64,18 @@ def equal(left: Expression, right: Expression) -> Expression:
     return n.Operation(Operator.EQUAL, (left, right))
 
 
-def simplified(tree: Expression) -> Expression:
+def without_constant(statement: Statement) -> Sequence[Statement]:
+    """Return what is executed of an IF whose first condition is constant; any other statement as it is."""
+    match statement:
+        case n.If((n.Branch(condition, statements), *others), otherwise):
+            if is_constant(condition, TRUE):
+                return statements
+            if is_constant(condition, FALSE):
+                return without_constant(n.If(tuple(others), otherwise)) if others else otherwise or ()
+    return (statement,)
+
+
+def simplified(tree: N) -> N:
     """Return the same without parentheses and without operands that are constant."""
 
     def simpler(node: n.Node) -> n.Node:

@@ -27,8 +27,8 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     one_of_values,
     when,
 )
-from plcopen_sfc.lowering.code.code_bodies import INDENT, comment_lines, indented
-from plcopen_sfc.lowering.code.lowered_code import TextNetwork
+from plcopen_sfc.lowering.code.code_bodies import INDENT, comment_lines, indented, spaced
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.encodings.case_states import (
     RegionState,
@@ -150,7 +150,8 @@ class RegionEncoding(ScanSchedule):
             entered = (negation(equal(self.states.machine(index).state, each)) for index, each in self._last.items())
             kept.insert(0, assignment(self._entered, next(entered)))
         self.code.add(self.texts.steps_before, kept)
-        self.memory.ends += [assignment(each, self.names.no_state) for each in self._last.values()]
+        if self.sfc_flags.set_back:
+            self.memory.ends += [assignment(each, self.names.no_state) for each in self._last.values()]
 
     def last_state(self, machine: RegionState) -> n.Name:
         """Return the variable with the state that a region had in the last scan."""
@@ -180,6 +181,31 @@ class RegionEncoding(ScanSchedule):
             step = self.states.state_of(part.step)
             return [when(conjunction([equal(state, step), negation(equal(other, step))]), *part.statements)]
         return [when(negation(equal(state, other)), *self._selected(state, parts))]
+
+    def gather(self, begin: int) -> None:
+        """Write what single steps do, in one network behind the other, as one CASE."""
+        if self.profile.order is ScanOrder.ACTIONS_FIRST:
+            return  # what can moves to the transitions
+        branches = [self._branches(machine, whole=True) for machine in self.machines]
+        found: list[CodeNetwork | TextNetwork] = []
+        groups = groupby(self.code.networks[begin:], lambda each: next((b for b in branches if b.can_take(each)), None))
+        for taking, networks in groups:
+            run = list(networks)
+            if taking is not None and len(run) > 1:
+                run = taking.take(run)
+                cases = [indented([f"{state}:", *indented(lines)]) for state, lines in taking.lines(self.text)]
+                text = "\n".join([f"CASE {self.text(taking.state)} OF", *spaced(cases), "END_CASE;"])
+                run.append(TextNetwork(self.texts.main_actions, text))
+            found += run
+        self.code.networks[begin:] = found
+
+    def _branches(self, machine: RegionState, *, whole: bool) -> StepBranches:
+        """Return empty branches of a CASE for the code of its steps."""
+        merged = (i for block in machine.blocks for i in block.branches if i in self.names.merged)
+        own = [*machine.region.steps, *(step for region in merged for step in self._regions.regions[region].steps)]
+        steps = {self.states.state_of(step): step for step in own}
+        scope = UntouchedVariables(self.source, self.code.own_names)
+        return StepBranches(machine.state, self._last.get(machine.region.index), steps, scope, whole=whole)
 
     def choose_transitions(self, shared: Sequence[Statement] = ()) -> None:
         """Append the CASE of each region with the transitions of each step."""
@@ -226,17 +252,10 @@ class RegionEncoding(ScanSchedule):
         # blocks in conditions are not executed while no transition may fire: then the CASE is not either
         if len(self.machines) > 1 or (self.blocking and any(self.source.preparations)):
             return
-        (machine,) = self.machines
-        last = self._last.get(machine.region.index)
-        branches = StepBranches(
-            machine.state,
-            last,
-            {self.states.state_of(step.index): step.index for step in self.net.steps},
-            UntouchedVariables(self.source, self.code.own_names),
-        )
+        branches = self._branches(self.machines[0], whole=False)
         self.code.networks[begin:] = branches.take(self.code.networks[begin:])
         self._done = branches.code
-        if branches.enters and last is not None:
+        if branches.enters:
             self._entered = self.code.declare(self.texts.entered, comment=self.texts.entered_comment)
 
     def change_situation(self) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
@@ -74,7 +75,7 @@ class StateNames:
     ) -> None:
         self._code, self._texts = code, rules.texts
         self.merged = merged
-        self._new_value: Callable[[str, str], Expression] | None = None
+        self._new_value: Callable[[str, str], Expression] = lambda _, number: n.Literal(number)
         self.no_empty_statements, self.has_regions = code.is_portable, code.has_regions
         # where steps are selected, the regions of all others have none
         # selecting a step of one region ends all others
@@ -88,6 +89,8 @@ class StateNames:
         self._initial = [str(state.number) for state in states]
         if rules.states is States.CONSTANTS:
             written = [self._constant(state) for state in states]
+            comment = rules.texts.no_step_comment
+            self._new_value = lambda name, number: self._constant(_State(int(number), name, name, comment))
         elif rules.states is States.ENUMERATION:
             _refuse_without_enumerations(source, rules)
             written = self._enumeration(states, source, surroundings)
@@ -97,19 +100,14 @@ class StateNames:
         self._waiting = written[len(steps) : len(steps) + len(waiting)]
         self._none = written[-1]
         self._no_number = "-1" if 0 in step_numbers(source.net) else "0"
-        self._no_state = self._none if none else None
-        self._no_initial = self._initial[-1]
+        if none:
+            self._no_number = self._initial[-1]
+            self.no_state = self._none
 
-    @property
+    @cached_property
     def no_state(self) -> Expression:
         """State of no step, also where the chart always has one."""
-        if self._no_state is None:
-            if self._new_value is not None:
-                self._no_state = self._new_value(self._texts.no_step, self._no_number)
-                self._no_initial = print_node(self._no_state)
-            else:
-                self._no_state, self._no_initial = n.Literal(self._no_number), self._no_number
-        return self._no_state
+        return self._new_value(self._texts.no_step, self._no_number)
 
     def step(self, step: int) -> Expression:
         """Return the state in which a step is active."""
@@ -148,17 +146,13 @@ class StateNames:
         `entered`: the start is an activation of the initial step, so at first it has that of no step.
         """
         texts = self._texts
-        if isinstance(self._type, DerivedType):
-            name, comment = texts.last_step, texts.last_state_comment
-        else:
-            name, comment = texts.last_state, texts.last_state_comment
+        name = texts.last_step if isinstance(self._type, DerivedType) else texts.last_state
         wanted = f"{name}_{suffix}" if suffix else name
         if entered or region.initial is None:
-            assert self.no_state  # noqa: S101
-            initial = self._no_initial
+            initial = print_node(self.no_state) if isinstance(self._type, DerivedType) else self._no_number
         else:
             initial = self._initial[region.initial]
-        return self._code.declare(wanted, self._type, initial=initial, comment=comment)
+        return self._code.declare(wanted, self._type, initial=initial, comment=texts.last_state_comment)
 
     def declare_copy(self, state: n.Name) -> n.Name:
         """Declare a variable for what a state variable was before."""

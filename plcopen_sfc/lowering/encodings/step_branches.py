@@ -6,14 +6,25 @@ statement moves where it may be executed later: nothing that stays between reads
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from plcopen_sfc.languages.effects import ANYTHING, path_of
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.actions.variable_access import Effect, UntouchedVariables
-from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, assignment, conjunction, is_constant, negation, when
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    is_constant,
+    negation,
+    simplified,
+    when,
+    without_constant,
+)
 from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
 
@@ -40,7 +51,7 @@ class StepBranches:
     """Code of one region in the branches of its steps.
 
     `state` is the variable of its CASE, `last` the one with the state of the last scan, `steps` give the steps by the
-    states that the code writes.
+    states that the code writes. `whole`: only statements move that do nothing without such a state, with their titles.
     """
 
     def __init__(
@@ -49,13 +60,31 @@ class StepBranches:
         last: Expression | None,
         steps: Mapping[Expression, int],
         scope: UntouchedVariables,
+        *,
+        whole: bool,
     ) -> None:
-        self._state, self._last, self._steps = state, last, steps
+        self.state, self._last, self._steps, self._whole = state, last, steps, whole
         self._scope, self._passed = scope, Effect(scope)
         self._memories = {(name,) for name in scope.own}
         if last is not None:
             self._passed.writing.add(path_of(last))  # it is brought up to date before the CASE
         self.code: dict[int, list[BranchCode]] = {}
+
+    def can_take(self, network: CodeNetwork | TextNetwork) -> bool:
+        """Return True if all of a network moves, if nothing is in between."""
+        if isinstance(network, TextNetwork):
+            step, rest = self._asked(network.guarded.condition) if network.guarded is not None else (None, TRUE)
+            return step is not None and is_constant(rest, TRUE)
+        parts = [self._divided(statement) for statement in network.statements]
+        return not network.remarks and all(part is not None and not part.stays for part in parts)
+
+    def lines(self, text: Callable[[n.Node], str]) -> Iterator[tuple[str, list[str]]]:
+        """Yield the states with what their steps do, and forget that."""
+        entered = negation(n.Operation(Operator.EQUAL, (self.state, self._last))) if self._last is not None else None
+        states = {step: state for state, step in self._steps.items()}
+        for step, code in sorted(self.code.items()):
+            yield text(states[step]), branch_lines(code, entered, text)
+        self.code = {}
 
     def take(self, networks: list[CodeNetwork | TextNetwork]) -> list[CodeNetwork | TextNetwork]:
         """Take from `networks`, which stand before the CASE, what can move into it; return what stays."""
@@ -64,9 +93,22 @@ class StepBranches:
             kept = self._text_taken(network) if isinstance(network, TextNetwork) else self._taken(network)
             if kept is not None:
                 stay.insert(0, kept)
-        for code in self.code.values():
-            code.reverse()
+        for step, code in self.code.items():
+            self.code[step] = [self._while_active(step, each) for each in reversed(code)]
         return stay
+
+    def _while_active(self, step: int, code: BranchCode) -> BranchCode:
+        """Return code of a step without asking for the state, which is known in its branch."""
+
+        def known(node: n.Node) -> n.Node:
+            match node:
+                case n.Operation(Operator.EQUAL | Operator.UNEQUAL as operator, (state, value)):
+                    if state == self.state and value in self._steps:
+                        return TRUE if (self._steps[value] == step) is (operator is Operator.EQUAL) else FALSE
+            return node
+
+        statements = (simplified(transform(each, known)) for each in code.statements)
+        return replace(code, statements=tuple(each for one in statements for each in without_constant(one)))
 
     @property
     def enters(self) -> bool:
@@ -80,7 +122,7 @@ class StepBranches:
             moving = Effect(self._scope)
             moving.add([guarded.condition, *guarded.statements])
             if step is not None and is_constant(rest, TRUE) and not moving.conflicts(self._passed):
-                self.code.setdefault(step, []).append(BranchCode((), comment=network.comment, text=guarded.text))
+                self.code.setdefault(step, []).append(BranchCode((), comment=self._comment(network), text=guarded.text))
                 return None
             self._passed.add([guarded.condition, *guarded.statements])
         else:
@@ -105,26 +147,31 @@ class StepBranches:
                     moving = []
                     stays = [statement]
                     break
-                moving.append((step, replace(code, comment=network.comment) if alone else code))
+                moving.append((step, replace(code, comment=self._comment(network)) if alone else code))
             for step, code in moving:
                 self.code.setdefault(step, []).append(code)
             self._passed.add(stays)
             kept[:0] = stays
         return replace(network, statements=tuple(kept)) if kept else None
 
+    def _comment(self, network: CodeNetwork | TextNetwork) -> str:
+        return "\n".join(filter(None, [network.title if self._whole else "", network.comment]))
+
     # -- what asks for a state
 
     def _divided(self, statement: Statement) -> _Parts | None:
         match statement:
-            case n.Case(state, branches, None) if state == self._state:
+            case n.Case(state, branches, None) if state == self.state:
                 return self._case(branches, entering=False)
             case n.If(
                 (n.Branch(n.Operation(Operator.UNEQUAL, (left, right)), (n.Case(state, branches, None),)),), None
             ):
-                if {left, right} == {self._state, self._last} and state == self._state:
+                if {left, right} == {self.state, self._last} and state == self.state:
                     return self._case(branches, entering=True)
             case n.If((first,), None):
                 return self._if(first)
+            case _ if self._whole:
+                return None
             case n.If((first, n.Branch(condition, statements)), None):
                 parts = self._if(first)
                 if parts is None:
@@ -185,7 +232,7 @@ class StepBranches:
         operands = _operands(condition, Operator.AND)
         for operand in operands:
             match n.bare(operand):
-                case n.Operation(Operator.EQUAL, (state, value)) if state == self._state and value in self._steps:
+                case n.Operation(Operator.EQUAL, (state, value)) if state == self.state and value in self._steps:
                     return self._steps[value], conjunction(each for each in operands if each is not operand)
         return None, condition
 

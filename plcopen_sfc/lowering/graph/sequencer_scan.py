@@ -234,7 +234,8 @@ class GraphCycle:
         code.add(own_texts.manual, self._switched_by_hand())
         start, off = disjunction([self._first, self._started()]), self._commands.edge("OFF_SQ")
         code.add(own_texts.start, [when(start, *encoding.starting(), assignment(self._first, FALSE))])
-        code.add(own_texts.off, [when(off, *encoding.ending())] if not is_constant(off, FALSE) else [])
+        ended = encoding.ending()  # nothing, if there is no step
+        code.add(own_texts.off, [when(off, *ended)] if ended and not is_constant(off, FALSE) else [])
         if isinstance(encoding, RegionEncoding):
             encoding.change_situation()
 

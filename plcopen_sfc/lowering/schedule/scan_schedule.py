@@ -201,6 +201,9 @@ class ScanSchedule(ABC):
     def into_branches(self, begin: int) -> None:  # noqa: B027
         """Move what active steps execute, in networks from `begin` on, to their transitions, where that is the same."""
 
+    def gather(self, begin: int) -> None:  # noqa: B027
+        """Put together what single steps do, in networks from `begin` on, where that is shorter."""
+
     def remember(self) -> None:  # noqa: B027
         """Append what keeps the situation for `was_active` in the next scan."""
 
@@ -292,6 +295,7 @@ class ScanSchedule(ABC):
             if isinstance(network, CodeNetwork):
                 statements = tuple(with_distinct(each, alternatives) for each in network.statements)
                 self.code.networks[place] = replace(network, statements=statements)
+        self.gather(begin)
 
     def _add_actions(self) -> None:
         self.sfc_flags.report_step(self)

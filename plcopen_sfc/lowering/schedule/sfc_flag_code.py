@@ -151,6 +151,11 @@ class SfcFlagCode:
         return back
 
     @property
+    def set_back(self) -> bool:
+        """True if flags set the chart back, which then ends all that its code remembers."""
+        return self._back != FALSE
+
+    @property
     def restart(self) -> Expression | None:
         """Condition that sets the chart back to its initial steps: the flags, or `init`; None without both."""
         causes = [each for each in (self._init, self._back) if each is not None and each != FALSE]
@@ -315,10 +320,12 @@ class SfcFlagCode:
             return []
         found: list[Statement] = [assignment(analyzation, _EMPTY)]
         empty = equal(analyzation, _EMPTY)
-        for reason in watch.reasons:
+        for number, reason in enumerate(watch.reasons):
             # SEL instead of IF: drawn code has no IF
             bar = _function("SEL", empty, self._text("|"), _EMPTY)
-            longer = _function("CONCAT", _function("CONCAT", analyzation, bar), self._text(reason.text))
+            longer = self._text(reason.text)
+            if number:
+                longer = _function("CONCAT", _function("CONCAT", analyzation, bar), longer)
             found += self._memory.conditional("", reason.holds, [assignment(analyzation, longer)])
         return found
 
