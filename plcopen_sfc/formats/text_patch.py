@@ -15,12 +15,14 @@ from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 from typing import Any, NamedTuple, TypeAlias
 
+from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.languages.declarations import Declared, Found, Head, write_variable
 from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, section_rest
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.variables import VariableSection
 
 
@@ -204,6 +206,15 @@ class BlockSpan:
 
 Place: TypeAlias = tuple[Key, tuple[int, int], tuple[BlockSpan, ...]]
 """Place of an object in a text, and those of what is in it."""
+
+
+@dataclass
+class ReadText:
+    """A text that was read: the project, the places of its objects, and the findings."""
+
+    project: Project
+    spans: BlockSpan
+    diagnostics: list[Diagnostic] = field(default_factory=list)
 
 
 def numbered(keys: Sequence[Key]) -> list[Key]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
@@ -32,8 +31,8 @@ from plcopen_sfc.formats.codesys23.exp_outline import (
 )
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, Entry, put_back, read_entries
 from plcopen_sfc.formats.text_patch import (
-    BlockSpan,
     Place,
+    ReadText,
     SourceText,
     block_span,
     head_places,
@@ -87,16 +86,7 @@ _MANY = 20
 _REMAINDER_CODES = {DAMAGED: "EXP202", OUTDATED: "EXP203"}
 
 
-@dataclass
-class ExpFile:
-    """A file that was read: the project, the places of its objects, and the findings."""
-
-    project: Project
-    spans: BlockSpan
-    diagnostics: list[Diagnostic] = field(default_factory=list)
-
-
-def read_export(source: SourceText, file: str | None = None) -> ExpFile:
+def read_export(source: SourceText, file: str | None = None) -> ReadText:
     """Read a file. Never raises: what cannot be read is kept and reported."""
     return _Reader(source, file).run()
 
@@ -112,7 +102,7 @@ class _Reader:
         self.places: list[Place] = []
         self.others: dict[str, str] = {}
 
-    def run(self) -> ExpFile:
+    def run(self) -> ReadText:
         if self.source.guessed:
             message = f"the file names no code page; taken as {self.source.encoding}, which is a guess{self._share()}"
             self._note("EXP200", Severity.WARNING, message, 0)
@@ -134,7 +124,7 @@ class _Reader:
         self._tail(outline)
         project = self._with_remainder()
         spans = block_span(("file", ""), (0, len(self.text)), self.places)
-        return ExpFile(project, spans, self.diagnostics)
+        return ReadText(project, spans, self.diagnostics)
 
     def _tell_mixture(self) -> None:
         """Report a word in another code page than the one that was guessed, such as one that was pasted."""

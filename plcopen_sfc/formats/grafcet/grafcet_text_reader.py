@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, StructureError, nearest
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
-from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, numbered
+from plcopen_sfc.formats.text_patch import BlockSpan, Key, ReadText, SourceText, numbered
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, ForcingOrder
@@ -68,13 +68,10 @@ _REMAINDER_CODES = {DAMAGED: "GRF202", OUTDATED: "GRF203"}
 
 
 @dataclass
-class GrafcetText:
-    """A text that was read: the project, the places of its objects, and the findings."""
+class GrafcetText(ReadText):
+    """A GRAFCET that was read; `lines` has those of its objects by their paths."""
 
-    project: Project
-    spans: BlockSpan
-    lines: dict[str, int]
-    diagnostics: list[Diagnostic] = field(default_factory=list)
+    lines: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass
@@ -147,7 +144,7 @@ class _Reader:
             raise self._wrong("a text begins with GRAFCET and its name")
         entries = read_entries(self._own, _OWN, self._remainder_note)
         project = put_back(self._project, entries, self._remainder_note) if entries else self._project
-        return GrafcetText(project, self._file_place.span(("file", "")), self._lines, self._diagnostics)
+        return GrafcetText(project, self._file_place.span(("file", "")), self._diagnostics, self._lines)
 
     # -- lines
 

@@ -10,7 +10,14 @@ from typing import Any
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.iectext.text_outline import TextPart
-from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, taken, wrapped
+from plcopen_sfc.formats.iectext.text_source import (
+    Annotations,
+    TextSource,
+    between_semicolons,
+    newlines,
+    taken,
+    wrapped,
+)
 from plcopen_sfc.languages.il import is_il
 from plcopen_sfc.languages.pragmas import Fields, PathError, RemainderEntry, StaleError, apply, format_path
 from plcopen_sfc.languages.st.lexer import Token
@@ -57,25 +64,12 @@ def read_step(src: TextSource, part: TextPart, annotations: Annotations, place: 
     if part.keyword == "INITIAL_STEP":
         fields["initial"] = True
     step = ElementText(fields, annotations, part.start, path, part.name)
-    groups = list(_between_semicolons(src.outline.tokens(part.tokens)))
+    groups = list(between_semicolons(src.outline.tokens(part.tokens)))
     starts = [group[0].span[0] for group in groups]
     annotations.extend(src.annotations(part.inside[0], starts[0] if starts else part.inside[1], path))
     for group, start, end in zip(groups, starts, [*starts[1:], part.inside[1]], strict=False):
         step.associations.append(_read_association(src, group, src.annotations(start, end, path), path))
     return step
-
-
-def _between_semicolons(tokens: list[Token]) -> Iterator[list[Token]]:
-    group: list[Token] = []
-    for token in tokens:
-        if token.type == "SEMICOLON":
-            if group:
-                yield group
-            group = []
-        else:
-            group.append(token)
-    if group:
-        yield group
 
 
 def _read_association(src: TextSource, tokens: list[Token], annotations: Annotations, path: str) -> ElementText:

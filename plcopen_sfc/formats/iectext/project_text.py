@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from pydantic import ValidationError
@@ -28,6 +27,7 @@ from plcopen_sfc.formats.iectext.text_source import (
     INDENT,
     Annotations,
     TextSource,
+    between_semicolons,
     indented,
     newlines,
     unwrapped,
@@ -150,7 +150,7 @@ def _add_section(src: TextSource, part: TextPart, gap: tuple[int, int], fields: 
 def _read_statements(src: TextSource, part: TextPart, gap: tuple[int, int], fields: Fields, place: str) -> None:
     """``TASK ..;`` and ``PROGRAM ..;``."""
     position = gap[0]
-    for tokens in _statements(src.outline.tokens(part.tokens)):
+    for tokens in between_semicolons(src.outline.tokens(part.tokens)):
         annotations = src.annotations(position, tokens[0].span[0], place)
         position = tokens[-1].span[1]
         word = tokens[0].value.upper()
@@ -162,19 +162,6 @@ def _read_statements(src: TextSource, part: TextPart, gap: tuple[int, int], fiel
             text = newlines(src.text[tokens[0].span[0] : position])
             src.note("IEC105", f"{text[:40]!r} is no task and no program instance", tokens[0].span[0], place)
             fields.setdefault("extension_data", {}).setdefault("data", []).append(wrapped("statement", text))
-
-
-def _statements(tokens: list[Token]) -> Iterator[list[Token]]:
-    group: list[Token] = []
-    for token in tokens:
-        if token.type == "SEMICOLON":
-            if group:
-                yield group
-            group = []
-        else:
-            group.append(token)
-    if group:
-        yield group
 
 
 def _task(src: TextSource, tokens: list[Token], annotations: Annotations, place: str) -> Fields:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from plcopen_sfc.formats.iectext.text_outline import Outline
 from plcopen_sfc.languages.pragmas import Fields, NotationError, RemainderEntry, parse_change
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import parse_expression, parse_statements
-from plcopen_sfc.languages.st.lexer import Comment, CommentKind
+from plcopen_sfc.languages.st.lexer import Comment, CommentKind, Token
 
 INDENT = "    "
 _FIRST_LINE_END = re.compile(r"[ \t]*\n")
@@ -133,6 +133,20 @@ def unwrapped(content: str) -> tuple[str, str] | None:
     """Return the place and the text of foreign data that `wrapped` made; None for any other."""
     found = _WRAPPED.fullmatch(content)
     return (unescape(found.group(1)), unescape(found.group(2))) if found is not None else None
+
+
+def between_semicolons(tokens: list[Token]) -> Iterator[list[Token]]:
+    """Yield the tokens between semicolons, where there are any."""
+    group: list[Token] = []
+    for token in tokens:
+        if token.type == "SEMICOLON":
+            if group:
+                yield group
+            group = []
+        else:
+            group.append(token)
+    if group:
+        yield group
 
 
 @dataclass(slots=True)

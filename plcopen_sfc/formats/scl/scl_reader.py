@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
@@ -17,6 +16,7 @@ from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, 
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
     Place,
+    ReadText,
     SourceText,
     block_span,
     head_places,
@@ -158,16 +158,7 @@ BODY_END = re.compile(r"(?:\r\n|\r|\n)?[ \t]*\Z")
 _REMAINDER_CODES = {DAMAGED: "SCL202", OUTDATED: "SCL203"}
 
 
-@dataclass
-class SclFile:
-    """A source that was read: the project, the places of its objects, and the findings."""
-
-    project: Project
-    spans: BlockSpan
-    diagnostics: list[Diagnostic] = field(default_factory=list)
-
-
-def read_source(source: SourceText, file: str | None = None) -> SclFile:
+def read_source(source: SourceText, file: str | None = None) -> ReadText:
     """Read an SCL source. Never raises: what cannot be read is kept and reported."""
     return _Reader(source, file).run()
 
@@ -183,7 +174,7 @@ class _Reader:
         self._found: list[Place] = []
         self._begins: list[tuple[DataBlock, str, bool]] = []
 
-    def run(self) -> SclFile:
+    def run(self) -> ReadText:
         if self._source.guessed:
             message = f"not in UTF-8 and without a byte order mark; taken as {self._source.encoding}"
             self._note("SCL201", Severity.WARNING, message, 0)
@@ -216,7 +207,7 @@ class _Reader:
         if changes:
             project = put_back(project, changes, self._remainder_note)
             self._found.append((("rest", ""), (changes[0][1].span[0], changes[-1][1].span[1]), ()))
-        return SclFile(project, self._slices(), self._diagnostics)
+        return ReadText(project, self._slices(), self._diagnostics)
 
     def _slices(self) -> BlockSpan:
         return block_span(("file", ""), (0, len(self._text)), self._found)

@@ -46,18 +46,27 @@ def transform(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
 
     Where `change` gives back what it got, nodes stay the same objects, so that `render` finds what is new.
     """
+
+    def changed(inner: Node) -> Node:
+        return change(with_children(inner, changed))
+
+    return cast("AnyNode", changed(node))
+
+
+def with_children(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
+    """Return a node with `change` applied to those directly inside it; itself where that changes none of them."""
     new: dict[str, Any] = {}
     for name in parts(type(node)):
         value = getattr(node, name)
         if isinstance(value, Node):
-            changed = transform(value, change)
+            changed = change(value)
             if changed is not value:
                 new[name] = changed
         elif isinstance(value, tuple):
-            members = tuple(transform(item, change) if isinstance(item, Node) else item for item in value)
+            members = tuple(change(item) if isinstance(item, Node) else item for item in value)
             if any(a is not b for a, b in zip(members, value, strict=True)):
                 new[name] = members
-    return cast("AnyNode", change(replace(node, **new) if new else node))
+    return replace(node, **new) if new else node
 
 
 def without_parentheses(node: AnyNode) -> AnyNode:

@@ -9,7 +9,7 @@ neither arithmetic on bit strings nor logic of integers: their operands are conv
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, TypeVar, cast
+from typing import TypeVar, cast
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.expression_types import (
@@ -35,7 +35,7 @@ from plcopen_sfc.languages.expression_types import (
 )
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator
-from plcopen_sfc.languages.st.walking import parts
+from plcopen_sfc.languages.st.walking import with_children
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, TranslationContext
 from plcopen_sfc.model.dialect import Dialect
 
@@ -59,7 +59,7 @@ class ArithmeticTranslator:
     def fitted(self, tree: NodeT) -> NodeT:
         """The whole tree, of statements or of one expression."""
         if isinstance(tree, n.Statements):
-            return cast("NodeT", self._inside(tree))
+            return cast("NodeT", with_children(tree, self._node))
         expression = cast("Expression", tree)
         self._in_boxes = True  # SCL has a chart in S7-GRAPH only, whose conditions are networks
         if self._context.wanted:
@@ -79,7 +79,7 @@ class ArithmeticTranslator:
                 return self._loop(node)
             case _ if isinstance(node, _EXPRESSIONS):
                 return self._fit(cast("Expression", node), None)[0]
-        return self._inside(node)
+        return with_children(node, self._node)
 
     def _loop(self, node: n.For) -> n.For:
         kind = self.types.value(node.variable).type
@@ -90,20 +90,6 @@ class ArithmeticTranslator:
         if same and start is node.start and end is node.end and step is node.step:
             return node
         return replace(node, start=start, end=end, step=step, statements=statements)
-
-    def _inside(self, node: NodeT) -> NodeT:
-        new: dict[str, Any] = {}
-        for name in parts(type(node)):
-            value = getattr(node, name)
-            if isinstance(value, Node):
-                changed = self._node(value)
-                if changed is not value:
-                    new[name] = changed
-            elif isinstance(value, tuple):
-                members = tuple(self._node(item) if isinstance(item, Node) else item for item in value)
-                if any(a is not b for a, b in zip(members, value, strict=True)):
-                    new[name] = members
-        return replace(node, **new) if new else node
 
     def _stored(self, value: Expression, kind: str) -> Expression:
         """Return the value to assign to a variable of a type."""
@@ -157,7 +143,7 @@ class ArithmeticTranslator:
                 same = place is base and all(a is b for a, b in zip(found, indices, strict=True))
                 return (node if same else replace(node, base=place, indices=found)), self.types.value(node).type
         value = self.types.value(node)
-        return self._inside(node), "" if value.loose else value.type
+        return with_children(node, self._node), "" if value.loose else value.type
 
     def _calculation(
         self, node: n.Operation | n.Unary, operator: Operator, operands: tuple[Expression, ...], want: int | None

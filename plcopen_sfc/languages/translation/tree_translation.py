@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any, TypeVar, cast
+from typing import TypeVar, cast
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Node, Operator, Quoting, Statement
-from plcopen_sfc.languages.st.walking import parts, transform, walk
+from plcopen_sfc.languages.st.walking import transform, walk, with_children
 from plcopen_sfc.languages.translation.call_translation import CallTranslator
 from plcopen_sfc.languages.translation.literal_translation import (
     translated_address,
@@ -171,19 +171,19 @@ class TreeTranslator:
                 return self._dereference(node)
             case n.Peripheral() if self._target is not self._source:
                 self._lacks("direct access to the periphery (:P)", node)
-                return self._inside(node)
+                return with_children(node, self._node)
             case n.Call():
                 return self._calls.call(node)
             case n.TypeOperand() if self._target is not self._source:
                 self._lacks("types as operands", node)
                 return node
             case n.Unary():
-                return self._unary(self._inside(node))
+                return self._unary(with_children(node, self._node))
             case n.Operation():
-                return self._operation(self._inside(node))
+                return self._operation(with_children(node, self._node))
             case n.AssignmentExpression() if self._target is Dialect.IEC and self._source is not Dialect.IEC:
                 self._lacks("assignments inside expressions", node)
-                return self._inside(node)
+                return with_children(node, self._node)
             case _:
                 return self._statement(node)
 
@@ -208,29 +208,14 @@ class TreeTranslator:
                 return node
             case n.Try() if changes:
                 self._lacks("__TRY", node)
-                return self._inside(node)
+                return with_children(node, self._node)
             case n.ReturnStatement(value) if changes and value is not None:
                 self._lacks("RETURN with a value", node)
-                return self._inside(node)
+                return with_children(node, self._node)
             case _:
-                return self._inside(node)
+                return with_children(node, self._node)
 
     # -- going down ---------------------------------------------------------------------------------------------------
-
-    def _inside(self, node: AnyNode) -> AnyNode:
-        """The node with all that it consists of translated; itself where that is all the same."""
-        new: dict[str, Any] = {}
-        for name in parts(type(node)):
-            value = getattr(node, name)
-            if isinstance(value, Node):
-                changed = self._node(value)
-                if changed is not value:
-                    new[name] = changed
-            elif isinstance(value, tuple):
-                members = tuple(self._node(item) for item in value)
-                if any(a is not b for a, b in zip(members, value, strict=True)):
-                    new[name] = members
-        return replace(node, **new) if new else node
 
     def _lacks(self, what: str, node: Node) -> None:
         self._notes.add(Severity.ERROR, f"{TITLES[self._target]} has no {what}; left as it stands", node)
@@ -279,7 +264,7 @@ class TreeTranslator:
 
     def _member(self, node: n.Member) -> Expression:
         if self._target is self._source:
-            return self._inside(node)
+            return with_children(node, self._node)
         base = node.base
         if self._target is Dialect.SCL and _is_this(base) and self._names.is_local(node.name):
             return self._names.variable(node.name)
@@ -308,7 +293,7 @@ class TreeTranslator:
         if one_has_pointers and not _is_object(node.base):
             reason = "CODESYS follows pointers with ^, IEC 61131-3 and S7 follow references (REF_TO)"
             self._notes.add(Severity.WARNING, reason, node)
-        return self._inside(node)
+        return with_children(node, self._node)
 
     def _unary(self, node: n.Unary) -> Expression:
         inner = node.operand
@@ -342,7 +327,7 @@ class TreeTranslator:
     def _assignment(self, node: n.Assignment) -> Statement:
         if self._target is self._source or node.kind is AssignmentKind.ASSIGN:
             return self._plain_assignment(node)
-        new = self._inside(node)
+        new = with_children(node, self._node)
         if node.kind in _SETTING and not isinstance(node.value, n.AssignmentExpression):
             value = n.Literal(_SETTING[node.kind])
             branch = n.Branch(new.value, (n.Assignment(new.target, value),))
