@@ -250,7 +250,7 @@ def _put_into_notation(project: Project, kind: Format, report: ConversionReport)
 
 def _in_structured_text(project: Project, kind: Format, report: ConversionReport) -> None:
     """Write instruction list and networks as structured text, where the target has none."""
-    from plcopen_sfc.languages.networks.exported_networks import EXPORTS  # noqa: PLC0415
+    from plcopen_sfc.languages.networks.exported_networks import SOURCES  # noqa: PLC0415
     from plcopen_sfc.refactor.il_texts import (  # noqa: PLC0415
         write_bodies_as_statements,
         write_conditions_as_expressions,
@@ -262,8 +262,9 @@ def _in_structured_text(project: Project, kind: Format, report: ConversionReport
         report.add(Outcome.TRANSLATED, "condition", path, "from instruction list into an expression")
     for path in write_bodies_as_statements(project) if not kind.il_bodies else ():
         report.add(Outcome.TRANSLATED, "body", path, "from instruction list into structured text")
-    for path in write_exported_networks_as_statements(project) if kind.name != EXPORTS else ():
-        report.add(Outcome.TRANSLATED, "body", path, "from networks of CoDeSys 2.3 into structured text")
+    for source, tool in SOURCES.items():
+        for path in write_exported_networks_as_statements(project, source) if kind.name != source else ():
+            report.add(Outcome.TRANSLATED, "body", path, f"from networks of {tool} into structured text")
     for path in write_drawn_pous_as_statements(project) if kind.networks is NetworkForm.COMMENTS else ():
         report.add(Outcome.TRANSLATED, "body", path, "from a drawing into structured text")
 

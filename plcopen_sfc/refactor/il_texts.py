@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
+from typing import TypeGuard
 
 from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.il import result_expression, statements
-from plcopen_sfc.languages.networks import shown_body
-from plcopen_sfc.languages.networks.exported_networks import EXPORTS, network_statements
+from plcopen_sfc.languages.networks import shown_body, shown_named_condition
+from plcopen_sfc.languages.networks.exported_networks import network_statements
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression
@@ -35,9 +37,16 @@ def write_bodies_as_statements(project: Project) -> Iterator[str]:
     return _written(project, _of_instructions)
 
 
-def write_exported_networks_as_statements(project: Project) -> Iterator[str]:
-    """Write the networks of exports of CoDeSys 2.3 as structured text, and yield the paths of their owners."""
-    return _written(project, _of_exported_networks)
+def write_exported_networks_as_statements(project: Project, source: str) -> Iterator[str]:
+    """Write the networks in the form of files of a format as structured text, and yield the paths of their owners."""
+    yield from _written(project, partial(_of_exported_networks, source=source))
+    dialect = dialect_of(project)
+    for pou in project.pous:
+        for part in pou.transitions:
+            shown = shown_named_condition(part, dialect) if _is_of(part.body, source) else None
+            if shown is not None and not shown[1]:
+                part.body = StBody(text=shown[0])
+                yield pou.report_path_of(f"{pou.name}.{part.name}")
 
 
 def _written(project: Project, as_statements: Callable[[Body | str | None, Dialect], StBody | None]) -> Iterator[str]:
@@ -76,8 +85,12 @@ def write_drawn_pous_as_statements(project: Project) -> Iterator[str]:
                 yield pou.report_path
 
 
-def _of_exported_networks(body: Body | str | None, _: Dialect) -> StBody | None:
-    text = network_statements(body.content) if isinstance(body, OpaqueBody) and body.source == EXPORTS else None
+def _is_of(body: Body | str | None, source: str) -> TypeGuard[OpaqueBody]:
+    return isinstance(body, OpaqueBody) and body.source == source
+
+
+def _of_exported_networks(body: Body | str | None, _: Dialect, *, source: str) -> StBody | None:
+    text = network_statements(body.content) if _is_of(body, source) else None
     return StBody(text=text) if text is not None else None
 
 

@@ -23,6 +23,7 @@ from plcopen_sfc.formats.iectext.text_source import unwrapped, wrapped
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.languages.networks.condition_reading import shown_body, shown_named_condition
+from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.model.base import Element, ExtensionData, ForeignData
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
@@ -192,8 +193,10 @@ class _Reader:
             if stated is not None:
                 network.settings = SfcSettings.model_validate(stated)
             return SfcBody(chart=network)
-        self._ctx.warn("TWC104", f"a body in {body.tag} is kept as it is, and not understood", body)
-        return OpaqueBody(source=self._source, content=markup(body))
+        kept = OpaqueBody(source=self._source, content=markup(body))
+        if kept.source not in SOURCES or network_statements(kept.content) is None:
+            self._ctx.warn("TWC104", f"a body in {body.tag} is kept as it is, and not understood", body)
+        return kept
 
 
 _OWN_ELEMENTS = frozenset(

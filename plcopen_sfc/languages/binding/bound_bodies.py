@@ -15,7 +15,7 @@ from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_si
 from plcopen_sfc.languages.effects import Effects, calls, effects, path_of, targets
 from plcopen_sfc.languages.il import CALLS, JUMPS, STORING, instructions
 from plcopen_sfc.languages.networks import Helper, body_statements, chart_statements, condition_reader
-from plcopen_sfc.languages.networks.exported_networks import EXPORTS, network_statements
+from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.standard_blocks import standard_block
@@ -154,7 +154,7 @@ def _bound(body: Body, dialect: Dialect) -> BoundBody:
         unknown = tuple(UnknownPart(reason) for chart in charts for reason in chart.unknown)
         helpers = tuple(helper for chart in charts for helper in chart.helpers)
         return BoundBody(body, dialect, (), trees, unknown, helpers, charts=charts)
-    text = network_statements(body.content) if body.source == EXPORTS else None
+    text = network_statements(body.content) if body.source in SOURCES else None
     if text is not None:
         return replace(_bound(StBody(text=text), dialect), body=body)
     return BoundBody(body, dialect, unknown=(UnknownPart(f"a body in the form of {body.source} cannot be read"),))

@@ -12,6 +12,7 @@ from enum import StrEnum
 from typing import Any
 
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
+from plcopen_sfc.languages.networks.box_trees import is_box_tree
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.model import body as b
 from plcopen_sfc.model import network as n
@@ -334,7 +335,7 @@ def _named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _Wher
             return
     elif isinstance(holder, ForeignData) and isinstance(owner, VariableSection) and holder.name.endswith(_PARTS):
         reading = SiteKind.REPEATED
-    elif isinstance(holder, b.OpaqueBody) and holder.source == EXPORTS:
+    elif isinstance(holder, b.OpaqueBody) and (holder.source == EXPORTS or is_box_tree(holder.content)):
         reading = SiteKind.NETWORKS
     elif isinstance(holder, PouInstance) and key == "name" and holder.type_name:
         return  # a name of its own

@@ -7,6 +7,7 @@ a transition and `chart_statements` the rest of the logic drawn in a chart. `dra
 `network_reading`, from `network_graph` (elements and wires) and `blocks` (what a box does) to `results`
 `condition_reading`   conditions of every kind as expressions
 `exported_networks`   networks of exports of CoDeSys 2.3 as structured text
+`box_trees`           networks of TwinCAT 3 (NWL) as structured text
 `network_drawing`     LD, and both as bodies; `fbd_drafting`: FBD; `element_places`: positions
 `drawing_rules`       how a tool draws
 """

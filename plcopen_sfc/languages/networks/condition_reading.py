@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.il import result_expression, statements_with_result
+from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.languages.networks.network_reading import NetworkReader, body_statements, reader_of_chart
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
 from plcopen_sfc.languages.networks.wires import inverted
@@ -18,7 +19,7 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Assignment, Name, Statements
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.words import is_plain
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Coil, InputPin, Node
@@ -254,6 +255,9 @@ class _ConditionReader:
         if calling is not None:
             before, tree = calling
             return NetworkExpression(tree=tree, before=before)
+        drawn = network_statements(body.content) if isinstance(body, OpaqueBody) and body.source in SOURCES else None
+        if drawn is not None:
+            return self._statements(drawn, name)
         return _failed(f"a condition in {body.language} cannot be read as an expression")
 
     def _statements(self, text: str, name: str) -> NetworkExpression:

@@ -31,6 +31,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from plcopen_sfc.languages.networks.box_trees import box_tree_operands, box_tree_statements, is_box_tree
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, print_node, walk
 from plcopen_sfc.languages.st.nodes import Operator
@@ -39,6 +40,8 @@ from plcopen_sfc.model.dialect import Dialect
 
 EXPORTS = "codesys23"
 """Source of the bodies that exports of CoDeSys 2.3 have."""
+SOURCES = {EXPORTS: "CoDeSys 2.3", "twincat": "TwinCAT"}
+"""Sources of bodies in which there may be networks, and their tools."""
 _Thing = TypeVar("_Thing")
 _COUNT = re.compile(r"(\w+)\s*:\s*(\d+)\s*;?")
 _POLARITY = {"_POSITIV": False, "_NEGATIV": True}
@@ -53,6 +56,8 @@ class _UnknownWordError(Exception):
 
 def network_statements(content: str) -> str | None:
     """Return the statements that do what the networks of a body do; None where they are not understood."""
+    if is_box_tree(content):
+        return box_tree_statements(content)
     try:
         return _Networks(content).statements()
     except _UnknownWordError:
@@ -61,6 +66,8 @@ def network_statements(content: str) -> str | None:
 
 def network_operands(content: str) -> Sequence[tuple[int, n.Expression]] | None:
     """Return the operands with the offsets where they begin; None where the networks are not understood."""
+    if is_box_tree(content):
+        return box_tree_operands(content)
     networks = _Networks(content)
     try:
         networks.statements()

@@ -12,7 +12,7 @@ from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.declarations.type_names import is_identifier
 from plcopen_sfc.languages.networks import body_statements, chart_statements, condition_expression
-from plcopen_sfc.languages.networks.exported_networks import EXPORTS, network_statements
+from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.languages.networks.results import NetworkText
 from plcopen_sfc.languages.st import Parsed, parse_expression, parse_statements
 from plcopen_sfc.languages.st import nodes as n
@@ -363,7 +363,7 @@ class Routines:
             return read.tree.statements, None, _types(read)
         if isinstance(body, SfcBody):
             raise SimulationError("a chart cannot be executed here")
-        text = network_statements(body.content) if isinstance(body, OpaqueBody) and body.source == EXPORTS else None
+        text = network_statements(body.content) if isinstance(body, OpaqueBody) and body.source in SOURCES else None
         if text is not None:
             return parse_statements(text, self._library.dialect).tree.statements, text, {}
         source = body.source if isinstance(body, OpaqueBody) else body.language
