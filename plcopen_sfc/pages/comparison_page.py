@@ -11,7 +11,7 @@ from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.pages.conversion_overview import grouped, provenance, tasks, verdicts, without_names
-from plcopen_sfc.pages.html_text import Html, document, element, link
+from plcopen_sfc.pages.html_text import Html, document, element, link, picture_figure
 from plcopen_sfc.pages.page_index import PageIndex
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.project_page import file_name_of, title_of
@@ -186,12 +186,11 @@ def _path(pair: _Pair) -> str:
 
 
 def _figure(side: _Side, prefix: str, words: Words) -> Html:
-    title = element("figcaption", side.caption)
     if not prefix:
+        title = element("figcaption", side.caption)
         return element("figure", title, element("p", words("no such chart"), class_="comment"))
     marks: Mapping[str, str] = {anchor: " ".join(sorted(kinds)) for anchor, kinds in side.marks.items()}
-    picture = Html(chart_figure(side.index.parts[prefix][0].chart, prefix, marks))
-    return element("figure", title, element("div", picture, class_="scroll", tabindex="0"))
+    return picture_figure(chart_figure(side.index.parts[prefix][0].chart, prefix, marks), words, side.caption)
 
 
 def _tree(pairs: Iterable[_Pair], first: str, links: Iterable[tuple[str, str]] = ()) -> Html:

@@ -7,6 +7,7 @@ script of this package, by their hashes, and nothing else: what a file brings al
 from __future__ import annotations
 
 import json
+import re
 from base64 import b64encode
 from functools import cache
 from hashlib import sha256
@@ -87,6 +88,25 @@ def document(title: str, words: Words, tree: Html, *content: Html) -> str:
         element("script", Html(script)),
     )
     return "<!DOCTYPE html>\n" + element("html", head, "\n", body, lang=words.lang) + "\n"
+
+
+def picture_figure(picture: str, words: Words, caption: str = "") -> Html:
+    """Return a picture in its size, to be scrolled, or in the width of the page: a button changes between them.
+
+    A picture with a `caption` stands beside others: it begins in the width that is there, unless it is so wide that
+    nothing could be read.
+    """
+    title = element("figcaption", caption) if caption else Html("")
+    fit = element("button", words("the whole width"), type="button", class_="fit", hidden=True)
+    scroll = element("div", Html(picture), class_="scroll", tabindex="0")
+    width = _WIDTH.search(picture)
+    fitted = bool(caption) and width is not None and int(width[1]) <= _READABLE
+    return element("figure", title, fit, scroll, class_="fitted" if fitted else "")
+
+
+_WIDTH = re.compile(r' width="(\d+)"')
+_READABLE = 1_000
+"""A picture that is wider, in pixels, cannot be read in half of the width of a screen."""
 
 
 @cache

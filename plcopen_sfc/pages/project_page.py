@@ -24,7 +24,7 @@ from plcopen_sfc.model.sfc import Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import VariableSection
-from plcopen_sfc.pages.html_text import Html, document, element, joined, link
+from plcopen_sfc.pages.html_text import Html, document, element, joined, link, picture_figure
 from plcopen_sfc.pages.page_index import DrawnPart, PageIndex, PlacedBody
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.timing_diagram import trace_section
@@ -241,8 +241,7 @@ class _ProjectContent:
 
     def _networks(self, body: FbdBody | LdBody) -> Html:
         self._drawn += 1
-        picture = Html(body_figure(body, f"{self.index.prefix}drawn-{self._drawn}-"))
-        return element("figure", element("div", picture, class_="scroll", tabindex="0"))
+        return picture_figure(body_figure(body, f"{self.index.prefix}drawn-{self._drawn}-"), self.words)
 
     # -- charts
 
@@ -251,9 +250,7 @@ class _ProjectContent:
         for each, anchors in self._unreached:
             kind = "impossible" if each.impossible else "unreached"
             marks |= {anchor: f"{marks.get(anchor, '')} {kind}".strip() for anchor in anchors}
-        picture = Html(chart_figure(body.chart, prefix, marks, self.index.names(prefix)))
-        wide = element("button", self.words("the whole width"), type="button", class_="fit", hidden=True)
-        figure = element("figure", wide, element("div", picture, class_="scroll", tabindex="0"))
+        figure = picture_figure(chart_figure(body.chart, prefix, marks, self.index.names(prefix)), self.words)
         parts = self.index.parts[prefix]
         return joined(figure, *(self._permanent(part) for part in parts), *(self._steps(part) for part in parts))
 

@@ -84,6 +84,8 @@ def test_a_conversion_shows_both_charts_and_what_is_not_executed() -> None:
     (losses,) = tree.xpath("//section[@id='not_executed']")
     assert len(losses.findall(".//li")) == len(report.with_outcome(sfc.Outcome.NOT_EXECUTED)) > 0
     assert [svg.findtext("title") for svg in tree.xpath("//svg")] == ["FB_Drill", "FB_Drill"]
+    assert [figure.get("class") for figure in tree.xpath("//figure")] == ["fitted", None]  # the other is too wide
+    assert "Schritt Drill / Aktion" in words_of(losses)
     (step,) = tree.xpath("//g[starts-with(@id, 'a-') and contains(@class, 'found-error')]")
     assert step.findtext("title").startswith("Step Drill")
     # nothing was written: the source alone
