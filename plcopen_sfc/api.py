@@ -203,6 +203,14 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
     format, flavour = _IMPORTERS[name]
     report = convert(project, format, flavour=flavour, tia=version, partial=True, fresh=True).report
     file = project.source.path if project.source is not None else None
+    kind = project.source.format if project.source is not None else format
+    losses, own = report.losses, format_named(format)[0]
+    if kind == format and own.charts is not None and own.charts.is_codesys:  # a file that no tool of this format wrote
+        from plcopen_sfc.documents.writer_preparation import note_limits  # noqa: PLC0415  # to write, and here
+
+        limits = ConversionReport()
+        note_limits(project, own, limits)
+        losses += limits.with_outcome(Outcome.NOT_EXECUTED)
     found = [
         Diagnostic(
             "IMP001" if item.outcome is Outcome.NOT_EXECUTED else "IMP002",
@@ -210,9 +218,8 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
             f"{item.what}: {item.why}",
             Location(item.file or file, line=item.line, path=item.path),
         )
-        for item in report.losses
+        for item in losses
     ]
-    kind = project.source.format if project.source is not None else format
     if kind != format and not (kind == "twincat" == name):
         hint = f"plcopen-sfc convert --to {format}{f' --for {flavour}' if flavour else ''} writes one that it reads."
         text = f"the file is {kind}, and {tool} imports {format}"

@@ -123,7 +123,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if kind.drawing is DrawingNeed.NONE:
         written, marks = rewrite_project(copy, kind, options, report)
         if kind.charts is not None and kind.charts.is_codesys and not options.same:
-            _note_limits(written, kind, report)
+            note_limits(written, kind, report)
         if written is not copy and _has_flags(kind):
             _put_into_notation(written, kind, report)
         return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
@@ -132,7 +132,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     copy, marks = rewrite_project(meant, kind, options, report)
     options = replace(options, marks=marks, rewritten=meant)
     if style.structured and (project.source is None or project.source.format != kind.name):
-        _note_limits(copy, kind, report)
+        note_limits(copy, kind, report)
     # a format without ids has branches of its own instead of the bars of others
     other = project.source is None or project.source.format != kind.name
     replaced = bool(options.flavour) or (not kind.ids and other)
@@ -398,8 +398,8 @@ def _address_dialect(project: Project, kind: Format, dialect: Dialect | None) ->
     return project.address_dialect if is_own else target
 
 
-def _note_limits(project: Project, kind: Format, report: ConversionReport) -> None:
-    """Say which charts tools that know nested branches only may not take, and that they begin with one step."""
+def note_limits(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Report which charts tools that know nested branches only may not take, and that they begin with one step."""
     from plcopen_sfc.drawing import limits  # noqa: PLC0415
 
     for chart in project.charts():
