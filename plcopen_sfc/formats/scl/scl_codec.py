@@ -314,11 +314,13 @@ def _note_foreign(project: Project, pou: Pou, types: S7Types, tags: Container[st
             elif (variable.address or "").startswith("%") and variable.name.casefold() not in tags:
                 why = f"variables of blocks have no address in S7: it is not connected to {variable.address}"
                 report.add(Outcome.NOT_EXECUTED, "address", path, why)
-            inner = types.type(variable.type)
+            whole = inner = types.type(variable.type)
             while isinstance(inner, ArrayType):
                 inner = inner.base
             if isinstance(inner, PointerType):
                 report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(inner, _SCL)}")
+            elif isinstance(whole, ArrayType) and isinstance(whole.base, ArrayType):
+                report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(whole, _SCL)}")
 
 
 _FOREIGN_SECTIONS = frozenset({SectionKind.GLOBAL, SectionKind.ACCESS})

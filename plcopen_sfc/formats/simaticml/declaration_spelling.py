@@ -117,8 +117,8 @@ def struct_of(type: DataType) -> StructType | None:
 
 
 def is_tia_type(type: DataType) -> bool:
-    """True if TIA Portal has this type."""
-    while isinstance(type, ArrayType):
+    """True if TIA Portal has this type: arrays of anything but arrays (help, "Format of ARRAY")."""
+    if isinstance(type, ArrayType):
         type = type.base
     if isinstance(type, ElementaryType):
         return type.name in _SPELLED

@@ -61,6 +61,7 @@ _CALL_ROW = re.compile(r'CALL\s+("[^"]+"|#?[^\s,(]+)(?:\s*,\s*("[^"]+"|#?[^\s,(]
 _PARAMETER = re.compile(r"\s*([^\W\d]\w*)\s*(:=|=>)\s*(.*\S)\s*")
 _QUALIFIERS = frozenset(q.value for q in Qualifier) - {"None", "CALL"}
 _EVENTS = frozenset(e.value for e in ActionEvent) - {"C"}
+_TARGET_AND_OPERAND = 2
 TIMED = frozenset({"L", "D", "TL", "TD", "TR", "TF"})
 """Qualifiers whose operand is followed by a time."""
 
@@ -157,12 +158,13 @@ def _meaning(text: str, qualifier: str) -> Fields:
         target, assigns, value = text.partition(":=")
         if assigns and parse_operand(target) is not None and _is_value(value):
             return {"target": target.strip(), "value": value.strip()}
-        target, comma, rest = text.partition(",")
-        if comma and parse_operand(target) is not None and parse_operand(rest) is not None:
+        parts = _split(text)
+        if len(parts) == _TARGET_AND_OPERAND and all(parse_operand(part) is not None for part in parts):
+            target, rest = parts
             if qualifier in TIMED:
-                return {"target": target.strip(), "duration": rest.strip()}
+                return {"target": target, "duration": rest}
             if qualifier == "CS":
-                return {"target": target.strip(), "value": rest.strip()}
+                return {"target": target, "value": rest}
         if parse_operand(text) is not None:
             return {"target": text}
     return {"body": {"language": "ST", "text": text}}

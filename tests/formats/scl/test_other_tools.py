@@ -188,3 +188,12 @@ def test_a_block_without_variables_lacks_none(kind: m.PouKind) -> None:
     project = m.Project(pous=[m.Pou(name="Main", kind=kind, bodies=[m.StBody(text=";")])])
     _, report = sfc.convert(project, "scl")
     assert not report.with_outcome(Outcome.NOT_EXECUTED)
+
+
+@pytest.mark.parametrize("target", ["scl", "simaticml"])
+def test_arrays_of_arrays_are_told(target: str) -> None:
+    text = b"PROGRAM Main VAR q : ARRAY[0..3] OF ARRAY[0..2] OF BOOL; END_VAR q[1][2] := TRUE; END_PROGRAM"
+    _, report = sfc.convert(sfc.loads(text, format="iec-text"), target, partial=True)
+    (item,) = report.with_outcome(sfc.Outcome.NOT_EXECUTED)
+    assert item.path == "POU Main / q"
+    assert item.why.startswith("TIA Portal has no type")

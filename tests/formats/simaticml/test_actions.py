@@ -28,6 +28,7 @@ ROWS = (
     (row("#a.b[1]", Qualifier="S", Event="S1"), {"event": ActionEvent.S1, "target": "#a.b[1]"}),
     (row("#x", Qualifier="N", Interlock="true"), {"interlock": True, "target": "#x"}),
     (row("#x", ",", "T#5S", Qualifier="D"), {"target": "#x", "duration": "T#5S"}),
+    (row("#x[1,2]", ",", "T#5S", Qualifier="D"), {"target": "#x[1,2]", "duration": "T#5S"}),
     (row("#x", ",", '"DB".time', Qualifier="L"), {"target": "#x", "duration": '"DB".time'}),
     (row("#x", ":=", "1", Qualifier="N"), {"target": "#x", "value": "1"}),
     (row('"C1"', ",", "C#10", Qualifier="CS", Event="S1"), {"target": '"C1"', "value": "C#10"}),
