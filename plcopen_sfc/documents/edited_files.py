@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
@@ -264,9 +265,14 @@ def _merged(
     if is_other:
         options = replace(options, untouched=frozenset())
 
-    def tree(edited: Project, baseline: Project | None, notes: ConversionReport) -> etree._Element:
+    def tree(
+        edited: Project,
+        baseline: Project | None,
+        notes: ConversionReport,
+        unchanged: Mapping[int, frozenset[int]] = MappingProxyType({}),
+    ) -> etree._Element:
         """Return the tree of a project, in the terms of the tool where the file has or needs them."""
-        written = replace(options, baseline=baseline)
+        written = replace(options, baseline=baseline, unchanged=unchanged)
         if options.untouched or not is_other:
             return codec.to_tree(edited, written, notes)
         copy, marks = rewrite_project(edited, kind, written, notes)
@@ -275,18 +281,37 @@ def _merged(
                 prepare_body(body, style, positions=False)
         return codec.to_tree(copy, replace(written, marks=marks, rewritten=edited), notes)
 
-    after, known = tree(project, before, report), ConversionReport()
-    data = patch_xml(content, tree(before, None, known), after)
+    unchanged = {} if is_other else _unchanged(before, project, touched, codec)
+    known = ConversionReport()
+    after = tree(project, before, report, unchanged)
+    data = patch_xml(content, tree(before, None, known, unchanged), after)
     _pass_known_losses(report, known)
     try:
         back = codec.read(data).project
         if back == project:
             return _Merged(data, not is_other and codec.as_tool_sees(data) is data)
         # equal to the tool, if not in the order of its drawing; comments carry ids in TC6 1.01, which may be others now
+        after = tree(project, before, ConversionReport()) if unchanged else after
         is_same = canonical(tree(back, None, ConversionReport())) == canonical(after)
     except FormatError:  # references by position that lead elsewhere now
         return None
     return _Merged(data, is_same_to_tool=False) if is_same else None
+
+
+def _unchanged(before: Project, after: Project, touched: Collection[str], codec: XmlCodec) -> dict[int, frozenset[int]]:
+    """Return the symbols without edits in the charts of bodies with edits, by the `id()` of these charts.
+
+    A patch of the file needs no more than the place of their elements. Data of tools depend on their version.
+    """
+    if before.header != after.header:
+        return {}
+    found: dict[int, frozenset[int]] = {}
+    charts = {name: body.chart for name, _, body in before.bodies() if isinstance(body, SfcBody) and name in touched}
+    for name, _, body in after.bodies():
+        if name in charts and isinstance(body, SfcBody):
+            known = charts[name]
+            found[id(known)] = found[id(body.chart)] = codec.unchanged_symbols(known, body.chart)
+    return found
 
 
 def _pass_known_losses(report: ConversionReport, known: ConversionReport) -> None:

@@ -106,7 +106,8 @@ class WriteOptions:
     `same`: the project was read from this format in this version; ids come back by themselves then. `source` is the
     file that it was read from, to keep to its habits.
     `untouched` names bodies (``Main``, ``Main.Fill``) whose charts are not written because they stay as they are in the
-    file that is patched. `baseline` is the project as it was read, by which a writer sees what was edited.
+    file that is patched; `unchanged` has symbols of other charts, by the `id()` of the chart, whose elements stay so:
+    they are written without their content. `baseline` is the project as it was read, by which a writer sees what was edited.
     `whole` is the project of which the one that is written is a document of its own; `added`: its objects are those of
     `Codec.added_objects`.
     `marks` are what to keep beside objects that were rewritten, by their `id()`; `rewritten` is the project before.
@@ -123,6 +124,7 @@ class WriteOptions:
     same: bool = False
     source: bytes = b""
     untouched: frozenset[str] = frozenset()
+    unchanged: Mapping[int, frozenset[int]] = field(default_factory=dict)
     baseline: Project | None = None
     whole: Project | None = None
     added: bool = False

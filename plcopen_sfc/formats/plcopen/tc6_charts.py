@@ -6,8 +6,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeVar
 
 from lxml import etree
 
@@ -53,7 +53,7 @@ from plcopen_sfc.formats.xml.extension_data import fields_left
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
-from plcopen_sfc.model.drawing import ActionEntry, Drawing, Places, StepActionKind, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import STEPS, ActionEntry, Drawing, Places, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import is_direct
@@ -392,7 +392,8 @@ class Tc6ChartWriter:
         self.nodes: dict[int, Node] = {node.id: node for node in chart.logic if is_known(ctx, node)}
         # TC6 1.01 has no execution order at symbols of charts
         self.symbol_fields = _SYMBOL - ({"execution_order"} if ctx.version.first_generation else set())
-        self.conditions = self._drawn_conditions()
+        self.unchanged = ctx.unchanged.get(id(chart), _NONE)
+        self.conditions = _drawn_conditions(chart)
         self.drawn_step_actions = self._drawn_step_actions()
         self.priorities = self._priorities()
 
@@ -425,16 +426,6 @@ class Tc6ChartWriter:
             return {number: priority for number, priority in given.items() if priority is not None}
         every = {number for order in competing for number in order}
         return {t.id: rank for rank, t in enumerate((t for t in wanted if t.id in every), 1)}
-
-    def _drawn_conditions(self) -> dict[int, str]:
-        """Return the text of each drawn expression, by the id of its symbol."""
-        texts: dict[int, str] = {}
-        for symbol in self.drawing.symbols:
-            if symbol.kind is SymbolKind.TRANSITION and symbol.condition is not None:
-                condition = self.transition_of(symbol).condition
-                if isinstance(condition, Expression) and symbol.condition.connections:
-                    texts[symbol.condition.connections[0].source] = condition.text
-        return texts
 
     def _drawn_step_actions(self) -> dict[int, set[StepActionKind]]:
         """Return the step actions of each step that are drawn in an action block."""
@@ -480,7 +471,11 @@ class Tc6ChartWriter:
             add_unknown(self.ctx, parent, self.chart.extension_data)
 
     def write_symbol(self, parent: etree._Element, symbol: Symbol) -> None:
-        """Write one symbol with the element that it draws."""
+        """Write one symbol with the element that it draws; where that stays as it is, what identifies it."""
+        if symbol.id in self.unchanged:
+            name = {"name": self.steps[symbol.id].name} if symbol.kind is SymbolKind.STEP else {}
+            add_child(self.ctx, parent, symbol.kind.value, {"localId": str(symbol.id)} | name)
+            return
         if symbol.kind is SymbolKind.STEP or symbol.kind is SymbolKind.MACRO_STEP:
             self.write_step(parent, symbol, self.steps[symbol.id])
         elif symbol.kind is SymbolKind.TRANSITION:
@@ -739,6 +734,72 @@ class Tc6ChartWriter:
         ctx.place.append(f"step {owner} / action {association.target or 'inline'}")
         finish_element(ctx, element, association, "action", native, also=also)
         ctx.place.pop()
+
+
+def unchanged_symbols(before: SfcNetwork, after: SfcNetwork) -> frozenset[int]:
+    """Return the ids of symbols whose elements are the same in the file, whichever of two charts is written.
+
+    None where what an element has may depend on all others: symbols, transitions or ids are others, or a step action
+    is drawn in a block that has changed.
+    """
+    old, new = before.drawing, after.drawing
+    if old is None or new is None or _skeleton(before, old) != _skeleton(after, new):
+        return _NONE
+    steps, every_step = _equal_by_id(before.steps, after.steps), {step.id for step in after.steps}
+    transitions = _equal_by_id(before.transitions, after.transitions)
+    symbols = _equal_by_id(old.symbols, new.symbols)
+    actions = _equal_by_id([a for _, a in before.associations()], [a for _, a in after.associations()])
+    texts, others = _drawn_conditions(before), _drawn_conditions(after)
+    found: set[int] = set()
+    for symbol in new.symbols:
+        if symbol.kind is SymbolKind.ACTION_BLOCK:
+            entries = symbol.entries or ()
+            sources = [wire.source for pin in symbol.inputs for wire in pin.connections]
+            same = all(each.association in actions for each in entries) and steps.issuperset(every_step.intersection(sources))
+            if any(each.step_action is not None for each in entries):
+                return _NONE
+        elif symbol.kind is SymbolKind.TRANSITION:
+            same = transitions.issuperset(symbol.transitions or [symbol.id])
+        elif symbol.kind is SymbolKind.EXPRESSION:
+            same = texts.get(symbol.id) == others.get(symbol.id)
+        elif symbol.kind is SymbolKind.JUMP:
+            same = symbol.target is None or symbol.target in (steps if symbol.target in every_step else symbols)
+        else:
+            same = symbol.kind not in STEPS or symbol.id in steps
+        if same and symbol.id in symbols and symbol.local_id is None:
+            found.add(symbol.id)
+    return frozenset(found)
+
+
+_NONE: frozenset[int] = frozenset()
+
+
+def _skeleton(chart: SfcNetwork, drawing: Drawing) -> list[object]:
+    """Return what elements of a chart can have of others: order, ids and links."""
+    symbols = [(symbol.id, symbol.local_id, symbol.kind, symbol.transitions) for symbol in drawing.symbols]
+    links = [(each.id, each.priority, each.sources, each.targets) for each in chart.transitions]
+    return [symbols, links, [step.id for step in chart.steps], [node.id for node in chart.logic], drawing.order]
+
+
+T = TypeVar("T", Step, Transition, ActionAssociation, Symbol)
+
+
+def _equal_by_id(before: Iterable[T], after: Iterable[T]) -> frozenset[int]:
+    """Return the ids of what is equal on both sides."""
+    known = {thing.id: thing for thing in before}
+    return frozenset(thing.id for thing in after if known.get(thing.id) == thing)
+
+
+def _drawn_conditions(chart: SfcNetwork) -> dict[int, str]:
+    """Return the text of each drawn expression, by the id of its symbol."""
+    texts: dict[int, str] = {}
+    transitions = {transition.id: transition for transition in chart.transitions}
+    for symbol in chart.drawing.symbols if chart.drawing is not None else ():
+        if symbol.kind is SymbolKind.TRANSITION and symbol.condition is not None:
+            condition = transitions[symbol.transitions[0] if symbol.transitions else symbol.id].condition
+            if isinstance(condition, Expression) and symbol.condition.connections:
+                texts[symbol.condition.connections[0].source] = condition.text
+    return texts
 
 
 def _features(condition: Condition | None) -> list[str]:

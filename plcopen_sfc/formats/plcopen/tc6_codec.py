@@ -21,6 +21,7 @@ from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_project import fit_project
 from plcopen_sfc.formats.plcopen.source_marks import is_added_configuration
 from plcopen_sfc.formats.plcopen.tc6_bodies import read_pou, write_pou
+from plcopen_sfc.formats.plcopen.tc6_charts import unchanged_symbols
 from plcopen_sfc.formats.plcopen.tc6_configurations import read_configuration, write_configuration
 from plcopen_sfc.formats.plcopen.tc6_declarations import read_data_type_declaration, write_data_type_declaration
 from plcopen_sfc.formats.plcopen.tc6_networks import TAGS
@@ -421,6 +422,10 @@ class Tc6Codec(XmlCodec):
             return write_project(project, BEREMIZ, report, options)
         version = version_named(options.version) or V2_01
         return write_project(project, Tc6Dialect(version), report, options)
+
+    def unchanged_symbols(self, before: SfcNetwork, after: SfcNetwork) -> frozenset[int]:
+        """Return ids of symbols whose elements are the same before and after an edit."""
+        return unchanged_symbols(before, after)
 
     def style(self) -> XmlStyle:
         """As Beremiz and OpenPLC write: UTF-8 without a mark, LF, two blanks, ``<a/>``."""

@@ -86,6 +86,7 @@ class Tc6WriteContext:
         self.names = dialect.version.qualified
         self.report = report
         self.untouched = options.untouched
+        self.unchanged = options.unchanged
         self.same = options.same
         self.marks = options.marks
         """Fields to keep beside objects that were rewritten or added, by their `id()`."""

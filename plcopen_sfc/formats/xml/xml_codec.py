@@ -24,6 +24,7 @@ from plcopen_sfc.formats.xml.xml_parsing import decode_xml, parse_xml
 from plcopen_sfc.languages.edits import without
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.report import ConversionReport
 
 
@@ -38,6 +39,10 @@ class XmlCodec(Codec):
     @abstractmethod
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         """Return the tree of the file for `project`."""
+
+    def unchanged_symbols(self, before: SfcNetwork, after: SfcNetwork) -> frozenset[int]:
+        """Return ids of symbols whose elements are the same before and after an edit; a codec may know of none."""
+        return frozenset()
 
     @abstractmethod
     def style(self) -> XmlStyle:
