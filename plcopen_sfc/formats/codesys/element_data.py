@@ -52,14 +52,17 @@ def read_element_attributes(ctx: Tc6ReadContext, data: etree._Element, fields: F
     if table is None:
         return False
     unknown: list[etree._Element] = []
+    tag: object = None
     for attribute in table:
         items: Any = attribute.items()
-        is_plain = len(items) == 1 and not len(attribute) and local_name(attribute) == "attribute"
+        if attribute.tag != tag and local_name(attribute) == "attribute":
+            tag = attribute.tag
+        is_plain = len(items) == 1 and not len(attribute) and attribute.tag == tag
         guid = items[0][1] if is_plain and items[0][0] == "guid" else None
         raw = attribute.text or ""
-        if (guid, raw) in _VALUES:  # most attributes
-            field, meant = _VALUES[guid, raw]
-            fields[field] = meant
+        known = _VALUES.get((guid, raw))
+        if known is not None:  # most attributes
+            fields[known[0]] = known[1]
             continue
         value = raw.strip()
         if guid is None or not _take_attribute(fields, owner, guid, value):

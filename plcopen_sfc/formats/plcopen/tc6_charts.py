@@ -106,22 +106,24 @@ class Tc6ChartReader:
         self.drawn.symbols.append(symbol)
         return symbol
 
-    def _children(self, element: etree._Element, symbol: Fields) -> Iterator[tuple[etree._Element, str | None]]:
-        """Yield the children of an element, with their names, but for its position and the pins of the flow.
+    def _children(self, element: etree._Element, symbol: Fields) -> list[tuple[etree._Element, str | None]]:
+        """Return the children of an element, with their names, but for its position and the pins of the flow.
 
         Of these only the sources of wires are read; `read_drawing` reads the rest when a script looks at the drawing.
         """
-        tags, wires, is_jump = self.ctx.tags, symbol[WIRES], symbol["kind"] is SymbolKind.JUMP
+        tag_of, wires, is_jump = self.ctx.tags.get, symbol[WIRES], symbol["kind"] is _JUMP
+        found: list[tuple[etree._Element, str | None]] = []
         for child in element:
-            local = tags.get(child.tag)
+            local = tag_of(child.tag)
             if local == "connectionPointIn":
                 for wire in child:
-                    source = whole_number(wire.get("refLocalId")) if tags.get(wire.tag) == "connection" else None
+                    source = whole_number(wire.get("refLocalId")) if tag_of(wire.tag) == "connection" else None
                     if source is not None:
                         wires.append(source)
             # TC6 gives a jump no output: one in a file is kept as extension data
             elif local not in _PLACE or (is_jump and local == "connectionPointOut"):
-                yield child, local
+                found.append((child, local))
+        return found
 
     def read_step(self, element: etree._Element) -> None:
         """Read ``step``."""
@@ -299,6 +301,8 @@ class Tc6ChartReader:
             keep_attributes(association, left)
         return association, entry, local_id
 
+
+_JUMP = SymbolKind.JUMP  # in a loop: the members of an enumeration take longer to get
 
 _SYMBOLS: dict[str | None, Callable[[Tc6ChartReader, etree._Element], None]] = {
     "step": Tc6ChartReader.read_step,

@@ -138,11 +138,19 @@ _OUTPUT = frozenset({"name", "position", "expression"})
 
 def read_geometry(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:
     """Take what every drawn element may have besides its id: size and execution order."""
-    for name in ("width", "height"):
-        if name in left:
+    for name in _SIZES:
+        text = left.get(name)
+        if text is not None and (value := _WHOLE.get(text)) is not None:  # nearly all sizes
+            fields[name] = value
+            del left[name]
+        elif text is not None:
             fields[name] = take_number(ctx, element, left, name)
     if "executionOrderId" in left:
         fields["execution_order"] = take_integer(ctx, element, left, "executionOrderId")
+
+
+_SIZES = ("width", "height")
+_WHOLE = {str(number): number for number in range(1000)}
 
 
 def geometry(width: float | None, height: float | None, execution_order: int | None) -> dict[str, str]:

@@ -288,6 +288,8 @@ def take_number(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, st
 def whole_number(text: str | None) -> int | None:
     """Return a whole, non-negative number of at most 18 digits; None for any other text."""
     # str.isdigit() alone accepts digits of other scripts, and ².
+    if text is not None and len(text) <= _LONGEST and text.isdigit() and text.isascii():
+        return int(text)
     if text is None or not (digits := text if text.isdigit() else text.strip(" \t\r\n")).isascii():
         return None
     return int(digits) if digits.isdigit() and len(digits) <= _LONGEST else None
