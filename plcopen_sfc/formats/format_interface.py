@@ -107,7 +107,8 @@ class WriteOptions:
     file that it was read from, to keep to its habits.
     `untouched` names bodies (``Main``, ``Main.Fill``) whose charts are not written because they stay as they are in the
     file that is patched; `unchanged` has symbols of other charts, by the `id()` of the chart, whose elements stay so:
-    they are written without their content. `baseline` is the project as it was read, by which a writer sees what was edited.
+    they are written without their content. `baseline` is the project as it was read, by which a writer sees what was
+    edited.
     `whole` is the project of which the one that is written is a document of its own; `added`: its objects are those of
     `Codec.added_objects`.
     `marks` are what to keep beside objects that were rewritten, by their `id()`; `rewritten` is the project before.

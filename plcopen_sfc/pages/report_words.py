@@ -864,6 +864,10 @@ _TRANSLATED = {
         "{} wird in einem Zyklus nach {} ausgeführt, in der Quelle umgekehrt ({}); {}"
     ),
     "and {} more": "und {} weitere",
+    "and {} more; {+}": "und {} weitere; {}",
+    "the orders of {} pairs of actions were compared, there are more pairs": (
+        "die Reihenfolgen von {} Paaren von Aktionen wurden verglichen, es gibt mehr Paare"
+    ),
     "values of enumerations without the name of their type, which CoDeSys 2.3 does not write": (
         "Werte von Aufzählungen ohne den Namen ihres Typs, den CoDeSys 2.3 nicht schreibt"
     ),

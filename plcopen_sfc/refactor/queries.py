@@ -7,7 +7,7 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
-from plcopen_sfc.languages.binding import Declaration, Effects, Kind, Names, step_effects
+from plcopen_sfc.languages.binding import Declaration, Effects, Kind, Names, actions_by_name, step_effects
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.effects import effects
@@ -45,14 +45,14 @@ def find_steps(
     found: list[Step] = []
     for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
         ids = _reached(chart, reachable_from, leading_to)
-        pou, dialect = pou_of(chart), dialect_in(chart)
+        actions, dialect = actions_by_name(pou_of(chart)), dialect_in(chart)
         for step in chart.steps:
             if step.id not in ids or not all(_fits(getattr(step, name), value) for name, value in fields.items()):
                 continue
             if qualifiers is not None and not any(each.qualifier in qualifiers for each in step.actions):
                 continue
             wanted = (drives, reads, calls)
-            if any(wanted) and not _acts(step_effects(step, pou, dialect), wanted):
+            if any(wanted) and not _acts(step_effects(step, actions, dialect), wanted):
                 continue
             if predicate is None or predicate(step):
                 found.append(step)

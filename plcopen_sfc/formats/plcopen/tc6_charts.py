@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 from lxml import etree
@@ -759,7 +759,9 @@ def unchanged_symbols(before: SfcNetwork, after: SfcNetwork) -> frozenset[int]:
         if symbol.kind is SymbolKind.ACTION_BLOCK:
             entries = symbol.entries or ()
             sources = [wire.source for pin in symbol.inputs for wire in pin.connections]
-            same = all(each.association in actions for each in entries) and steps.issuperset(every_step.intersection(sources))
+            same = all(each.association in actions for each in entries) and steps.issuperset(
+                every_step.intersection(sources)
+            )
             if any(each.step_action is not None for each in entries):
                 return _NONE
         elif symbol.kind is SymbolKind.TRANSITION:

@@ -12,7 +12,7 @@ from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, references
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites_in
-from plcopen_sfc.languages.effects import Effects, calls, effects, path_of, targets
+from plcopen_sfc.languages.effects import Effects, Path, calls, effects, path_of, targets
 from plcopen_sfc.languages.il import CALLS, JUMPS, STORING, instructions
 from plcopen_sfc.languages.networks import Helper, body_statements, chart_statements, condition_reader
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
@@ -25,7 +25,7 @@ from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Block
-from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 
@@ -178,15 +178,19 @@ def _blank() -> tuple[SfcNetwork, SfcBody]:
     return chart, SfcBody(chart=chart)
 
 
-def step_effects(step: Step, pou: Pou | None, dialect: Dialect) -> Effects:
-    """Effects of all that a step does, and of the actions of its POU that it names or that these call.
+def actions_by_name(pou: Pou | None) -> dict[str, Action]:
+    """Return the actions of a POU by their names in small letters."""
+    return {action.name.casefold(): action for action in pou.actions} if pou is not None else {}
+
+
+def step_effects(step: Step, actions: Mapping[str, Action], dialect: Dialect) -> Effects:
+    """Effects of all that a step does, and of the `actions` of its POU that it names or that these call.
 
     What an association names is written, but for actions of the POU, which are called.
     """
     chart, body = _blank()
     alone = body.model_copy(update={"chart": chart.model_copy(update={"steps": [step]})})
     found = [bind(alone, dialect).effects]
-    actions = {action.name.casefold(): action for action in pou.actions} if pou is not None else {}
     followed: set[str] = set()
     for effects_so_far in found:  # it grows
         for path in sorted(effects_so_far.calls):
@@ -195,8 +199,11 @@ def step_effects(step: Step, pou: Pou | None, dialect: Dialect) -> Effects:
                 followed.add(path[0])
                 found.append(bind(action.body, dialect).effects)
     every = Effects.all(found)
-    named = {(name,) for name in actions}
-    return Effects(every.reads - named, every.writes - named, every.calls)
+
+    def without_actions(paths: frozenset[Path]) -> frozenset[Path]:
+        return frozenset(path for path in paths if len(path) != 1 or path[0] not in actions)
+
+    return Effects(without_actions(every.reads), without_actions(every.writes), every.calls)
 
 
 _RESULT = n.Literal("0")

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
-from itertools import product
+from itertools import chain, islice, product
 
-from plcopen_sfc.languages.binding.bound_bodies import step_effects
+from plcopen_sfc.languages.binding.bound_bodies import actions_by_name, step_effects
 from plcopen_sfc.languages.effects import ANYTHING, Effects, may_change, path_of
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 
 _MOST_SITUATIONS = 2_000
 STORING = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 """Qualifiers of actions that go on when their step is left."""
 _LISTED = 3
+_MOST_PAIRS = 100_000
 
 Row = tuple[Step, ActionAssociation]
 """An association and its step. That of an entry or exit action has the qualifier P1 or P0."""
@@ -34,7 +35,8 @@ class SharedScans:
 
     def __init__(self, chart: SfcNetwork, pou: Pou, dialect: Dialect) -> None:
         self._chart, self._pou, self._dialect = chart, pou, dialect
-        self._found: dict[int, Effects] = {}
+        self._actions = actions_by_name(pou)
+        self._found: dict[object, Effects] = {}
         self._names = {variable.name.casefold(): variable.name for variable in pou.variables()}
 
     @cached_property
@@ -42,10 +44,14 @@ class SharedScans:
         """The situations that the chart can reach, as far as they are few: ids of steps that are active together."""
         first = frozenset(step.id for step in self._chart.steps if step.initial)
         found, waiting = {first}, [first]
+        leaving: dict[int, list[Transition]] = {}
+        for transition in self._chart.transitions:
+            for source in transition.sources[:1]:
+                leaving.setdefault(source, []).append(transition)
         while waiting and len(found) < _MOST_SITUATIONS:
             situation = waiting.pop()
-            for transition in self._chart.transitions:
-                if transition.sources and situation.issuperset(transition.sources):
+            for transition in (each for step in sorted(situation) for each in leaving.get(step, ())):
+                if situation.issuperset(transition.sources):
                     following = situation.difference(transition.sources).union(transition.targets)
                     waiting += [following] if following not in found else []
                     found.add(following)
@@ -54,7 +60,23 @@ class SharedScans:
     def follow(self, left: Step, entered: Step) -> bool:
         """True if a step may become active in the scan in which another one was left."""
         together = left is not entered and self.are_together(left, entered)
-        return together or any(left.id in t.sources and entered.id in t.targets for t in self._chart.transitions)
+        return together or entered.id in self._following.get(left.id, ())
+
+    @cached_property
+    def _following(self) -> dict[int, set[int]]:
+        found: dict[int, set[int]] = {}
+        for transition in self._chart.transitions:
+            for source in transition.sources:
+                found.setdefault(source, set()).update(transition.targets)
+        return found
+
+    @cached_property
+    def _preceding(self) -> dict[int, set[int]]:
+        found: dict[int, set[int]] = {}
+        for step, following in self._following.items():
+            for each in following:
+                found.setdefault(each, set()).add(step)
+        return found
 
     @cached_property
     def is_parallel(self) -> bool:
@@ -111,54 +133,97 @@ class SharedScans:
             path and (path == wanted[: len(path)] or path[:1] == wanted[-1:]) for path in self._effects(row).writes
         )
 
-    def sharing(self, rows: Sequence[Row]) -> list[tuple[Row, Row]]:
+    def sharing(self, rows: Sequence[Row]) -> tuple[list[tuple[Row, Row]], bool]:
         """Return the pairs of rows, both ways round, of which one may write a variable that the other has, too.
 
-        Rows that execute the same action are no pair: charts have thousands of them.
+        Rows that execute the same action are no pair, nor are those of steps that are not active together or one
+        after the other, unless one of the two goes on: charts have thousands of actions on one variable. True beside
+        them: these are all.
         """
-        writers: dict[str, dict[str, list[int]]] = {}
-        users: dict[str, dict[str, list[int]]] = {}
-        every: dict[str, list[int]] = {}
+        writers: dict[str, _Users] = {}
+        users: dict[str, _Users] = {}
+        every = _Users()
         for place, row in enumerate(rows):
-            action = _called(row).casefold()
-            every.setdefault(action, []).append(place)
-            effects = self._effects(row)
+            action, effects = _called(row).casefold(), self._effects(row)
+            every.add(place, row, action)
             for places, paths in ((writers, effects.writes), (users, effects.reads | effects.writes)):
                 for name in {name for path in paths for name in path[:2] or ("",)}:  # GVL.x is x too, () is anything
-                    places.setdefault(name, {}).setdefault(action, []).append(place)
-        found: set[tuple[int, int]] = set()
-        for name, writing in writers.items():
-            for using in (users.get(name, {}), users.get("", {})) if name else (every,):
-                for action, other in product(writing, using):
-                    if action != other:
-                        found.update(product(writing[action], using[other]))
-        both = found | {(other, one) for one, other in found}
-        return [(rows[one], rows[other]) for one, other in sorted(both)]
+                    places.setdefault(name, _Users()).add(place, row, action)
+        meeting = chain.from_iterable(
+            self._pairs(rows, writing, using)
+            for name, writing in writers.items()
+            for using in ((users.get(name, _NO_USERS), users.get("", _NO_USERS)) if name else (every,))
+        )
+        looked_at = list(islice(meeting, _MOST_PAIRS + 1))
+        both = {*looked_at, *((other, one) for one, other in looked_at)}
+        return [(rows[one], rows[other]) for one, other in sorted(both)], len(looked_at) <= _MOST_PAIRS
+
+    def _pairs(self, rows: Sequence[Row], writing: _Users, using: _Users) -> Iterator[tuple[int, int]]:
+        """Yield the places of rows that may have a scan in common, where they execute different actions."""
+        stored = (writing.stored, using.actions), (writing.actions, using.stored)
+        for some, others in stored:
+            for action, other in product(some, others):
+                if action != other:
+                    yield from product(some[action], others[other])
+        for action, places in writing.actions.items():
+            for place in places:
+                for step in self._near(rows[place][0].id):
+                    for its_place, whose in using.of_step.get(step, ()):
+                        if whose != action:
+                            yield place, its_place
+
+    def _near(self, step: int) -> set[int]:
+        """Return the steps that may be active in a scan in which a step is active, or was left, or is entered."""
+        if self.is_parallel and len(self.situations) >= _MOST_SITUATIONS:
+            return {each.id for each in self._chart.steps}
+        together = self._together.get(step, set()) if self.is_parallel else set()
+        return {step, *together, *self._following.get(step, ()), *self._preceding.get(step, ())}
 
     def _effects(self, row: Row) -> Effects:
         """Return what an association executes, as names tell it: a block changes its instance, a function nothing."""
         _, association = row
-        if id(association) not in self._found:
+        row_of_names = (association.target, association.qualifier, association.duration, association.indicator)
+        known = row_of_names if association.body is None else id(association)
+        if known not in self._found:
             alone = _ALONE.model_copy(update={"actions": [association]})
-            found = step_effects(alone, self._pou, self._dialect)
+            found = step_effects(alone, self._actions, self._dialect)
             own = {path for path in found.calls if path and path[0] in self._names}
             changed = own | {path[:-1] for path in own if len(path) > 1}
             called = {ANYTHING, *found.calls} if found.calls else set()
-            if association.target and self._pou.find_action(association.target) is None:
+            if association.target and association.target.casefold() not in self._actions:
                 called.discard(path_of(parse_expression(association.target, self._dialect).tree))  # a global variable
-            self._found[id(association)] = Effects(
-                found.reads | changed, (found.writes - called) | changed, found.calls
-            )
-        return self._found[id(association)]
+            self._found[known] = Effects(found.reads | changed, (found.writes - called) | changed, found.calls)
+        return self._found[known]
 
 
+class _Users:
+    """Places of rows that have one variable: by action, those that go on when their step is left, and by step."""
+
+    __slots__ = ("actions", "of_step", "stored")
+
+    def __init__(self) -> None:
+        self.actions: dict[str, list[int]] = {}
+        self.stored: dict[str, list[int]] = {}
+        self.of_step: dict[int, list[tuple[int, str]]] = {}
+
+    def add(self, place: int, row: Row, action: str) -> None:
+        """Take in a row."""
+        step, association = row
+        self.actions.setdefault(action, []).append(place)
+        self.of_step.setdefault(step.id, []).append((place, action))
+        if association.qualifier in STORING:
+            self.stored.setdefault(action, []).append(place)
+
+
+_NO_USERS = _Users()
 _ALONE = Step(id=0, name="")
 
 
 def told_orders(scans: SharedScans, rows: Sequence[Row], differ: Callable[[Row, Row], bool], word: str) -> str:
     """Return which of `rows` a target executes before (`word`) or after which others, and the source does not."""
     found: dict[str, None] = {}
-    for one, other in scans.sharing(rows):
+    pairs, are_all = scans.sharing(rows)
+    for one, other in pairs:
         names = _called(one), _called(other)
         if one[1] is other[1] or not differ(one, other):
             continue
@@ -166,8 +231,10 @@ def told_orders(scans: SharedScans, rows: Sequence[Row], differ: Callable[[Row, 
             found[
                 f"{names[0]} is executed {word} {names[1]} in one scan, in the source the other way round ({shared})"
             ] = None
-    more = f"; and {len(found) - _LISTED} more" if len(found) > _LISTED else ""
-    return "; ".join(list(found)[:_LISTED]) + more
+    told = [*list(found)[:_LISTED], *([f"and {len(found) - _LISTED} more"] if len(found) > _LISTED else [])]
+    if not are_all:
+        told.append(f"the orders of {_MOST_PAIRS} pairs of actions were compared, there are more pairs")
+    return "; ".join(told)
 
 
 def _called(row: Row) -> str:
