@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeAlias
 
-from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, Situation, disjunction, negation
-from plcopen_sfc.analysis.knowledge import Knowledge
+from plcopen_sfc.analysis.formulas import COMPARING, Formula, JudgedCondition, Situation, disjunction, negation
+from plcopen_sfc.analysis.knowledge import Knowledge, ValueKind, VariableValues, constant_of
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.languages.effects import targets
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
@@ -94,6 +94,8 @@ def truth(condition: AnyCondition, *, dialect: Dialect = Dialect.IEC, knowledge:
     read = _read(condition, dialect)
     if isinstance(read, str):
         return Truth.UNKNOWN
+    if knowledge is not None and not read.own and _compares_within(read.tree, dialect, knowledge):
+        return Truth.VARIES
     formula = Formula(dialect, knowledge)
     terms = formula.terms([read])
     can_be_true = formula.can_be_true(terms)
@@ -103,6 +105,25 @@ def truth(condition: AnyCondition, *, dialect: Dialect = Dialect.IEC, knowledge:
     if can_be_false is False:
         return Truth.ALWAYS
     return Truth.VARIES if can_be_true and can_be_false else Truth.UNKNOWN
+
+
+def _compares_within(tree: Expression, dialect: Dialect, knowledge: Knowledge) -> bool:
+    """True for a whole number that is compared with one between its least and its greatest value.
+
+    Charts have thousands of such conditions, and asking the solver takes a millisecond each time.
+    """
+    tree = n.bare(tree)
+    if not isinstance(tree, n.Operation) or tree.operator not in COMPARING or len(tree.operands) != 2:
+        return False
+    for one, other in (tree.operands, tree.operands[::-1]):
+        name, constant = n.bare(one), constant_of(other, dialect, knowledge)
+        values = knowledge(name) if isinstance(name, n.Name) and constant is not None else None
+        if constant is None or not isinstance(values, VariableValues) or values.kind is not ValueKind.INTEGER:
+            continue
+        least, greatest, number = values.least, values.greatest, constant.value
+        if least is not None and greatest is not None and type(number) is int:
+            return least < number < greatest
+    return False
 
 
 def covered(

@@ -162,7 +162,7 @@ class JudgedCondition:
     own: frozenset[str] = frozenset()
 
 
-_COMPARING: dict[Operator, Callable[[Any, Any], Any]] = {
+COMPARING: dict[Operator, Callable[[Any, Any], Any]] = {
     Operator.EQUAL: lambda a, b: a == b,
     Operator.UNEQUAL: lambda a, b: a != b,
     Operator.LESS: lambda a, b: a < b,
@@ -394,7 +394,7 @@ class Formula:
                 return getattr(z3, _JOINING[operator])(*map(self._truth, operands))
             case n.Operation(Operator.XOR, operands):
                 return reduce(z3.Xor, map(self._truth, operands))
-            case n.Operation(operator, (left, right)) if operator in _COMPARING:
+            case n.Operation(operator, (left, right)) if operator in COMPARING:
                 return self._comparison(tree, operator, left, right)
         constant = self._constant(tree)
         if constant is not None:
@@ -415,7 +415,7 @@ class Formula:
             kind = ValueKind.REAL
         if ValueKind.BOOL in kinds:
             if operator in (Operator.EQUAL, Operator.UNEQUAL):
-                return _COMPARING[operator](self._truth(left), self._truth(right))
+                return COMPARING[operator](self._truth(left), self._truth(right))
             return self._unknown(tree, "compares Boolean values by size")
         numbers = all(k is None or k in _NUMBERS for k in kinds)
         if None not in kinds and kinds[0] is not kinds[1] and not numbers:
@@ -423,7 +423,7 @@ class Formula:
         by_size = operator not in (Operator.EQUAL, Operator.UNEQUAL)
         if by_size and (kind is ValueKind.SYMBOL or (kind is ValueKind.TEXT and not self.guessing)):
             return self._unknown(tree, "compares texts or names by size")
-        return _COMPARING[operator](self._value(left, kind), self._value(right, kind))
+        return COMPARING[operator](self._value(left, kind), self._value(right, kind))
 
     # -- values
 
@@ -441,7 +441,7 @@ class Formula:
                 return ValueKind.BOOL
             case n.Unary(Operator.NOT, operand):
                 return self._kind(operand) or ValueKind.BOOL
-            case n.Operation(operator) if operator in _COMPARING:
+            case n.Operation(operator) if operator in COMPARING:
                 return ValueKind.BOOL
             case n.Operation(Operator.AND | Operator.OR | Operator.XOR, operands):
                 # of BOOL or of bit strings, whichever its operands are
