@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import pytest
 
 import plcopen_sfc as sfc
+from benchmarks.generate import generate
+from plcopen_sfc.formats.plcopen.tc6_charts import Tc6ChartWriter
 from plcopen_sfc.languages.binding import Row, SharedScans, shared_scans, told_orders
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.pages.report_words import german
@@ -78,3 +82,36 @@ def test_only_actions_of_neighbouring_steps_are_asked_for_their_order(monkeypatc
         "; die Reihenfolgen von 20 Paaren von Aktionen wurden verglichen, es gibt mehr Paare"
     )
     assert german("; ".join(told)).startswith("A0 wird in einem Zyklus vor A1 ausgeführt")
+
+
+@pytest.mark.parametrize("codesys", [False, True])
+def test_an_edit_writes_what_it_touches_and_reads_no_other_drawing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, codesys: bool
+) -> None:
+    generate(tmp_path / "charts.xml", megabytes=0.3, steps=12, codesys=codesys)
+    project = sfc.load(tmp_path / "charts.xml")
+    charts = [each.chart for each in project.charts()]
+    assert len(charts) > 1 or codesys, "its files have more around a chart"
+    assert all(chart.steps for chart in charts)
+    drawings = [chart.__dict__["drawing"] for chart in charts]
+    assert all(drawing.is_unread for drawing in drawings)
+    written: list[str] = []
+    write_step = Tc6ChartWriter.write_step
+
+    def counted(*arguments: Any) -> None:
+        written.append(arguments[-1].name)
+        write_step(*arguments)
+
+    monkeypatch.setattr(Tc6ChartWriter, "write_step", counted)
+    step = charts[0].steps[5]
+    step.comment = "edited"
+    data = sfc.dumps(project)
+    assert written == [step.name, step.name], "as it was and as it is"
+    assert [drawing.is_unread for drawing in drawings] == [False] + [True] * (len(drawings) - 1)
+    back = next(sfc.loads(data).charts()).chart
+    assert [(each.name, each.comment) for each in back.steps if each.comment == "edited"] == [(step.name, "edited")]
+    name = step.name
+    charts[0].rename_step(name, "Renamed")
+    written.clear()
+    assert b"Renamed" in sfc.dumps(project)
+    assert sorted(written) == sorted([name, "Renamed"])
