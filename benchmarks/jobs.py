@@ -196,6 +196,12 @@ def rename_and_save(project: Project) -> int:
     return save(project)
 
 
+def comment_and_save(project: Project) -> int:
+    """`save` after a step of the first chart got a comment."""
+    next(iter(project.charts())).chart.steps[-1].comment = "edited"
+    return save(project)
+
+
 def _itself(path: Path) -> Path:
     return path
 
@@ -209,6 +215,7 @@ JOBS: dict[str, tuple[Callable[[Path], Any], Callable[[Any], Any]]] = {
     "tostring": (parse_lxml, write_lxml),
     "save": (load, save),
     "save_all": (load_all, save),
+    "comment": (load, comment_and_save),
     "rename": (load, rename_and_save),
     "rename_all": (load_all, rename_and_save),
     "lxml_folder": (_itself, parse_folder),
