@@ -13,6 +13,7 @@ from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.text import local_name
 
 _MOST_SITUATIONS = 2_000
 STORING = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
@@ -190,7 +191,7 @@ class SharedScans:
             own = {path for path in found.calls if path and path[0] in self._names}
             changed = own | {path[:-1] for path in own if len(path) > 1}
             called = {ANYTHING, *found.calls} if found.calls else set()
-            if association.target and association.target.casefold() not in self._actions:
+            if association.target and local_name(association.target).casefold() not in self._actions:
                 called.discard(path_of(parse_expression(association.target, self._dialect).tree))  # a global variable
             self._found[known] = Effects(found.reads | changed, (found.writes - called) | changed, found.calls)
         return self._found[known]
