@@ -708,6 +708,9 @@ _TRANSLATED = {
     ),
     "statements that every scan executes set SFCError": "Anweisungen, die jeder Zyklus ausführt, setzen SFCError",
     "{} does not let it begin again, which it does in CODESYS": ("{} lässt sie nicht neu beginnen, in CODESYS schon"),
+    "no step is active in the source": "in der Quelle ist kein Schritt aktiv",
+    "one of them leads to the step {}": "eine davon führt zum Schritt {}",
+    "nothing leads on from this step": "von diesem Schritt führt nichts weiter",
     "the step {} ends what it stores": "der Schritt {} beendet, was sie speichert",
     "it ends what is stored, and executes what the initial step does": (
         "er beendet, was gespeichert ist, und führt aus, was der Initialschritt ausführt"

@@ -286,6 +286,15 @@ def _priority_of_convergence(rig: Rig) -> None:
     rig.act("Done", "r")
 
 
+def _end(rig: Rig) -> None:
+    rig.chart.add_step("Last")
+    rig.go("Idle", "Last", "g")
+    rig.go("Last", "Idle", "c")
+    rig.chart.transitions[-1].targets = []
+    rig.act("Work", "q")
+    rig.act("Last", "r")
+
+
 def _minimum(rig: Rig) -> None:
     rig.chart.step("Work").min_time = "T#100ms"
     rig.act("Work", "q")
@@ -573,6 +582,7 @@ def _features() -> Iterator[Feature]:
     yield Feature("condition: wired", ("plcopen",), _wired)
     yield Feature("condition: step flag", _ALL, _condition("Work.X AND b"))
     yield Feature("condition: step time", _ALL, _condition("Work.T > T#50ms"))
+    yield Feature("end of a sequence", ("plcopen", "iec-text", "simaticml"), _end)
     yield Feature("minimum time", ("codesys",), _minimum)
     yield Feature("maximum time with SFCError", ("codesys",), _maximum)
     yield Feature("SFCQuitError", ("codesys",), _quitted)

@@ -11,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.report import Outcome
-from tests.conversion.features import Feature, Rig, drawn, feature_project
+from tests.conversion.features import FEATURES, Feature, Rig, drawn, feature_project
 from tests.conversion.matrix import same_behaviour
 from tests.sweeps import in_turn
 
@@ -379,3 +379,18 @@ def test_nothing_is_added_for_inputs_at_rest(target: str) -> None:
         len(sfc.loads(sfc.dumps(source, format=target, at_rest=[name]), as_tool=True).pou("Main").chart.steps)
         for name in ("OFF_SQ", "INIT_SQ")
     ] == [3, 4]
+
+
+@pytest.mark.parametrize("source", ["simaticml", "plcopen"])
+def test_an_end_is_a_step_that_does_nothing(source: str) -> None:
+    (feature,) = (each for each in FEATURES if each.name == "end of a sequence")
+    original = sfc.loads(sfc.dumps(feature_project(feature, source), format=source), format=source)
+    before = original.pou("Main").chart
+    data, report = sfc.convert(original, "codesys")
+    assert not report.losses
+    written = sfc.loads(data, format="codesys", as_tool=True).pou("Main").chart
+    assert [step.name for step in written.steps if step.name == "End"] == ["End"]
+    back = sfc.loads(data, format="codesys").pou("Main").chart
+    assert [step.name for step in back.steps] == [step.name for step in before.steps]
+    assert [bool(each.targets) for each in back.transitions].count(False) == 1
+    assert (back.graph_settings is None) is (before.graph_settings is None)

@@ -79,6 +79,7 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
             rows
             or conditions
             or bool(chart.logic)
+            or (not options.of_codesys and any(not transition.targets for transition in chart.transitions))
             or any(isinstance(body, StBody | IlBody | FbdBody | LdBody) for body in bodies)
         )
     if any(step.main_action is not None or step.min_time or step.max_time for step in chart.steps):
@@ -511,10 +512,10 @@ CHART_RULES = (
         _ChartRewriter.steps,
     ),
     ChartRule(
-        "steps that actions ON and OFF or people switch; several sequences in CODESYS; INIT_SQ and OFF_SQ",
+        "steps that actions ON and OFF or people switch; several sequences and ends in CODESYS; INIT_SQ and OFF_SQ",
         "transitions that are tried before all others, to the initial step and to a step `Off`; where several steps of "
         "a sequence may be active, a loop for each step: the step and one that does nothing; a step `Start` that leads "
-        "to all sequences",
+        "to all sequences, and a step `End` that does nothing",
         _ChartRewriter.sequences,
     ),
     ChartRule(

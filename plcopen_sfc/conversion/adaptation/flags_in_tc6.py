@@ -17,6 +17,7 @@ from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
 from plcopen_sfc.conversion.executed_parts import told_flag
 from plcopen_sfc.formats.plcopen.source_marks import (
+    OF_FLAGS,
     REWRITTEN_FIELD,
     TEXTS_FIELD,
     rewritten_transition,
@@ -92,7 +93,7 @@ class _Tc6Flags(FlagRewriter):
             if "logic" in known:
                 mark[REWRITTEN_FIELD]["logic"] = known["logic"]
             self._rewriting.marks[id(transition)] = mark
-        self._added.mark(self._names, flags=True)
+        self._added.mark(self._names, of=OF_FLAGS)
         if self.lines:
             body = StBody(text="\n".join(self.lines))
             if surroundings.is_overtaken(body):

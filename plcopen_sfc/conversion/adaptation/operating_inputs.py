@@ -11,8 +11,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, conjunction
+from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import sequences_of
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
-from plcopen_sfc.formats.plcopen.source_marks import REWRITTEN_FIELD, added_element, rewritten_transition
+from plcopen_sfc.formats.plcopen.source_marks import OF_ENDS, REWRITTEN_FIELD, added_element, rewritten_transition
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.s7_programs import unused_inputs
 from plcopen_sfc.model.conditions import Expression
@@ -184,16 +185,14 @@ class AddedElements:
         self._rewriting.note(Outcome.TRANSLATED, "transition", f"transition {self._chart.label(added)}", why)
         return added
 
-    def mark(
-        self, together: Iterable[str] = (), instead_of: dict[str, object] | None = None, *, flags: bool = False
-    ) -> None:
+    def mark(self, together: Iterable[str] = (), instead_of: dict[str, object] | None = None, *, of: str = "") -> None:
         """Mark all that was added; `together`: names by which edits of one count for all.
 
-        `flags`: it stands for SFC flags, and for no operating inputs of S7-GRAPH.
+        `of`: what it stands for, as in `added_element`.
         """
         uses = [*self._checks.names_of_edges(), *together]
         for added in self._added:
-            self._rewriting.marks[id(added)] = added_element(added, uses, instead_of, flags=flags)
+            self._rewriting.marks[id(added)] = added_element(added, uses, instead_of, of=of)
             instead_of = None
         self._added = []
 
@@ -212,6 +211,8 @@ class OperatingInputs:
         for steps in sequences if edges else ():
             self._sequence(steps, next(step for step in steps if step.id in initial), edges)
         self._added.mark()
+        if self._rewriting.host.is_codesys and not self._rewriting.options.of_codesys:
+            self._ends()
         for name in self._wanted.values():
             why = "transitions that are tried before all others"
             self._rewriting.note(Outcome.TRANSLATED, "operating input", name, why)
@@ -242,12 +243,30 @@ class OperatingInputs:
                 if initial.id in each.sources:
                     self._hold(each, edges[INIT])
 
+    def _ends(self) -> None:
+        """Let what ends a sequence lead to a step that does nothing: charts of CODESYS have no end."""
+        for steps in sequences_of(self._rewriting.source):
+            ids = {step.id for step in steps}
+            own = [each for each in self._chart.transitions if not ids.isdisjoint(each.sources)]
+            ends = [each for each in own if not each.targets]
+            if not ends:
+                continue
+            last = self._added.step("End", "no step is active in the source")
+            for end in ends:
+                self._lead(end, last)
+                for source in (step for step in steps if step.id in end.sources):
+                    if sum(source.id in each.sources for each in own) > 1:
+                        why = f"one of them leads to the step {last.name}"
+                        self._rewriting.note(Outcome.TRANSLATED, "order of transitions", f"step {source.name}", why)
+            self._added.transition(last, last, "FALSE", "nothing leads on from this step")
+        self._added.mark(of=OF_ENDS)
+
     def _lead(self, end: Transition, off: Step) -> None:
         why = f"it leads to the step {off.name}, which does nothing"
         self._rewriting.note(Outcome.TRANSLATED, "transition", f"transition {self._chart.label(end)}", why)
         end.targets = [off.id]
-        (source,) = (step for step in self._chart.steps if step.id in end.sources)
-        place = f"transition {source.name} -> {off.name}"
+        names = ", ".join(step.name for step in self._chart.steps if step.id in end.sources)
+        place = f"transition {names} -> {off.name}"
         self._rewriting.note(Outcome.TRANSLATED, "transition", place, "it ends the sequence")
 
     def _hold(self, transition: Transition, edge: str) -> None:

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 REWRITTEN_FIELD = "rewritten"
 """At a step or transition: the fields of the source, and the digest of what was written for them."""
+OF_FLAGS, OF_ENDS = "flags", "ends"
+"""In the mark of an added step or transition: it stands for SFC flags, or for ends of sequences."""
 ADDED_FIELD = "added"
 """At an action, a transition object or a list of variables that the source does not have: the digest of its content."""
 TEXTS_FIELD = "texts"
@@ -97,17 +99,17 @@ def added_element(
     uses: Iterable[str],
     instead_of: Mapping[str, Any] | None = None,
     *,
-    flags: bool = False,
+    of: str = "",
 ) -> dict[str, Any]:
     """Return the mark of a step or transition that the source does not have; `uses` as in `rewritten_step`.
 
     `instead_of`: transitions and initial steps of the source that the chart lacks, as `replaced_sequences` gives them.
-    `flags`: it stands for SFC flags of CODESYS.
+    `of`: what it stands for, other than operating inputs of S7-GRAPH: `OF_FLAGS` of CODESYS, or `OF_ENDS`.
     """
     digest = _of_step(added) if isinstance(added, Step) else _of_condition(added.condition)
     names = sorted({name.casefold() for name in uses})
     mark: dict[str, Any] = {"source": {}, "digest": digest, "uses": names, "added": True}
-    mark |= {"flags": True} if flags else {}
+    mark |= {of: True} if of else {}
     return {REWRITTEN_FIELD: mark | ({"instead_of": instead_of} if instead_of else {})}
 
 
@@ -222,14 +224,14 @@ def restore_chart(
     _take_out(chart, added)
     for number in sorted(added):
         _put_sequences(chart, marks[number])
-    if any(not marks[number].get("flags") for number in added) and chart.graph_settings is None:
+    if any(not (marks[number].keys() & {OF_FLAGS, OF_ENDS}) for number in added) and chart.graph_settings is None:
         chart.graph_settings = GraphSettings()  # by which a writer adds them again
-    of_flags = [number for number in outdated if marks[number].get("flags")]
-    if of_flags:  # transitions obey an edge of SFCTip now, which would fire those that stand for flags too
+    if any(marks[number].get(OF_FLAGS) for number in outdated):
+        # transitions obey an edge of SFCTip now, which would fire those that stand for flags too
         stated = chart.settings.flags if chart.settings is not None else {}
         none = dict.fromkeys((SfcFlag.TIP, SfcFlag.TIP_MODE), FlagUse(use=False, declare=False))
         chart.settings = (chart.settings or SfcSettings()).model_copy(update={"flags": {**stated, **none}})
-    if any(marks[number].get("added") for number in outdated if number not in of_flags):
+    if any(marks[number].get("added") and not marks[number].keys() & {OF_FLAGS, OF_ENDS} for number in outdated):
         if chart.graph_settings not in (None, GraphSettings()):
             warn("the settings of the sequencer of S7-GRAPH")
         chart.graph_settings = None  # what stands for its operating inputs counts now
