@@ -45,9 +45,6 @@ class JsonCodec(Codec):
             path = ".".join(map(str, first["loc"]))
             place = Location(file, _line_of(text, ["project", *first["loc"]]), path=path)
             raise StructureError(f"{path}: {first['msg']}", location=place) from error
-        origin = content.get("origin")  # where it was before it was a field of the model
-        if project.origin is None and isinstance(origin, str):
-            project.origin = origin
         return ReadResult(project, [])
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:

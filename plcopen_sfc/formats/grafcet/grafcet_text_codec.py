@@ -147,18 +147,23 @@ class _Writer:
         if action.forcing is not None:
             return f"FORCE {_forced(action.forcing)}"
         kind, value = action.kind, action.value
+        body = action.body
+        named = self._pou.find_action(action.target) if action.target is not None else None
+        if named is not None and body is None:
+            body = named.body
         if kind is None:
             translated = _OF_SFC.get(action.qualifier)
+            if translated is not None and translated[0] in _STORED_WORDS and not value:
+                # S executes a program until R ends it, a stored action executes it once; P gives a variable TRUE for
+                # one scan, a stored action for good
+                is_same = (body is None) is (translated[1] is not None)
+                translated = translated if is_same else None
             if translated is None or action.event is not None or action.interlock or action.negated:
                 self._lost("action", path, f"IEC 60848 has no action that does the same as {action.qualifier}")
                 return None
             kind, stored = translated
             value = value or stored
             self._report.add(Outcome.TRANSLATED, "action", path, f"{action.qualifier} is {kind} in IEC 60848")
-        body = action.body
-        named = self._pou.find_action(action.target) if action.target is not None else None
-        if named is not None and body is None:
-            body = named.body
         if isinstance(body, StBody) and "//" not in body.text:
             done = f"{{ {' '.join(body.text.split())} }}"
         elif action.target is None or named is not None:

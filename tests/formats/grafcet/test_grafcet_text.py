@@ -256,6 +256,34 @@ def test_what_charts_of_tools_do_beside_their_actions_is_told(form: str) -> None
     assert "POU FB_Drill / step Bottom" in told["selection"]
 
 
+@pytest.mark.parametrize(
+    ("association", "line"),
+    [
+        ("Count(N)", "    { n := n + 1; }"),
+        ("Count(P1)", "    ON ACTIVATION { n := n + 1; }"),
+        ("Count(S)", ""),
+        ("Count(R)", ""),
+        ("Q(S)", "    ON ACTIVATION Q := TRUE"),
+        ("Q(R)", "    ON ACTIVATION Q := FALSE"),
+        ("Q(P)", ""),
+        ("Q(P0)", ""),
+    ],
+)
+def test_stored_actions_do_what_a_qualifier_does_or_are_not_written(association: str, line: str) -> None:
+    """S executes a program until R ends it; P gives a variable TRUE for one scan."""
+    text = f"""PROGRAM Main
+    INITIAL_STEP A: {association}; END_STEP
+    TRANSITION FROM A TO A := x; END_TRANSITION
+    ACTION Count: n := n + 1; END_ACTION
+END_PROGRAM
+"""
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "grafcet-text", partial=True)
+    outcome = "translated" if line else "not executed"
+    assert {item.outcome for item in report.items if item.what == "action"} == {outcome}
+    written = data.decode().partition("INITIAL STEP A")[2].splitlines()
+    assert written[1] == (line or "A -> A : x")
+
+
 @pytest.mark.parametrize("form", ["grafcet-text", "grafcet"])
 def test_what_is_no_chart_of_a_project_is_told(form: str) -> None:
     text = """PROGRAM Main
