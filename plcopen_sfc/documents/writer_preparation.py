@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -13,6 +14,8 @@ from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import Site
+from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.networks.exported_networks import EXPORTS, KNOWN_SECTIONS
 from plcopen_sfc.languages.s7_boxes import translate_boxes
 from plcopen_sfc.languages.s7_programs import has_results, name_results
 from plcopen_sfc.languages.st import parse_expression
@@ -63,6 +66,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if kind.tool and not options.same:
         _note_wider_arithmetic(project, kind, dialect, report)
         _note_operands(project, kind, options, report)
+        _note_sections(project, kind, report)
         _note_falling_edges(project, kind, dialect, report)
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
@@ -325,6 +329,27 @@ def _note_operands(project: Project, kind: Format, options: WriteOptions, report
                 why = f"`{row.target}` is of the type {type_.value}, and an action is a Boolean variable in {kind.tool}"
                 path = f"{chart.report_path} / step {step.name} / action {row.target}"
                 report.add(Outcome.NOT_EXECUTED, "action", path, why)
+
+
+def _note_sections(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Report sections of an export of CoDeSys 2.3 that are kept as text, but for libraries, whose blocks have names."""
+    for name, text in kept(project.extension_data).items():
+        found = _SECTION.match(text)
+        word = found["word"].upper() if found is not None else ""
+        if kind.name == EXPORTS or not name.startswith("section") or word == "LIBRARY":
+            continue
+        has_tasks = "TASK" in word or (word == "RESOURCE" and "TASK" in text.upper())
+        if word == "VAR_CONFIG" or has_tasks:
+            outcome, why = Outcome.NOT_EXECUTED, f"it is kept as text: what it says has to be made in {kind.tool}"
+        elif word in KNOWN_SECTIONS or word.startswith("_"):
+            outcome = Outcome.EXTENSION_DATA if kind.extension_data else Outcome.DROPPED
+            why = "it is of CoDeSys 2.3 alone, and no program"
+        else:
+            outcome, why = Outcome.APPROXIMATED, "a section that is not known: the controller may execute what it says"
+        report.add(outcome, "section", f"section {word}", why)
+
+
+_SECTION = re.compile(r"(?:\s|\(\*.*?\*\))*(?P<word>\w+)", re.DOTALL)
 
 
 def _note_falling_edges(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:

@@ -782,6 +782,11 @@ _TRANSLATED = {
     "with all inputs the target, which calls a block for the chart of the action, does the same": (
         "mit allen Eingängen tut das Ziel, das für die Ablaufkette der Aktion einen Baustein aufruft, dasselbe"
     ),
+    "it is kept as text: what it says has to be made in {}": "als Text behalten: was darin steht, ist in {} anzulegen",
+    "it is of CoDeSys 2.3 alone, and no program": "nur in CoDeSys 2.3, und kein Programm",
+    "a section that is not known: the controller may execute what it says": (
+        "ein unbekannter Abschnitt: die Steuerung kann ausführen, was darin steht"
+    ),
     "{} comes back as {}": "{} wird als {} wieder gelesen",
     "the written file has {}, and the source nothing": "die geschriebene Datei hat {}, die Quelle nichts",
     "// is no comment in {}, (* *) is": "// ist in {} kein Kommentar, (* *) ist einer",

@@ -42,6 +42,7 @@ from plcopen_sfc.formats.text_patch import (
 from plcopen_sfc.languages.declarations import Declared, Head, read_declarations, read_interface
 from plcopen_sfc.languages.declarations.declaration_comments import said
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
+from plcopen_sfc.languages.networks.exported_networks import KNOWN_SECTIONS
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.languages.st.parsing import statement_problems
@@ -77,8 +78,6 @@ def footer_of(name: str) -> str:
     return "\n".join((f"(* @OBJECT_END := '{name}' *)", f"(* @CONNECTIONS := {name}", *lines))
 
 
-_SECTIONS = frozenset("LIBRARY RESOURCE PLC_CONFIGURATION TASK_CONFIGURATION VISUALISATION VAR_CONFIG".split())
-"""Words that begin sections of other kinds; those that begin with an underscore are such, too."""
 _BOOL = ElementaryType(name=Elementary.BOOL)
 _MANY = 20
 """Problems of one body that are reported; the rest mostly follows from these."""
@@ -273,7 +272,7 @@ class _Reader:
 
     def _other(self, one: ExpObject) -> None:
         word = one.name.upper()
-        if one.kind == OTHER and word and not (word.startswith("_") or word in _SECTIONS):
+        if one.kind == OTHER and word and not (word.startswith("_") or word in KNOWN_SECTIONS):
             message = f"a section that begins with {one.name[:30]} is not known; it is kept as it is"
             self._note("EXP107", Severity.WARNING, message, one.span[0])
         text = plain_lines(self.text[one.span[0] : one.span[1]])

@@ -42,6 +42,8 @@ EXPORTS = "codesys23"
 """Source of the bodies that exports of CoDeSys 2.3 have."""
 SOURCES = {EXPORTS: "CoDeSys 2.3", "twincat": "TwinCAT"}
 """Sources of bodies in which there may be networks, and their tools."""
+KNOWN_SECTIONS = frozenset("LIBRARY RESOURCE PLC_CONFIGURATION TASK_CONFIGURATION VISUALISATION VAR_CONFIG".split())
+"""Words that begin sections of exports that are no programs; those that begin with an underscore are such, too."""
 _Thing = TypeVar("_Thing")
 _COUNT = re.compile(r"(\w+)\s*:\s*(\d+)\s*;?")
 _POLARITY = {"_POSITIV": False, "_NEGATIV": True}

@@ -162,6 +162,25 @@ def test_a_file_that_ends_too_early_and_one_with_an_unknown_section() -> None:
 
 
 @pytest.mark.parametrize(
+    ("section", "outcome"),
+    [
+        ("TASK_CONFIGURATION\r\nMain\r\n", "not executed"),
+        ("(* @PATH := '' *)\r\nVAR_CONFIG\r\nPLC_PRG.x AT %IX0.0 : BOOL;\r\nEND_VAR\r\n", "not executed"),
+        ("RESOURCE\r\nTASK Main\r\nEND_RESOURCE\r\n", "not executed"),
+        ("PLC_CONFIGURATION\r\n_GLOBAL\r\nPLC_END\r\n", "extension data"),
+        ("_ALARMCONFIG\r\n_END\r\n", "extension data"),
+        ("WEIGHTS\r\n_A: 1\r\n", "approximated"),
+    ],
+)
+def test_sections_that_are_kept_are_told_in_conversions(section: str, outcome: str) -> None:
+    data = HEADER.encode() + b"PROGRAM PLC_PRG\r\nEND_PROGRAM\r\n\r\n" + section.encode()
+    project = sfc.loads(data, path="x.EXP")
+    assert sfc.dumps(project) == data
+    items = sfc.convert(project, "codesys", partial=True).report.items
+    assert [item.outcome for item in items if item.what == "section"] == [outcome]
+
+
+@pytest.mark.parametrize(
     ("comment", "page", "found"),
     [("Zähler für Größe", "cp1252", "cp1252"), ("счётчик деталей", "cp1251", "cp1251"), ("Größe", "utf-8", "utf-8")],
 )
