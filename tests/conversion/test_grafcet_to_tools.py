@@ -8,9 +8,11 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.conversion.reporting import UNSAID
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.model import Elementary, ElementaryType, Expression, Project, SectionKind, Variable, VariableSection
 from plcopen_sfc.report import ConversionReport
+from tests.lowering.random_grafcets import random_grafcet
 
 TEXT = """GRAFCET Kette AS FUNCTION_BLOCK
 INPUTS
@@ -364,6 +366,20 @@ def test_a_grafcet_with_times_and_forcing_differs_where_it_passes_a_step(also: s
     assert verdict.different is differs
     missed = {each.why for side in verdict.coverage for each in side.unreached}
     assert differs or missed <= {"was never FALSE"}
+
+
+@pytest.mark.parametrize(("form", "seed"), [("plcopen", 30), ("codesys", 9), ("codesys23", 17), ("simaticml", 24)])
+def test_random_grafcets_are_converted_or_refused_with_reasons(form: str, seed: int) -> None:
+    """Nothing fails, no loss is found in the written file alone, and the reader of the target finds no error in it."""
+    refused = 0
+    for each in range(seed, seed + 2):
+        project = Project(name="Ablauf", pous=[random_grafcet(each)])
+        data, report = sfc.convert(project, form, partial=True)
+        assert not [item for item in report.losses if UNSAID in item.why]
+        lost = [item for item in report.items if item.outcome == "not executed"]
+        refused += bool(lost)
+        assert lost or not [found for found in sfc.loads(data).diagnostics if found.severity.value == "error"]
+    assert refused == 1
 
 
 MACRO = """GRAFCET G AS FUNCTION_BLOCK
