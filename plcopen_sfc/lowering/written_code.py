@@ -16,14 +16,16 @@ from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, ModelError
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
 from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.binding.compile_mistakes import compile_mistakes
 from plcopen_sfc.lowering.chart_lowering import LoweredPou
 from plcopen_sfc.lowering.code.code_bodies import comment_lines
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import Construction, Style, tool_of
 from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.body import Body, StBody
 from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ConversionReport, Item, Outcome
@@ -79,9 +81,9 @@ def prove_written(
 def refuse_uncompiled(report: ConversionReport, seen: Project, lowered: LoweredPou) -> None:
     """Raise `LoweringError` where the target does not compile the code: the proof knows more than its compiler.
 
-    Refused are statements that the target does not have, bodies that are written as something else, and variables of
-    the code that the file (`seen` as its tool reads it) does not declare. Global variables and library types may be
-    elsewhere in the project of the user: the report lists them.
+    Refused are statements that the target does not have, bodies that are written as something else, variables of the
+    code that the file (`seen` as its tool reads it) does not declare, and types of them that do not fit. Global
+    variables and library types may be elsewhere in the project of the user: the report lists them.
     """
     for item in uncompiled(report, lowered):
         raise LoweringError(f"the target does not compile the code: {item.why}", location=Location(path=item.path))
@@ -89,7 +91,11 @@ def refuse_uncompiled(report: ConversionReport, seen: Project, lowered: LoweredP
     inner = [each for each in sections if each.kind is not SectionKind.EXTERNAL]
     # S7 has variables with addresses in its tables of tags
     own = {each.name.casefold() for section in inner for each in section.variables if not each.address}
-    for each in Names(seen).undeclared(resolve(seen, lowered.pou.name).pou):
+    pou, given = resolve(seen, lowered.pou.name).pou, lowered.chart.pou.variables()
+    made = own - {each.name.casefold() for each in given}
+    for why in compile_mistakes(_body(lowered, pou), pou, seen.dialect, made):
+        raise LoweringError(f"the target does not compile the code: {why}", location=Location(path=pou.report_path))
+    for each in Names(seen).undeclared(pou):
         if each.reference.name.casefold() in own:
             message = f"the target does not compile the code: the file does not declare {each.reference.name}"
             raise LoweringError(message, location=Location(path=each.text_site.report_path))
@@ -186,11 +192,16 @@ def with_headers(project: Project, lowered: Iterable[LoweredPou]) -> Project:
     copy = project.model_copy(deep=True)
     for each in lowered:
         pou = next(pou for pou in copy.pous if pou.name == each.pou.name)
-        body = pou.body if each.name == pou.name else pou.action(each.name.rpartition(".")[2]).body
+        body = _body(each, pou)
         if each.style is Style.EXACT and isinstance(body, StBody):
             body.text = f"{_header(each, copy)}\n\n{body.text}"
             body.markup = None
     return copy
+
+
+def _body(lowered: LoweredPou, pou: Pou) -> Body | None:
+    """Return the body in a POU, or in its action, that a chart has become."""
+    return pou.body if lowered.name == pou.name else pou.action(lowered.name.rpartition(".")[2]).body
 
 
 def _header(lowered: LoweredPou, project: Project) -> str:

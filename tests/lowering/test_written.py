@@ -12,7 +12,8 @@ from plcopen_sfc.analysis import Verdict, VerdictKind
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.lowering.other_bodies import with_actions_inside
-from plcopen_sfc.lowering.written_code import prove_written
+from plcopen_sfc.lowering.written_code import prove_written, refuse_uncompiled
+from plcopen_sfc.report import ConversionReport
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.charts import boolean, training_chain
 
@@ -117,3 +118,58 @@ def test_code_that_is_simply_wrong_is_told_as_such() -> None:
     wrong = sfc.dumps(lowered.project, format="plcopen-2.01").replace(b"IF B3", b"IF NOT B3")
     with pytest.raises(LoweringError, match="read back, the code does not do what the chart does"):
         prove_written(resolve(project), lowered, sfc.loads(wrong, as_tool=True), lambda: sfc.loads(wrong))
+
+
+TIMED_CHAIN = """FUNCTION_BLOCK Ablauf
+VAR_INPUT B1 : BOOL; End1 : BOOL; END_VAR
+VAR_OUTPUT Q1 : BOOL; n : INT; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: Q1(D, T#2s); Count(P); END_STEP
+TRANSITION FROM S1 TO S2 := B1; END_TRANSITION
+TRANSITION FROM S2 TO S1 := End1; END_TRANSITION
+ACTION Count: n := n + 1; END_ACTION
+END_FUNCTION_BLOCK"""
+
+
+@pytest.mark.parametrize(
+    ("construction", "language", "wrong", "why"),
+    [
+        ("case", "ST", {"INT": "BOOL"}, "a CASE asks for BOOL"),
+        ("case", "ST", {"INT": "REAL"}, "a CASE asks for REAL"),
+        ("bits", "ST", {"BOOL": "TIME"}, "BOOL is assigned to TIME: T1_2 := X1 AND B1;"),
+        ("flipflop", "IL", {"BOOL": ""}, "nothing declares X1"),
+        ("flipflop", "IL", {"BOOL": "INT"}, "BOOL is assigned to a number"),
+        ("flipflop", "FBD", {"TON": "BOOL"}, "BOOL cannot be called"),
+        ("flipflop", "LD", {"TON": "CTU"}, "CTU .*has no"),
+        ("flipflop", "LD", {"BOOL": ""}, "declare"),
+    ],
+)
+def test_wrong_types_and_missing_declarations_do_not_compile(
+    construction: str, language: str, wrong: dict[str, str], why: str
+) -> None:
+    project = sfc.loads(TIMED_CHAIN.encode(), format="iec-text")
+    target = "codesys" if language != "ST" or "INT" in wrong else "plcopen"
+    lowered = lower(project, construction, language=language, target=target, verify=False)
+    spoiled = lowered.project.model_copy(deep=True)
+    given = {variable.name for variable in project.pous[0].variables()}
+    interface = spoiled.pous[0].interface
+    assert interface is not None
+    for section in interface.sections:
+        for variable in [each for each in section.variables if each.name not in given and not section.constant]:
+            new = wrong.get(str(getattr(variable.type, "name", "")))
+            if new is not None:
+                section.variables.remove(variable)
+            if new:
+                kind = m.DerivedType(name=new) if new == "CTU" else m.ElementaryType(name=m.Elementary(new))
+                section.variables.append(m.Variable(name=variable.name, type=kind))
+    refuse_uncompiled(ConversionReport(), lowered.project, lowered)
+    with pytest.raises(LoweringError, match=f"does not compile the code: .*{why}"):
+        refuse_uncompiled(ConversionReport(), spoiled, lowered)
+
+
+def test_labels_have_no_name_of_a_variable() -> None:
+    project = sfc.loads(TIMED_CHAIN.encode(), format="iec-text")
+    body = lower(project, "flipflop", language="IL", verify=False).pou.body
+    assert isinstance(body, m.IlBody)
+    assert "End2:" in body.text
+    assert "End1:" not in body.text

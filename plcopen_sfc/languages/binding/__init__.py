@@ -6,6 +6,7 @@ the texts of any other object of the model. `Names` tells what a project declare
 
 `text_sites` has the places of the model that hold text, `name_sites` the names in them;
 `symbols` are declarations, `name_scopes` where they are visible, `name_resolution` which of them a name means.
+`compile_mistakes` are the types and parameters that no compiler takes.
 """
 
 from plcopen_sfc.languages.binding.bound_bodies import (

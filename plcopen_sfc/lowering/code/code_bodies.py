@@ -46,7 +46,8 @@ def ladder_diagram(code: LoweredCode, dialect: Dialect, declared: list[Variable]
 
 def instruction_list(code: LoweredCode, pou: str) -> IlBody:
     """Return the instructions of each network of `pou`. Raises `LoweringError` for what has none."""
-    labels, parts = count(1), []
+    labels = (i for i in count(1) if code.naming.taken.isdisjoint((f"end{i}", f"else{i}")))
+    parts = []
     for network in code.networks:
         place = Location(path=f"{pou} / network {network.title}")
         remarks = [network.title, network.comment]

@@ -38,7 +38,7 @@ class Naming:
 
     def __init__(self, dialect: Dialect, taken: Iterable[str]) -> None:
         self._local = n.Quoting.LOCAL if dialect is Dialect.SCL else n.Quoting.NONE
-        self._taken = {name.casefold() for name in taken}
+        self.taken = {name.casefold() for name in taken}
         self._numbers: dict[str, int] = {}
 
     def system_type(self, kind: DerivedType) -> DerivedType:
@@ -50,11 +50,11 @@ class Naming:
         """Return `wanted` as an identifier, with a number behind it if that is taken."""
         name = candidate = _identifier(wanted)
         number = self._numbers.get(name.casefold(), 2)
-        while candidate.casefold() in self._taken:
+        while candidate.casefold() in self.taken:
             candidate = f"{name}_{number}"
             number += 1
         self._numbers[name.casefold()] = number
-        self._taken.add(candidate.casefold())
+        self.taken.add(candidate.casefold())
         return candidate
 
     def local(self, name: str) -> n.Name:
@@ -112,7 +112,7 @@ class FlagPlaces:
         self._pou = pou
         self._quoting = n.Quoting.GLOBAL if project.dialect is Dialect.SCL else n.Quoting.NONE
         self._surroundings = names_of(project)
-        self._taken: dict[int, str] = {}
+        self.taken: dict[int, str] = {}
         # the next free bit of each chart; of the empty name: of all
         self._bits = _ranges(rules.flags)
         self.in_block = not self._bits
@@ -121,7 +121,7 @@ class FlagPlaces:
             unknown = next((name for name in self._bits if name and name not in known), "")
             if unknown:
                 self._refuse(f"there is no chart {unknown!r} for flags{nearest(unknown, known)}")
-            self._taken = dict(_taken_bits(project))
+            self.taken = dict(_taken_bits(project))
             self.name = self._free(f"{rules.texts.flag_list}_{pou}")
         else:
             self.name = rules.flags
@@ -199,10 +199,10 @@ class FlagPlaces:
         if part is None:
             self._refuse(f"the flag {name} has no address: none is given for {self._pou} or a chart in it")
         bit = self._bits[part]
-        if bit in self._taken:
-            self._refuse(f"the address of the flag {name} belongs to {self._taken[bit]} already")
+        if bit in self.taken:
+            self._refuse(f"the address of the flag {name} belongs to {self.taken[bit]} already")
         self._bits[part] = bit + 1
-        self._taken[bit] = name
+        self.taken[bit] = name
         place = f"{bit // _BYTE}.{bit % _BYTE}"
         return f"%M{place}" if self.tool is Tool.S7 else f"%MX{place}"
 
