@@ -383,7 +383,7 @@ class _PouWriter:
                 "body_is_not_written is in its place"
             )
             self._report.add(Outcome.NOT_EXECUTED, "body", path, why)
-            text = "body_is_not_written := TRUE;"
+            text = "body_is_not_written" if isinstance(part, NamedTransition) else "body_is_not_written := TRUE;"
         else:
             self._report.add(Outcome.TRANSLATED, "body", path, f"from {body.language} into structured text")
         _add_code(held, "ST", text)

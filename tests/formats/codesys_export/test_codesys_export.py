@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 import plcopen_sfc as sfc
+from plcopen_sfc import model as m
 from plcopen_sfc.errors import SfcError, StructureError, XmlSyntaxError
 from plcopen_sfc.model import Action, NamedTransition, Pou, PouKind, Project, StBody, Step, Transition
 from plcopen_sfc.report import Outcome
@@ -282,3 +283,26 @@ def test_a_file_without_one_of_its_elements_is_read_or_refused(number: int) -> N
 def test_random_models_come_back(project: Project) -> None:
     written = sfc.dumps(project, format="codesys-export", partial=True)
     assert sfc.dumps(sfc.loads(written)) == written
+
+
+def test_a_drawn_named_condition_without_a_text_is_told_once() -> None:
+    text = b"""PROGRAM Main VAR_INPUT a : BOOL; END_VAR
+    INITIAL_STEP S0: END_STEP
+    TRANSITION FROM S0 TO S0 := a; END_TRANSITION
+    END_PROGRAM"""
+    project = sfc.loads(text, format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    wires = [{"input": {"connections": [{"source": number}]}} for number in (1, 2)]
+    nodes = [
+        {"id": 1, "kind": "leftPowerRail", "outputs": [{"name": ""}]},
+        {"id": 2, "kind": "contact", "variable": "a", "edge": "rising", "output": {}, **wires[0]},
+        {"id": 3, "kind": "coil", "variable": "Go", "output": {}, **wires[1]},
+        {"id": 4, "kind": "rightPowerRail", "inputs": [{"connections": [{"source": 3}]}]},
+    ]
+    body = m.LdBody.model_validate({"networks": [{"nodes": nodes}]})
+    project.pous[0].transitions.append(m.NamedTransition(name="Go", body=body))
+    project.pous[0].body.chart.transitions[0].condition = m.NamedCondition(name="Go")
+    report = sfc.convert(project, "codesys-export", partial=True).report
+    (item,) = report.with_outcome(sfc.Outcome.NOT_EXECUTED)
+    assert (item.what, item.path) == ("body", "POU Main / transition Go")
+    assert "the undeclared name body_is_not_written is in its place" in item.why
