@@ -200,8 +200,10 @@ def with_headers(project: Project, lowered: Iterable[LoweredPou]) -> Project:
 
 
 def _body(lowered: LoweredPou, pou: Pou) -> Body | None:
-    """Return the body in a POU, or in its action, that a chart has become."""
-    return pou.body if lowered.name == pou.name else pou.action(lowered.name.rpartition(".")[2]).body
+    """Return the body in a POU, or in its action, that a chart has become; None where the target has no actions."""
+    action = lowered.name.rpartition(".")[2].casefold()
+    bodies = (each.body for each in pou.actions if each.name.casefold() == action)
+    return pou.body if lowered.name == pou.name else next(bodies, None)
 
 
 def _header(lowered: LoweredPou, project: Project) -> str:

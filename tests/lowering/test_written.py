@@ -173,3 +173,12 @@ def test_labels_have_no_name_of_a_variable() -> None:
     assert isinstance(body, m.IlBody)
     assert "End2:" in body.text
     assert "End1:" not in body.text
+
+
+def test_a_chart_of_an_action_is_checked_where_the_target_has_actions(tmp_path: Path) -> None:
+    project = chain_in_actions("Q5 := B1;")
+    project.pous[0].actions[0].body = m.SfcBody(chart=training_chain().sfc)
+    for target in ("codesys", "scl"):
+        file = str(tmp_path / f"chain.{target}")
+        made = sfc.lower_to_file(project, file, format=target, pou="Ablauf.Blink", verify=False, partial=True)
+        assert [each.name for each in made.pous] == ["Ablauf.Blink"]
