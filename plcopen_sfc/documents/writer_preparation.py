@@ -78,8 +78,6 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None
         same = project if origin == project.origin else project.model_copy(update={"origin": origin})
         return Prepared(same, same, options, behaviour)
-    from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
-
     copy = project.model_copy(deep=True)
     copy.origin = origin
     if results:
@@ -131,20 +129,29 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         if written is not copy and _has_flags(kind):
             _put_into_notation(written, kind, report)
         return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
+    written, options = _drawn(project, copy, kind, options, report)
+    return Prepared(written, copy, options, behaviour)
+
+
+def _drawn(
+    project: Project, meant: Project, kind: Format, options: WriteOptions, report: ConversionReport
+) -> tuple[Project, WriteOptions]:
+    """Return `meant` in the words of a format whose charts are drawings, and the options for its writer."""
+    from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
+
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
-    meant = copy
     copy, marks = rewrite_project(meant, kind, options, report)
     options = replace(options, marks=marks, rewritten=meant)
-    if style.structured and (project.source is None or project.source.format != kind.name):
+    other = project.source is None or project.source.format != kind.name
+    if style.structured and other:
         note_limits(copy, kind, report)
     # a format without ids has branches of its own instead of the bars of others
-    other = project.source is None or project.source.format != kind.name
     replaced = bool(options.flavour) or (not kind.ids and other)
     prepare(copy, style, positions=kind.positions, replace=replaced, foreign=True)
     kind.codec().adapt(copy, options, report)
     if kind.charts is None and meant is not copy:  # the source of a chart has the numbers and names of the others
         kind.codec().adapt(meant, options, ConversionReport())
-    return Prepared(copy, meant, options, behaviour)
+    return copy, options
 
 
 def _dialect(project: Project, kind: Format, options: WriteOptions) -> Dialect | None:
