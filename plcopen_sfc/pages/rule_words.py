@@ -10,6 +10,9 @@ from functools import lru_cache
 from plcopen_sfc.pages.report_words import Phrases
 
 _HINTS = {
+    "Convert the value (REAL_TO_INT, TIME_TO_DINT), or compare it: n <> 0.": (
+        "Den Wert umwandeln (REAL_TO_INT, TIME_TO_DINT) oder vergleichen: n <> 0."
+    ),
     "Insert what is missing between them.": "Das Fehlende dazwischen einfügen.",
     "Mark the step in which the chart starts.": "Den Schritt kennzeichnen, in dem die Ablaufkette beginnt.",
     "Use the other kind of bar, or insert a step or a transition before or behind it.": (
@@ -166,6 +169,13 @@ _HINTS = {
 """What to do about a breach of a rule."""
 
 _MESSAGES = {
+    "{+} is assigned to {+}: {}": "{} wird {} zugewiesen: {}",
+    "{+} and {+}: {}": "{} und {}: {}",
+    "{+} and {+} and {+}: {}": "{} und {} und {}: {}",
+    "a condition is {+}: {}": "eine Bedingung ist {}: {}",
+    "a CASE asks for {}: {}": "ein CASE fragt nach {}: {}",
+    "{} of TIME: {}": "{} von TIME: {}",
+    "a number": "eine Zahl",
     "{} is set here ({}), and step {} writes it continuously ({})": (
         "{} wird hier gesetzt ({}), und Schritt {} schreibt es kontinuierlich ({})"
     ),

@@ -7,18 +7,21 @@ from dataclasses import dataclass, field, fields
 from fnmatch import fnmatchcase
 from functools import cached_property
 from itertools import combinations
+from typing import NamedTuple
 
 from plcopen_sfc.analysis.exclusivity import Truth, overlapping, truth
 from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
+from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
+from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite
 from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, walk
+from plcopen_sfc.languages.st import parse_condition, parse_statements, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element
@@ -28,7 +31,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step, Transition
-from plcopen_sfc.model.types import DataType, DerivedType
+from plcopen_sfc.model.types import DataType, DerivedType, ElementaryType
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import PROFILES, Profile
@@ -176,6 +179,13 @@ _COILS = frozenset({"TrCoil", "IlCoil", "SvCoil"})
 """Coils in the networks of a transition, an interlock and a supervision of S7-GRAPH (seen in exports)."""
 
 
+class Misfit(NamedTuple):
+    """Something in a text that does not fit, such as a number that is assigned to a BOOL."""
+
+    text_site: TextSite
+    message: str
+
+
 class CheckedProject:
     """A project as the rules on its charts see it: declared variables, and what writes them.
 
@@ -215,6 +225,23 @@ class CheckedProject:
     def unused(self) -> tuple[Declaration, ...]:
         """Declarations that only text of the project could use, and none does."""
         return tuple(self.named.unused())
+
+    @cached_property
+    def misfits(self) -> tuple[Misfit, ...]:
+        """What is assigned or compared in structured text and does not fit."""
+        return tuple(self._misfits())
+
+    def _misfits(self) -> Iterator[Misfit]:
+        resolver, dialect = self.named.resolver, self.dialect
+        for each in self.named.text_sites():
+            parsed = parse_statements(each.text, dialect) if each.reading is SiteKind.STATEMENTS else None
+            if parsed is not None and not parsed.problems:
+
+                def elementary(value: n.Expression, site: Site = each.site) -> str:
+                    found = resolver.type_of(value, site)
+                    return found.name.value if isinstance(found, ElementaryType) else ""
+
+                yield from (Misfit(each, message) for message in type_mistakes(parsed.tree, dialect, elementary))
 
     @cached_property
     def knowledge(self) -> ProjectKnowledge:

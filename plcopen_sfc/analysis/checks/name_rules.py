@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
+from typing import Protocol, TypeVar
 
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProject, Finding, FindingPlace, Rule
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_uses import Occurrence
-from plcopen_sfc.languages.binding.text_sites import Role
+from plcopen_sfc.languages.binding.text_sites import Role, TextSite
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.declaration import Declaration
@@ -36,14 +37,24 @@ def is_partial(around: CheckedProject, pou: Pou) -> bool:
     return project.dialect is not Dialect.IEC or not pou.variables()
 
 
-def _place(chart: CheckedChart, occurrence: Occurrence) -> FindingPlace:
-    site = occurrence.text_site
+class _InText(Protocol):
+    """Something that was found in a text."""
+
+    @property
+    def text_site(self) -> TextSite: ...
+
+
+_T = TypeVar("_T", bound=_InText)
+
+
+def _place(chart: CheckedChart, found: _InText) -> FindingPlace:
+    site = found.text_site
     known = chart.holders.get(id(site.holder))
     return known if known is not None else FindingPlace(site.report_path, chart.root.place.elements)
 
 
-def _own(chart: CheckedChart, found: Iterable[Occurrence]) -> Iterator[Occurrence]:
-    """The occurrences in a chart; in the first chart of a POU also those in code of the POU that is in no chart."""
+def _own(chart: CheckedChart, found: Iterable[_T]) -> Iterator[_T]:
+    """What was found in a chart; in the first chart of a POU also those in code of the POU that is in no chart."""
     if chart.pou is None or not chart.pou.name:
         return
     charts = {id(sheet.chart) for sheet in chart.sheets}
@@ -109,6 +120,11 @@ def _unused(chart: CheckedChart) -> Iterator[Finding]:
             yield Finding(FindingPlace(path, (*_elements(each), pou)), f"nothing uses the {each.kind} {each.name!r}")
 
 
+def _misfitting(chart: CheckedChart) -> Iterator[Finding]:
+    for each in _own(chart, chart.around.misfits):
+        yield Finding(_place(chart, each), each.message)
+
+
 def _elements(declaration: Declaration) -> tuple[Element, ...]:
     return (declaration.holder,) if isinstance(declaration.holder, Element) else ()
 
@@ -156,5 +172,20 @@ VAR03 = Rule(
     example="a program with a local variable that no step, no condition and no code names",
     check=_unused,
     severity=Severity.INFO,
+    severities={"grafcet": None},
+)
+
+VAR04 = Rule(
+    code="VAR04",
+    title="Values have the kind of what they are assigned to and compared with",
+    why="No compiler takes a number where a BOOL is wanted, or a duration where a number is. Numbers, BOOL and "
+    "durations are told apart in structured text; whether one number fits into another is a matter of each tool, and "
+    "what has an unknown type is left alone.",
+    hint="Convert the value (REAL_TO_INT, TIME_TO_DINT), or compare it: n <> 0.",
+    example="VAR_INPUT Start, b : BOOL; n : INT; END_VAR\n"
+    + _RING % ("Count(P1);", "Start")
+    + "ACTION Count: n := Start; END_ACTION\n",
+    check=_misfitting,
+    severity=Severity.WARNING,
     severities={"grafcet": None},
 )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import ValidationError
@@ -244,7 +244,7 @@ def restore_chart(
         elif mark is not None:
             written = [row.id for row in step.actions]
             _put(step, mark, STEP_FIELDS)
-            _draw_source(chart, dict(zip(written, [row.id for row in step.actions], strict=False)))
+            _draw_source(chart, _counterparts(written, [row.id for row in step.actions]))
     for transition in chart.transitions:
         mark = marks.get(transition.id)
         if transition.id in outdated:
@@ -316,6 +316,13 @@ def _uses(mark: dict[str, Any] | None) -> set[str]:
     """Return the added parts that an element executes as it was written."""
     names = mark.get("uses") if mark is not None else None
     return set(names) if isinstance(names, list) else set()
+
+
+def _counterparts(written: Sequence[int], source: Sequence[int]) -> dict[int, int]:
+    """Return the row of the source for each written one: itself, or of those that were rewritten the next in order."""
+    replacing = (row for row in written if row not in source)
+    replaced = (row for row in source if row not in written)
+    return dict(zip(replacing, replaced, strict=False))
 
 
 def _draw_source(chart: SfcNetwork, rows: Mapping[int, int]) -> None:

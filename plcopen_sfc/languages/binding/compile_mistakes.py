@@ -6,7 +6,7 @@ such as a value of a library, is left alone.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Set
+from collections.abc import Callable, Collection, Iterator, Set
 
 from plcopen_sfc.languages.binding.bound_bodies import bind
 from plcopen_sfc.languages.expression_types import COMPARING, LOGIC, ORDER, REALS, ExpressionTypes
@@ -27,11 +27,53 @@ def compile_mistakes(body: Body | None, pou: Pou, dialect: Dialect, names: Set[s
         yield from _Check(pou, dialect, names).mistakes(body)
 
 
+def type_mistakes(tree: n.Node, dialect: Dialect, type_of: Callable[[Expression], str]) -> Iterator[str]:
+    """Yield what does not fit in statements: types of another kind. `type_of` is that of `ExpressionTypes`."""
+    kinds = _Kinds(dialect, type_of)
+    for node in walk(tree):
+        for message, about in kinds.mistakes_in(node):
+            yield f"{message}: {' '.join(print_node(about).split())}"
+
+
+class _Kinds:
+    """The kinds of values: numbers, BOOL and TIME are of different ones. Empty for all others."""
+
+    def __init__(self, dialect: Dialect, type_of: Callable[[Expression], str]) -> None:
+        self._types = ExpressionTypes(dialect, type_of)
+
+    def mistakes_in(self, node: n.Node) -> Iterator[tuple[str, n.Node]]:
+        """Yield what does not fit at a node, and the node to show."""
+        match node:
+            case n.Assignment(target, value, n.AssignmentKind.ASSIGN) if self._differ([target, value]):
+                yield f"{self.of(value)} is assigned to {self.of(target)}", node
+            case n.Branch(condition) | n.While(condition) | n.Repeat(_, condition):
+                if self.of(condition) not in ("", "BOOL"):
+                    yield f"a condition is {self.of(condition)}", condition
+            case n.Case(selector):
+                kind = self._types.value(selector).type
+                if kind not in ("", *ORDER):
+                    yield f"a CASE asks for {kind}", selector
+            case n.Operation(operator, operands) if operator in LOGIC | COMPARING and self._differ(operands):
+                yield " and ".join(map(self.of, operands)), node
+            case n.Operation(operator, operands) if operator in LOGIC and self.of(operands[0]) == "TIME":
+                yield f"{operator.value} of TIME", node
+
+    def of(self, expression: Expression) -> str:
+        """Return the kind of a value."""
+        value = self._types.value(expression)
+        if value.loose:  # 0 and 1 are values of BOOL too
+            return "" if 0 <= value.low <= value.high <= 1 else "a number"
+        return _kind_of(value.type)
+
+    def _differ(self, operands: Collection[Expression]) -> bool:
+        return len({kind for each in operands if (kind := self.of(each))}) > 1
+
+
 class _Check:
     def __init__(self, pou: Pou, dialect: Dialect, names: Set[str]) -> None:
         self._dialect, self._names = dialect, names
         self._variables = {each.name.casefold(): each for each in pou.variables()}
-        self._types = ExpressionTypes(dialect, self._elementary)
+        self._kinds = _Kinds(dialect, self._elementary)
 
     def mistakes(self, body: Body) -> Iterator[str]:
         bound = bind(body, self._dialect)
@@ -51,20 +93,8 @@ class _Check:
 
     def _mistakes_in(self, node: n.Node) -> Iterator[tuple[str, n.Node]]:
         """Yield mistakes, and the nodes with them."""
+        yield from self._kinds.mistakes_in(node)
         match node:
-            case n.Assignment(target, value, n.AssignmentKind.ASSIGN) if self._differ([target, value]):
-                yield f"{self._kind(value)} is assigned to {self._kind(target)}", node
-            case n.Branch(condition) | n.While(condition) | n.Repeat(_, condition):
-                if self._kind(condition) not in ("", "BOOL"):
-                    yield f"a condition is {self._kind(condition)}", condition
-            case n.Case(selector):
-                kind = self._types.value(selector).type
-                if kind not in ("", *ORDER):
-                    yield f"a CASE asks for {kind}", selector
-            case n.Operation(operator, operands) if operator in LOGIC | COMPARING and self._differ(operands):
-                yield " and ".join(map(self._kind, operands)), node
-            case n.Operation(operator, operands) if operator in LOGIC and self._kind(operands[0]) == "TIME":
-                yield f"{operator.value} of TIME", node
             case n.Member(n.Name() as base, name) if name.identifier[:1].isalpha():
                 block = self._block(base)
                 if isinstance(block, str):
@@ -90,18 +120,9 @@ class _Check:
             if name and name.upper() not in ("EN", "ENO") and found is None:
                 yield f"{block.name} has no {name}", callee
             elif each.value is not None and found is not None:
-                wanted, kind = _kind_of(pins.get(found, "")), self._kind(each.value)
+                wanted, kind = _kind_of(pins.get(found, "")), self._kinds.of(each.value)
                 if wanted and kind and wanted != kind:
                     yield f"{name} of {block.name} is {wanted}, not {kind}", callee
-
-    def _differ(self, operands: Collection[Expression]) -> bool:
-        return len({kind for each in operands if (kind := self._kind(each))}) > 1
-
-    def _kind(self, expression: Expression) -> str:
-        value = self._types.value(expression)
-        if value.loose:  # 0 and 1 are values of BOOL too
-            return "" if 0 <= value.low <= value.high <= 1 else "a number"
-        return _kind_of(value.type)
 
     def _block(self, name: n.Name) -> StandardBlock | str | None:
         """Return the block that a variable is an instance of, the name of an elementary type, or None for others."""

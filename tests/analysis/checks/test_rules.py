@@ -797,6 +797,7 @@ def part_of_another() -> Project:
 
 case("VAR03", unused, plant("x := b;"), "nothing uses the action 'Flush'")
 case("VAR03", unused_variable, part_of_another, "nothing uses the variable 'Spare'")
+case("VAR04", plant("x := 2;"), plant("x := b;"), "a number is assigned to BOOL: x := 2")
 
 
 def remark(comment: str) -> Callable[[], Subject]:
