@@ -122,7 +122,7 @@ class ExecutedChartReader:
             for operation in permanent:
                 self._permanent(part, operation, when)
         for partial in self.chart.partial_charts:
-            path = f"{self.path} / chart {partial.name}"
+            path = f"{self.path} / {partial.name}"
             inner = part.add("partial chart", partial.name, path)
             ExecutedChartReader(self.owner, self.pou, partial.chart, path, self.called).read(inner)
 

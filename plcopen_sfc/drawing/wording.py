@@ -9,28 +9,49 @@ from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.networks.results import Helper, NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import Enclosure, SfcNetwork, Step
+
+KINDS = {
+    ActionKind.CONTINUOUS: "",
+    ActionKind.CONDITIONAL: "conditional",
+    ActionKind.DELAYED: "delayed",
+    ActionKind.LIMITED: "limited",
+    ActionKind.ON_ACTIVATION: "on activation",
+    ActionKind.ON_DEACTIVATION: "on deactivation",
+    ActionKind.ON_EVENT: "on event",
+    ActionKind.FORCING: "forcing",
+}
+"""The words of IEC 60848 for kinds of actions; the usual one, a continuous action, goes without saying."""
 
 
 @dataclass(frozen=True, slots=True)
 class ActionLine:
     """An action of a step in words: what is done, and when.
 
-    `qualifier` is also ``entry``, ``main`` or ``exit`` of a step action, and ``macro``.
+    `qualifier` is also the kind of an action of GRAFCET (`KINDS`), ``entry``, ``main`` or ``exit`` of a step action,
+    and ``macro`` or ``encloses`` of a step that has other charts inside.
     """
 
     what: str
     qualifier: str = ""
     event: str = ""
     duration: str = ""
+    condition: str = ""
+    excluded: bool = False
 
     def __str__(self) -> str:
-        """Return the action in one line: ``D T#2s Lamp``."""
-        return " ".join(filter(None, (self.event, self.qualifier, self.duration, self.what)))
+        """Return the action in one line: ``D T#2s Lamp``, ``on event n := 5 [a]``."""
+        condition = f"[{self.condition}]" if self.condition else ""
+        excluded = EXCLUDED if self.excluded else ""
+        return " ".join(filter(None, (self.event, self.qualifier, self.duration, self.what, condition, excluded)))
+
+
+EXCLUDED = "(excluded)"
+"""What follows the name of an element that is left out of the program."""
 
 
 class Wording:
@@ -100,9 +121,30 @@ class Wording:
             if action:
                 yield ActionLine(action if isinstance(action, str) else body_words(action), label)
         for association in step.actions:
-            yield association_words(association)
+            yield self.association(association)
         if step.macro is not None:
             yield ActionLine(step.macro.expansion or "", "macro")
+        for enclosure in step.encloses or ():
+            yield ActionLine(enclosure_words(enclosure), "encloses")
+
+    def association(self, association: ActionAssociation) -> ActionLine:
+        """Return a line of an action block in words."""
+        what = association.target or (body_words(association.body) if association.body is not None else "")
+        if association.value is not None:
+            what = f"{what} := {_one_line(association.value)}"
+        if association.forcing is not None:
+            order = association.forcing
+            situation = ", ".join(order.steps) or order.situation.value.strip("{}")
+            what = f"{order.chart}{{{situation}}}"
+        qualifier = "" if association.qualifier is Qualifier.NONE else association.qualifier.value
+        return ActionLine(
+            _negated(what, association.negated),
+            qualifier if association.kind is None else KINDS[association.kind],
+            association.event.value if association.event is not None else "",
+            association.duration or "",
+            self.condition(association.condition),
+            association.exclude,
+        )
 
 
 def _watched(read: NetworkExpression, helper: Helper) -> Iterator[n.Expression]:
@@ -113,21 +155,9 @@ def _watched(read: NetworkExpression, helper: Helper) -> Iterator[n.Expression]:
             yield from (argument.value for argument in call.arguments if argument.value is not None)
 
 
-def association_words(association: ActionAssociation) -> ActionLine:
-    """Return a line of an action block in words."""
-    what = association.target or (body_words(association.body) if association.body is not None else "")
-    if association.value is not None:
-        what = f"{what} := {_one_line(association.value)}"
-    if association.forcing is not None:
-        order = association.forcing
-        situation = ", ".join(order.steps) or order.situation.value.strip("{}")
-        what = f"{order.chart}{{{situation}}}"
-    return ActionLine(
-        _negated(what, association.negated),
-        "" if association.qualifier is Qualifier.NONE else association.qualifier.value,
-        association.event.value if association.event is not None else "",
-        association.duration or "",
-    )
+def enclosure_words(enclosure: Enclosure) -> str:
+    """Return the chart that a step encloses, with the steps that it activates there: ``G2{10, 12}``."""
+    return f"{enclosure.chart}{{{', '.join(enclosure.activated_steps)}}}"
 
 
 def body_words(body: Body) -> str:

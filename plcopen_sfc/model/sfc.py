@@ -431,11 +431,16 @@ class SfcNetwork(LateElement):
         used = frozenset(flag for flag in SfcFlag if is_used(flag))
         return used if SfcFlag.ERROR in used else used - _NEED_ERROR
 
-    def label(self, transition: Transition) -> str:
-        """Return the name of a transition, or from where to where it leads."""
+    def label(self, transition: Transition, names: Mapping[int, str] | None = None) -> str:
+        """Return the name of a transition, or from where to where it leads.
+
+        `names` are the steps by their ids, for who has them at hand.
+        """
         if transition.name:
             return transition.name
-        return self._label(transition, {step.id: step.name for step in self.steps})
+        names = {step.id: step.name for step in self.steps} if names is None else names
+        sides = (transition.sources, transition.targets)
+        return " -> ".join("+".join(names.get(i, "?") for i in side) or "nowhere" for side in sides)
 
     def labels(self, names: Mapping[int, str] | None = None) -> dict[int, str]:
         """The labels of all transitions by their ids: for who needs many of them.
@@ -443,13 +448,7 @@ class SfcNetwork(LateElement):
         `names` are the steps by their ids, where they are to be called otherwise.
         """
         names = {step.id: step.name for step in self.steps} if names is None else names
-        return {transition.id: self._label(transition, names) for transition in self.transitions}
-
-    def _label(self, transition: Transition, names: Mapping[int, str]) -> str:
-        if transition.name:
-            return transition.name
-        sides = (transition.sources, transition.targets)
-        return " -> ".join("+".join(names.get(i, "?") for i in side) or "nowhere" for side in sides)
+        return {transition.id: self.label(transition, names) for transition in self.transitions}
 
     def new_id(self) -> int:
         """An id that nothing in this chart or its drawing has."""

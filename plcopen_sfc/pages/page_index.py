@@ -10,24 +10,29 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from plcopen_sfc.drawing.pictures import charts_in, part_prefix
+from plcopen_sfc.drawing.pictures import ChartPart, charts_in, part_prefix
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.text_sites import SiteKind
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Action, Method, NamedBody, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import StructType, Variable
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.pages.html_text import Html, joined, link
 
 
 class DrawnPart(NamedTuple):
-    """A chart of a picture, and what the ids of its elements begin with. `path` is that of the whole chart."""
+    """A chart of a picture, and what the ids of its elements begin with. `path` is that of the whole chart.
+
+    `anchor` is that of its frame in the picture, empty for the whole chart; `drawn` has what the frame says.
+    """
 
     chart: SfcNetwork
     prefix: str
     path: str
+    anchor: str
+    drawn: ChartPart
 
 
 class PlacedBody(NamedTuple):
@@ -62,7 +67,7 @@ class PageIndex:
         self._called = called
         self.bodies: dict[int, list[PlacedBody]] = {}
         self.parts: dict[str, list[DrawnPart]] = {}
-        self._charts: dict[str, list[DrawnPart]] = {}
+        self._executed: dict[str, dict[tuple[str, str], list[str]]] = {}
         self._anchors: dict[int, str] = {}
         self._paths: dict[str, str] = {}
         self._links: dict[tuple[int, str | int], list[tuple[int, int, str]]] = {}
@@ -94,25 +99,25 @@ class PageIndex:
 
     def step_anchor(self, chart: str, path: str) -> str:
         """Return the anchor of a step by its path in a trace of the POU or action called `chart`; empty: none."""
-        parts = self._charts.get(chart.casefold(), [])
-        for wanted in (path, path.rpartition(".")[2]):
-            for part in parts:
-                for step in part.chart.steps:
-                    if step.name == wanted:
-                        return self.anchor(step)
-        return ""
+        return next(iter(self.anchors_of(chart, "step", path)), "")
 
     def anchors_of(self, chart: str, kind: str, name: str) -> list[str]:
         """Return the anchors of the steps, or transitions, of a POU or action that a verdict calls `name`."""
-        found = []
-        for part in self._charts.get(chart.casefold(), []):
-            labels = part.chart.labels()
-            things = part.chart.steps if kind == "step" else part.chart.transitions
-            for thing in things:
-                own = thing.name if kind == "step" else labels[thing.id]
-                if name in (own, thing.name) or name.endswith(f".{own}"):
-                    found.append(self.anchor(thing))
-        return found
+        known = self._executed.get(chart.casefold(), {})
+        words = name.split(".")  # G1.M1.E1: of a macro-step in a partial chart
+        shorter = ((kind, ".".join(words[start:])) for start in range(len(words)))
+        return next((known[each] for each in shorter if each in known), [])
+
+    def chart_anchors(self, step: Step) -> list[str]:
+        """Return the anchors of the charts inside a macro-step and an enclosing step; empty ones for missing charts."""
+        own = step.macro.body if step.macro is not None else None
+        names = [] if step.macro is None or isinstance(own, SfcBody) else [step.macro.expansion or ""]
+        names += [each.chart for each in step.encloses or ()]
+        here = self.anchor(step)
+        parts = [part for prefix, parts in self.parts.items() if here.startswith(prefix) for part in parts]
+        by_name = {part.drawn.name.casefold(): part.anchor for part in reversed(parts)}
+        inside = [self.anchor(own.chart)] if isinstance(own, SfcBody) else []
+        return inside + [by_name.get(name.casefold(), "") for name in names]
 
     def linked(self, holder: Any, key: str) -> Html:
         """Return the text in the field `key` of `holder`, with links for the names in it."""
@@ -171,20 +176,48 @@ class PageIndex:
                 self._place_variables(owner.interface.variables(), place, path)
             if isinstance(found.body, SfcBody):
                 self._place_chart(found.body.chart, f"{place}-", path)
-                self._charts.setdefault(found.name.casefold(), self.parts[f"{place}-"])
+                self._executed.setdefault(found.name.casefold(), self._called_when_executed(self.parts[f"{place}-"]))
 
     def _place_chart(self, chart: SfcNetwork, prefix: str, path: str) -> None:
         drawn = self.parts.setdefault(prefix, [])
         for number, part in enumerate(charts_in(chart)):
             begin = prefix + part_prefix(number)
-            drawn.append(DrawnPart(part.chart, begin, path))
-            steps = {step.id: self.as_called(f"{path} / step {step.name}") for step in part.chart.steps}
+            anchor, around = (begin.removesuffix("-") if number else ""), ObjectPath(path, *part.place.parts)
+            drawn.append(DrawnPart(part.chart, begin, path, anchor, part))
+            if number:
+                self._anchors[id(part.chart)] = anchor
+            if part.partial is not None:
+                self._place(part.partial, anchor, around)
+            steps = {step.id: self.as_called(f"{around} / step {step.name}") for step in part.chart.steps}
             labels = part.chart.labels({number: name.rpartition(" / step ")[2] for number, name in steps.items()})
             for step in part.chart.steps:
-                self._place(step, f"{begin}step-{step.id}", f"{path} / step {step.name}")
+                self._place(step, f"{begin}step-{step.id}", f"{around} / step {step.name}")
             for transition in part.chart.transitions:
                 label = labels[transition.id]
-                self._place(transition, f"{begin}transition-{transition.id}", f"{path} / transition {label}")
+                self._place(transition, f"{begin}transition-{transition.id}", f"{around} / transition {label}")
+
+    def _called_when_executed(self, parts: list[DrawnPart]) -> dict[tuple[str, str], list[str]]:
+        """Return the anchors of steps and transitions by kind and name in traces and verdicts.
+
+        There the name of a partial chart, or of a macro-step, is before them: ``G1.1``, ``M1.E1``.
+        """
+        macros: dict[str, list[str]] = {}
+        for step in (step for part in parts for step in part.chart.steps):
+            if step.macro is not None:
+                macros.setdefault((step.macro.expansion or "").casefold(), []).append(step.name)
+        found: dict[tuple[str, str], list[str]] = {}
+        alone: dict[tuple[str, str], list[str]] = {}
+        for part in parts:
+            own = part.drawn.around.name if part.drawn.around is not None else part.drawn.name
+            owners = dict.fromkeys([own, *macros.get(part.drawn.name.casefold(), ())]) if own else {}
+            labels = part.chart.labels()
+            names: list[tuple[Step | Transition, tuple[str, str]]] = [(s, ("step", s.name)) for s in part.chart.steps]
+            names += [(each, ("transition", labels[each.id])) for each in part.chart.transitions]
+            for thing, (kind, name) in names:
+                for key in [(kind, f"{owner}.{name}") for owner in owners] or [(kind, name)]:
+                    found.setdefault(key, []).append(self.anchor(thing))
+                alone.setdefault((kind, name), [self.anchor(thing)])
+        return alone | found
 
     def _place_variables(self, variables: list[Variable], anchor: str, path: str) -> None:
         for number, variable in enumerate(variables):

@@ -11,7 +11,7 @@ from plcopen_sfc.analysis.verdict import Verdict
 from plcopen_sfc.checking import check
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.drawing.pictures import body_figure, chart_figure
-from plcopen_sfc.drawing.wording import Wording, association_words
+from plcopen_sfc.drawing.wording import Wording
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.languages.declarations.declaration_writing import write_data_type, write_type, write_value
 from plcopen_sfc.languages.networks import shown_body
@@ -263,12 +263,27 @@ class _ProjectContent:
         wording = Wording(part.chart, self.project.dialect)
         leaving: dict[int, list[Transition]] = {}
         for transition in part.chart.transitions:
-            for source in transition.sources or [-1]:
+            for source in transition.sources:
                 leaving.setdefault(source, []).append(transition)
         names = {step.id: step for step in part.chart.steps}
         rows = [self._step(step, leaving.get(step.id, []), names, wording) for step in part.chart.steps]
+        first = [each for each in part.chart.transitions if names.keys().isdisjoint(each.sources)]
+        if first:
+            label = element("th", self.words("Source transitions"))
+            rows.append(element("tr", label, element("td"), self._leaving(first, None, names, wording)))
         titles = (self.words("Step"), self.words("Actions"), self.words("Transitions"))
-        return _table(titles, rows, "steps") if rows else Html("")
+        table = _table(titles, rows, "steps") if rows else Html("")
+        return joined(self._heading(part), table) if rows else self._heading(part)
+
+    def _heading(self, part: DrawnPart) -> Html:
+        """Return the name of a partial chart, or of a chart inside a step, with what is told about it."""
+        partial = part.drawn.partial
+        if not part.anchor:
+            return Html("")
+        name = link(part.anchor, partial.name if partial is not None else part.drawn.heading)
+        kind = [" ", element("small", self.words(partial.kind.value))] if partial is not None else []
+        heading = element("h4", name, *kind, id=f"{part.anchor}-heading", data_name=part.drawn.name)
+        return joined(heading, self._comment(part.drawn.comment), self._findings_at(part.anchor))
 
     def _step(self, step: Step, leaving: Sequence[Transition], names: dict[int, Step], wording: Wording) -> Html:
         anchor, words = self.index.anchor(step), self.words
@@ -281,6 +296,7 @@ class _ProjectContent:
         head = element(
             "th",
             link(anchor, *([element("small", str(step.number)), " "] if step.number is not None else []), step.name),
+            *self._excluded(step),
             *told,
             *self._supervised(step, wording),
             self._comment(step.title, step.comment),
@@ -288,13 +304,24 @@ class _ProjectContent:
             self._uses(anchor),
         )
         done = [element("li", each) for each in self._actions(step, wording)]
+        actions = element("td", element("ul", *done)) if done else element("td")
+        going = self._leaving(leaving, step, names, wording)
+        return element("tr", head, actions, going, id=f"{anchor}-row", data_name=step.name)
+
+    def _leaving(
+        self, leaving: Sequence[Transition], step: Step | None, names: dict[int, Step], wording: Wording
+    ) -> Html:
         ordered = sorted(leaving, key=lambda each: (each.priority is None, each.priority or 0))
-        going = [
-            element("li", self._transition(each, names, wording, many=len(leaving) > 1), data_name=each.name)
+        many = len(leaving) > 1 and step is not None
+        items = [
+            element("li", self._transition(each, step, names, wording, many=many), data_name=each.name)
             for each in ordered
         ]
-        cells = [element("td", element("ul", *items)) if items else element("td") for items in (done, going)]
-        return element("tr", head, *cells, id=f"{anchor}-row", data_name=step.name)
+        return element("td", element("ul", *items)) if items else element("td")
+
+    def _excluded(self, thing: Step | Transition | ActionAssociation) -> Iterator[str]:
+        if thing.exclude:
+            yield from (" ", element("em", self.words("excluded")))
 
     def _supervised(self, step: Step, wording: Wording) -> Iterator[Html]:
         for label, part in (("interlock", step.interlock), ("supervision", step.supervision)):
@@ -312,10 +339,16 @@ class _ProjectContent:
                 yield joined(element("b", label), " ", self._content(action, ""))
         for association in step.actions:
             yield self._association(association, wording)
+        inside = [line for line in wording.actions(step) if line.qualifier in ("macro", "encloses")]
+        for line, anchor in zip(inside, self.index.chart_anchors(step), strict=True):
+            name = line.what or self.words("chart")
+            yield joined(element("b", self.words(line.qualifier)), " ", link(anchor, name) if anchor else name)
 
     def _association(self, association: ActionAssociation, wording: Wording) -> Html:
-        line = association_words(association)
-        parts: list[str] = [element("b", " ".join(filter(None, (line.event, line.qualifier, line.duration)))), " "]
+        line = wording.association(association)
+        qualifier = self.words(line.qualifier) if association.kind is not None and line.qualifier else line.qualifier
+        when = " ".join(filter(None, (line.event, qualifier, line.duration)))
+        parts: list[str] = [element("b", when), " "] if when else []
         if association.target and association.forcing is None:
             parts += ["NOT " if association.negated else "", self.index.linked(association, "target")]
             if association.value is not None:
@@ -328,11 +361,15 @@ class _ProjectContent:
             parts += [" [", self._condition(association.condition, wording), "]"]
         if association.indicator:
             parts += [" (", self.index.linked(association, "indicator"), ")"]
-        return joined(*parts, self._comment(association.comment))
+        return joined(*parts, *self._excluded(association), self._comment(association.comment))
 
-    def _transition(self, transition: Transition, names: dict[int, Step], wording: Wording, *, many: bool) -> Html:
+    def _transition(
+        self, transition: Transition, step: Step | None, names: dict[int, Step], wording: Wording, *, many: bool
+    ) -> Html:
         anchor = self.index.anchor(transition)
         condition = self._condition(transition.condition, wording)
+        others = [names[each].name for each in transition.sources if each in names and names[each] is not step]
+        together = f" ({self.words('after {} too', ', '.join(dict.fromkeys(others)))})" if others else ""
         targets: list[str] = []
         for target in transition.targets:
             step = names.get(target)
@@ -342,7 +379,8 @@ class _ProjectContent:
         head = link(anchor, f"{number}{transition.name}".strip() or "\u22a2")
         order = f" ({self.words('priority {}', transition.priority)})" if many and transition.priority else ""
         return joined(
-            head, f"{order} ", condition, *targets, self._comment(transition.comment), self._findings_at(anchor)
+            *(head, *self._excluded(transition), f"{order}{together} ", condition, *targets),
+            *(self._comment(transition.comment), self._findings_at(anchor)),
         )
 
     def _condition(self, condition: Condition | None, wording: Wording) -> Html:

@@ -310,7 +310,7 @@ class _Builder:
         names = {step.id: step.name for step in place.chart.steps}
         for transition in ordered:
             if not transition.exclude:
-                self._add_transition(place, transition, ends, excluded, names)
+                self._add_transition(place, transition, ends, excluded, place.prefix + place.chart.label(transition, names))
         return ends
 
     def _add_step(self, place: _Place, step: Step, *, initial: bool) -> _Ends:
@@ -376,10 +376,8 @@ class _Builder:
         return ends[chosen.id].entry if entry else ends[chosen.id].exit
 
     def _add_transition(
-        self, place: _Place, transition: Transition, ends: dict[int, _Ends], excluded: set[int], names: dict[int, str]
+        self, place: _Place, transition: Transition, ends: dict[int, _Ends], excluded: set[int], path: str
     ) -> None:
-        sides = [" + ".join(names.get(i, "?") for i in side) for side in (transition.sources, transition.targets)]
-        path = place.prefix + (transition.name or " -> ".join(side or "nowhere" for side in sides))
         sources = [ends[i].exit for i in transition.sources if i in ends]
         if len(sources) < len(transition.sources):
             if not excluded.intersection(transition.sources):

@@ -141,13 +141,13 @@ def test_what_is_never_active_belongs_to_no_region() -> None:
         ("1>2+3 2+3>1", "1+2", Obstacle.INITIAL_STEP_IN_BRANCH, "2 is initial inside"),
         ("1>2 2>1 >1", "1", Obstacle.NO_SOURCE, "nowhere -> 1 has no source"),
         ("1>2 2>", "1", Obstacle.NO_TARGET, "2 -> nowhere has no target"),
-        ("1>2+3 2+3>4+5 4+5>1", "1", Obstacle.FORK_AND_JOIN, "2 + 3 -> 4 + 5 ends"),
-        ("1>2+3 2>4 3>5 4+5>1 4>1", "1", Obstacle.JUMP_ACROSS_BORDER, "the branch of step 2 at 1 -> 2 + 3 "),
+        ("1>2+3 2+3>4+5 4+5>1", "1", Obstacle.FORK_AND_JOIN, "2+3 -> 4+5 ends"),
+        ("1>2+3 2>4 3>5 4+5>1 4>1", "1", Obstacle.JUMP_ACROSS_BORDER, "the branch of step 2 at 1 -> 2+3 "),
         ("1>2+3 2>4 3>4 4>5", "1", Obstacle.BRANCHES_RUN_TOGETHER, "run together without a join: 2 -> 4, 3 -> 4"),
         ("1>2 1>3 2+3>4 4>1", "1", Obstacle.UNMATCHED_JOIN, "joins 2 and 3, of which only one can be active"),
-        ("1>2+3+4 2+3>5 4+5>1", "1", Obstacle.UNMATCHED_JOIN, "2 + 3 -> 5 joins 2, 3, which were not forked"),
+        ("1>2+3+4 2+3>5 4+5>1", "1", Obstacle.UNMATCHED_JOIN, "2+3 -> 5 joins 2, 3, which were not forked"),
         ("1>2+3 1>3+4 2+3>5 3+4>5", "1", Obstacle.UNMATCHED_FORK, "forks some, too"),
-        ("1>2 2+9>1", "1", Obstacle.LOCKED_JOIN, "2 + 9 -> 1 waits for step 9, which is never active"),
+        ("1>2 2+9>1", "1", Obstacle.LOCKED_JOIN, "2+9 -> 1 waits for step 9, which is never active"),
     ],
 )
 def test_obstacles_are_named(text: str, initial: str, obstacle: Obstacle, words: str) -> None:

@@ -43,6 +43,20 @@ def test_labels_have_what_a_step_does_and_a_transition_waits_for() -> None:
     assert 'transition2 [label="1: a > b", shape=plaintext]' in dot_text(chart)
 
 
+def test_excluded_elements_are_dashed_and_say_so() -> None:
+    chart = make(2, [([0], [1])])
+    chart.steps[1].exclude = chart.transitions[0].exclude = True
+    chart.steps[0].actions = [sfc.ActionAssociation(id=9, target="Motor", exclude=True)]
+    assert mermaid_text(chart).splitlines()[1:6] == [
+        '    step0[["S0<br>N Motor (excluded)"]]',
+        '    step1["S1 (excluded)"]',
+        "    style step1 stroke-dasharray:4",
+        '    transition2(["(no condition)<br>(excluded)"])',
+        "    style transition2 stroke-dasharray:4",
+    ]
+    assert 'step1 [label="S1 (excluded)", shape=box, style=dashed]' in dot_text(chart)
+
+
 def test_nothing_from_a_file_is_markup() -> None:
     chart = make(1, [])
     chart.steps[0].name = TestSafety.NASTY + ']; end \\" %% `x`'
@@ -54,8 +68,8 @@ def test_nothing_from_a_file_is_markup() -> None:
 
 def test_partial_charts_are_groups() -> None:
     chart = make(1, [])
-    chart.partial_charts = [PartialChart(name="G2", chart=make(2, [([0], [1])]))]
-    assert 'subgraph part1_chart["G2 (global)"]' in mermaid_text(chart)
+    chart.partial_charts = [PartialChart(name="G2", chart=make(2, [([0], [1])]), comment="main chart")]
+    assert 'subgraph part1_chart["G2 (global)<br>main chart"]' in mermaid_text(chart)
     assert "part1_step0 --> part1_transition2" in mermaid_text(chart)
     assert "subgraph cluster_part1_" in dot_text(chart)
 

@@ -372,7 +372,7 @@ def test_the_most_readable_form_that_is_exact_says_why() -> None:
     assert (made.construction, made.why) == (Construction.CASE, "exactly one step is active at a time")
     made = lowered(chain(PARALLEL), Construction.AUTO)
     assert made.construction is Construction.REGIONS
-    assert "S1 -> S2 + S10" in made.why
+    assert "S1 -> S2+S10" in made.why
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from lxml import html
 import plcopen_sfc as sfc
 from plcopen_sfc import model as sfc_model
 from plcopen_sfc.analysis.checks import all_rules
+from plcopen_sfc.drawing.pictures import dot_text
 from plcopen_sfc.pages.page_words import Words
 from tests.pages.browser import Browser
 
@@ -89,6 +90,99 @@ def test_findings_are_at_their_places() -> None:
     (row,) = tree.xpath("//tr[@data-name='CheckSlide2']")
     assert finding.message in words_of(row)
     assert "found-warning" in tree.get_element_by_id(row.get("id").removesuffix("-row")).get("class").split()
+
+
+class TestGrafcet:
+    LINES = (
+        "conditional Q1 [a * b]",
+        "delayed T#3s H1",
+        "limited T#500ms H2",
+        "on activation n := n + 1",
+        "on deactivation n := 0",
+        "on event n := n + 2 [\u2191b]",
+    )
+
+    @pytest.fixture(scope="class")
+    def project(self) -> sfc.Project:
+        return sfc.load(FIXTURES / "grafcet" / "every_symbol.gct")
+
+    @pytest.fixture(scope="class")
+    def tree(self, project: sfc.Project) -> html.HtmlElement:
+        return parse(sfc.page(project))
+
+    def test_actions_say_what_they_are_everywhere_in_the_same_words(
+        self, project: sfc.Project, tree: html.HtmlElement
+    ) -> None:
+        (row,) = tree.xpath("//table[@class='steps']//tr[@data-name='2']")
+        assert tuple(words_of(each) for each in row.xpath("td[1]//li")) == self.LINES
+        titles = [each.text for each in tree.xpath("//*[@class='action']/title")]
+        assert set(self.LINES) <= set(titles)
+        assert {"forcing G1{*}", "forcing G1{1}", "forcing G1{}"} <= set(titles)
+        chart = project.pous[0].chart
+        assert chart is not None
+        assert r"2\n" + r"\n".join(self.LINES) in dot_text(chart)
+        german = parse(sfc.page(project, lang="de"))
+        (row,) = german.xpath("//table[@class='steps']//tr[@data-name='2']")
+        assert [words_of(each) for each in row.xpath("td[1]//li[2] | td[1]//li[4]")] == [
+            "verz\u00f6gert T#3s H1",
+            "bei Aktivierung n := n + 1",
+        ]
+
+    @pytest.mark.parametrize(
+        ("step", "words", "chart"),
+        [("M3", "macro M3", "M3 (expansion)"), ("4", "encloses G3{20}", "G3 (enclosed)")],
+    )
+    def test_steps_lead_to_the_charts_inside(
+        self, tree: html.HtmlElement, step: str, words: str, chart: str
+    ) -> None:
+        (inside,) = tree.xpath(f"//table[@class='steps']//tr[@data-name='{step}']/td[1]//li")
+        assert words_of(inside) == words
+        frame = tree.get_element_by_id(inside.find("a").get("href").removeprefix("#"))
+        assert frame.findtext("title") == chart
+
+    def test_tables_have_names_and_all_transitions(self, tree: html.HtmlElement) -> None:
+        headings = [words_of(each) for each in tree.xpath("//h4")]
+        assert headings == ["G1 global", "M3 expansion", "G3 enclosed", "G4 global"]
+        (row,) = tree.xpath("//tr[th='Source transitions']")
+        assert words_of(row).endswith("\u2191(a * b) \u2192 5")
+        (joint,) = tree.xpath("//tr[@data-name='2']/td[2]//li")
+        assert "(after M3 too) 2s/X2 \u2192 4" in words_of(joint)
+        assert "From nowhere -> 5" in [each.text for each in tree.xpath("//*[@class='reference']/title")]
+        (description,) = tree.xpath("//desc")
+        assert description.text == "Sequential function chart: 13 steps, 14 transitions, 4 charts"
+
+    def test_findings_are_at_steps_transitions_and_charts(self) -> None:
+        text = """
+GRAFCET G
+CHART G1 "main <b>"
+    INITIAL STEP 1
+        Q1 IF \u2191a
+    1 -> 1 : a * /a
+EXPANSION M9
+    STEP E9
+    E9 -> S9 : b
+    STEP S9
+"""
+        tree = parse(sfc.page(sfc.loads(text.encode())))
+        found = tree.xpath("//svg//*[contains(@class, 'found-')]")
+        titles = {each.findtext("title"): each.get("class").split()[0] for each in found}
+        expected = {"Initial step 1": "step", "Transition 1 -> 1: a * /a": "transition", "M9 (expansion)": "part"}
+        assert expected.items() <= titles.items()
+        (row,) = tree.xpath("//tr[@data-name='1']")
+        assert {"ACT12"} <= {words_of(each).split()[1] for each in row.xpath("th//li")}
+        assert "main <b>" in [each.text for each in tree.xpath("//div[@class='comment']")]
+        assert tree.xpath("//*[@class='part']/title")[0].text == "G1 (global). main <b>"
+
+
+def test_excluded_elements_say_so() -> None:
+    chart = sfc.SfcNetwork()
+    first, second = chart.add_step("S1", initial=True), chart.add_step("S2")
+    second.exclude = chart.add_transition(first, second, "a").exclude = True
+    pou = sfc.Pou(name="P", kind=sfc.PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=chart)])
+    tree = parse(sfc.page(sfc.Project(pous=[pou])))
+    assert [words_of(each) for each in tree.xpath("//tr[@data-name]/th/em | //li/em")] == ["excluded", "excluded"]
+    titles = [each.text for each in tree.xpath("//svg/*[contains(@class, 'excluded')]/title")]
+    assert titles == ["Transition S1 -> S2 (excluded): a", "Step S2 (excluded)"]
 
 
 def test_both_languages_have_all_words() -> None:
@@ -241,6 +335,25 @@ def test_what_a_comparison_did_not_reach_is_marked() -> None:
     (section,) = tree.xpath("//section[@id='coverage']")
     assert "nicht erreicht Schritt Release: needs `xQuit`, never reached" in words_of(section)
     assert not parse(sfc.page(project)).xpath("//*[contains(@class, 'unreached')]")
+
+
+def test_transitions_of_several_steps_are_marked_too() -> None:
+    text = """
+PROGRAM P
+VAR_INPUT a : BOOL; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP A: END_STEP
+STEP B: END_STEP
+TRANSITION FROM S1 TO (A, B) := a; END_TRANSITION
+TRANSITION FROM (A, B) TO S1 := a AND NOT a; END_TRANSITION
+END_PROGRAM
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    verdict = sfc.equivalent(project.pous[0], project.pous[0])
+    tree = parse(sfc.page(project, verdict=verdict))
+    (marked,) = tree.xpath("//*[contains(@class, 'impossible')]")
+    assert marked.findtext("title") == "Transition A+B -> S1: a AND NOT a"
+    assert tree.xpath("//section[@id='coverage']//li/a/@href") == [f"#{marked.get('id')}"]
 
 
 def test_findings_are_told_in_german() -> None:

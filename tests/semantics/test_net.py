@@ -193,10 +193,10 @@ def test_broken_references_are_told_and_crash_nothing() -> None:
     chart.transitions.append(Transition(id=50, sources=[88], targets=[chart.step("1").id], condition=None))
     net = Net.of(chart)
     assert [(p.kind, p.path) for p in net.problems] == [
-        (NetProblemKind.MISSING_TARGET, "1 -> 2 + ?"),
+        (NetProblemKind.MISSING_TARGET, "1 -> 2+?"),
         (NetProblemKind.MISSING_SOURCE, "? -> 1"),
     ]
-    assert [t.path for t in net.transitions] == ["1 -> 2 + ?"]
+    assert [t.path for t in net.transitions] == ["1 -> 2+?"]
     assert runs(chart, 1) == ["1", "2"]
 
 

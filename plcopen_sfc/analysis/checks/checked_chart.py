@@ -131,11 +131,8 @@ class CheckedSheet:
         return found
 
     def label(self, transition: Transition) -> str:
-        """Return the label of a transition: as `SfcNetwork.label`, which looks through all steps each time."""
-        if transition.name:
-            return transition.name
-        sides = (transition.sources, transition.targets)
-        return " -> ".join("+".join(self.names.get(i, "?") for i in side) or "nowhere" for side in sides)
+        """Return the label of a transition, as `SfcNetwork.label`."""
+        return self.chart.label(transition, self.names)
 
     def actions(self) -> Iterator[tuple[Step, ActionAssociation]]:
         """The action associations that are in the program, with their steps."""

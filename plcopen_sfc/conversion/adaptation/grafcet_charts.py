@@ -175,7 +175,7 @@ class _Chart:
         flat.put_into(self._chart)
         self._macros = {name: [flat.steps[i] for i in steps] for name, steps in flat.macros.items()}
         for name in names:
-            self._note(Outcome.TRANSLATED, "partial chart", f"{path} / chart {name}", "its steps are in the one chart")
+            self._note(Outcome.TRANSLATED, "partial chart", f"{path} / {name}", "its steps are in the one chart")
         return flat
 
     def _start(self, starts: list[Step], path: str) -> None:

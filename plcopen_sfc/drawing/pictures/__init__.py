@@ -11,6 +11,7 @@
 """
 
 from plcopen_sfc.drawing.pictures.chart_picture import (
+    ChartPart,
     chart_figure,
     chart_svg,
     charts_in,
@@ -25,6 +26,7 @@ from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle
 
 __all__ = [
     "Canvas",
+    "ChartPart",
     "PictureStyle",
     "Theme",
     "body_figure",

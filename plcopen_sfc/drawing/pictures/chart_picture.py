@@ -11,20 +11,24 @@ from typing import TypeVar
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.drawing.pictures.chart_arrangement import Arrangement
 from plcopen_sfc.drawing.pictures.file_arrangement import FileArrangement
-from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width
+from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width, widest, wrap
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureSheet, PictureStyle
-from plcopen_sfc.drawing.wording import Wording
+from plcopen_sfc.drawing.wording import KINDS, Wording
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step
+from plcopen_sfc.model.text import plain
+from plcopen_sfc.object_path import ObjectPath
 
 _MARGIN = 24
 _GAP = 40
 _FRAME = 18
 _HEADING = 30
+_REMARK_WIDTH = 320
+_REMARK_PITCH = 14
 _LONGEST_ROW = 1600
 _NO_NAMES: Mapping[str, Mapping[str, str]] = MappingProxyType({})
 
@@ -71,7 +75,7 @@ def _picture(
             drawn = None if fresh else FileArrangement.of(sheet)
             part.arrangement = drawn or Arrangement(sheet)
         width, height = _place(canvas, parts, prefix)
-    return canvas.document(width, height, theme, _name_of(chart), _description(chart))
+    return canvas.document(width, height, theme, _name_of(chart), _description(parts))
 
 
 def part_prefix(number: int) -> str:
@@ -107,12 +111,28 @@ def _choice(kind: type[Choice], value: str, what: str) -> Choice:
 
 @dataclass(slots=True)
 class ChartPart:
-    """A chart in the picture. `name`: of a partial chart; `heading`: what its frame says, empty for the whole chart."""
+    """A chart in the picture.
+
+    `place` is its object path as seen from the whole chart, `heading` what its frame says; both are empty for the
+    whole chart. `partial` is the partial chart that it is of, `around` the step that it is inside of.
+    """
 
     chart: SfcNetwork
-    name: str = ""
+    place: ObjectPath = ObjectPath()
     heading: str = ""
+    partial: PartialChart | None = None
+    around: Step | None = None
     arrangement: Arrangement | FileArrangement | None = None
+
+    @property
+    def name(self) -> str:
+        """The name of the partial chart; empty for others."""
+        return self.partial.name if self.partial is not None else ""
+
+    @property
+    def comment(self) -> str:
+        """The comment of the partial chart."""
+        return plain(self.partial.comment) if self.partial is not None else ""
 
 
 def charts_in(chart: SfcNetwork) -> Iterator[ChartPart]:
@@ -121,21 +141,31 @@ def charts_in(chart: SfcNetwork) -> Iterator[ChartPart]:
     while pending:
         part = pending.pop()
         yield part
-        inner = [ChartPart(p.chart, p.name, f"{p.name} ({p.kind.value})") for p in part.chart.partial_charts]
+        inner = [
+            ChartPart(each.chart, part.place / each.name, f"{each.name} ({each.kind.value})", each)
+            for each in part.chart.partial_charts
+        ]
         for step in part.chart.steps:
-            inner += [ChartPart(body.chart, heading=f"{step.name}: {what}") for what, body in _inner_bodies(step)]
+            place = part.place / f"step {step.name}"
+            inner += [
+                ChartPart(body.chart, place / below, f"{step.name}: {what}", around=step)
+                for what, below, body in _inner_bodies(step)
+            ]
         pending += reversed(inner)
 
 
-def _inner_bodies(step: Step) -> Iterator[tuple[str, SfcBody]]:
-    bodies: list[tuple[str, str | Body | None]] = [
-        ("macro", step.macro.body if step.macro is not None else None),
-        ("entry", step.entry_action),
-        ("main", step.main_action),
-        ("exit", step.exit_action),
-        *((association.qualifier.value, association.body) for association in step.actions),
+def _inner_bodies(step: Step) -> Iterator[tuple[str, str, SfcBody]]:
+    """Yield the charts inside a step: what they are, what their path has below that of the step, and their bodies."""
+    bodies: list[tuple[str, str, str | Body | None]] = [
+        ("macro", "", step.macro.body if step.macro is not None else None),
+        ("entry", "", step.entry_action),
+        ("main", "", step.main_action),
+        ("exit", "", step.exit_action),
     ]
-    yield from ((what, body) for what, body in bodies if isinstance(body, SfcBody))
+    for each in step.actions:
+        what = KINDS[each.kind] if each.kind is not None else each.qualifier.value
+        bodies.append((what, f"action {each.target or 'inline'}", each.body))
+    yield from ((what, below, body) for what, below, body in bodies if isinstance(body, SfcBody))
 
 
 def _place(canvas: Canvas, parts: list[ChartPart], prefix: str) -> tuple[int, int]:
@@ -148,16 +178,20 @@ def _place(canvas: Canvas, parts: list[ChartPart], prefix: str) -> tuple[int, in
             continue
         framed = bool(number)
         width, height = arrangement.width, arrangement.height
+        remark = wrap(part.comment, 11, max(width, _REMARK_WIDTH))
+        heading = _HEADING + _REMARK_PITCH * len(remark)
         if framed:
-            width = max(width, text_width(part.heading, 13, bold=True)) + 2 * _FRAME
-            height += _HEADING + _FRAME
+            width = max(width, text_width(part.heading, 13, bold=True), widest(remark, 11)) + 2 * _FRAME
+            height += heading + _FRAME
         if x > _MARGIN and x + width > max(_LONGEST_ROW, right):
             x, y, row = _MARGIN, y + row + _GAP, 0
         if framed:
-            with canvas.element("part", f"{prefix}part-{number}", part.heading, (x, y, width, height)):
+            title = ". ".join(filter(None, (part.heading, part.comment)))
+            with canvas.element("part", f"{prefix}part-{number}", title, (x, y, width, height)):
                 canvas.box("frame", x, y, width, height)
                 canvas.text("name", x + 10, y + 20, part.heading)
-            arrangement.draw(canvas, x + _FRAME, y + _HEADING)
+                canvas.lines("remark", x + 10, y + 20 + _REMARK_PITCH, remark, _REMARK_PITCH)
+            arrangement.draw(canvas, x + _FRAME, y + heading)
         else:
             arrangement.draw(canvas, x, y)
         right, row = max(right, x + width), max(row, height)
@@ -177,6 +211,12 @@ def _name_of(chart: SfcNetwork) -> str:
     return ".".join(reversed(names)) or "Chart"
 
 
-def _description(chart: SfcNetwork) -> str:
-    counts = ((len(chart.steps), "step"), (len(chart.transitions), "transition"))
+def _description(parts: list[ChartPart]) -> str:
+    """Return how much is in a picture, with the charts in frames."""
+    counts = [
+        (sum(len(part.chart.steps) for part in parts), "step"),
+        (sum(len(part.chart.transitions) for part in parts), "transition"),
+    ]
+    if len(parts) > 1:
+        counts.append((sum(1 for part in parts if part.chart.steps or part.chart.transitions), "chart"))
     return "Sequential function chart: " + ", ".join(f"{n} {what}{'' if n == 1 else 's'}" for n, what in counts)

@@ -11,22 +11,27 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.drawing.pictures.chart_picture import ChartPart, charts_in
-from plcopen_sfc.drawing.wording import Wording
+from plcopen_sfc.drawing.wording import EXCLUDED, Wording
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 
 
 def mermaid_text(chart: SfcNetwork) -> str:
-    """Return `chart` as a flowchart of Mermaid. Initial steps have double sides, transitions are round."""
+    """Return `chart` as a flowchart of Mermaid. Initial steps have double sides, transitions are round.
+
+    What is excluded from the program says so and is dashed.
+    """
     lines = ["flowchart TD"]
     for graph in _graphs(chart):
         inside = bool(graph.part.heading)
         if inside:
-            lines.append(f'    subgraph {graph.prefix}chart["{_mermaid([graph.part.heading])}"]')
+            lines.append(f'    subgraph {graph.prefix}chart["{_mermaid(graph.headings())}"]')
             lines.append("    direction TB")
-        for node, texts, step in graph.nodes():
-            begin, end = ("([", "])") if step is None else ("[[", "]]") if step.initial else ("[", "]")
+        for node, texts, thing in graph.nodes():
+            begin, end = ("([", "])") if isinstance(thing, Transition) else ("[[", "]]") if thing.initial else ("[", "]")
             lines.append(f'    {node}{begin}"{_mermaid(texts)}"{end}')
+            if thing.exclude:
+                lines.append(f"    style {node} stroke-dasharray:4")
         lines += [f"    {source} --> {target}" for source, target in graph.edges()]
         lines += ["    end"] * inside
     return "\n".join(lines) + "\n"
@@ -39,10 +44,11 @@ def dot_text(chart: SfcNetwork) -> str:
     for graph in _graphs(chart):
         inside = bool(graph.part.heading)
         if inside:
-            lines.append(f"    subgraph cluster_{graph.prefix} {{ label={_dot([graph.part.heading])}; style=dashed")
-        for node, texts, step in graph.nodes():
-            shape = "plaintext" if step is None else "box, peripheries=2" if step.initial else "box"
-            lines.append(f"    {node} [label={_dot(texts)}, shape={shape}]")
+            lines.append(f"    subgraph cluster_{graph.prefix} {{ label={_dot(graph.headings())}; style=dashed")
+        for node, texts, thing in graph.nodes():
+            shape = "plaintext" if isinstance(thing, Transition) else "box, peripheries=2" if thing.initial else "box"
+            dashed = ", style=dashed" if thing.exclude else ""
+            lines.append(f"    {node} [label={_dot(texts)}, shape={shape}{dashed}]")
         lines += [f"    {source} -> {target}" for source, target in graph.edges()]
         lines += ["    }"] * inside
     return "\n".join([*lines, "}"]) + "\n"
@@ -56,10 +62,15 @@ class _Graph:
     prefix: str
     words: Wording
 
-    def nodes(self) -> Iterator[tuple[str, list[str], Step | None]]:
-        """Yield the nodes: the name, lines of text, and the step if it is one."""
+    def headings(self) -> list[str]:
+        """Return the heading of the chart, and the comment of a partial chart."""
+        return [self.part.heading, *([self.part.comment] if self.part.comment else [])]
+
+    def nodes(self) -> Iterator[tuple[str, list[str], Step | Transition]]:
+        """Yield the nodes: the name, lines of text, and the step or transition."""
         for step in self.part.chart.steps:
-            yield self._step(step.id), [step.name, *map(str, self.words.actions(step))], step
+            name = f"{step.name} {EXCLUDED}" if step.exclude else step.name
+            yield self._step(step.id), [name, *map(str, self.words.actions(step))], step
         for transition in self.part.chart.transitions:
             condition = self.words.condition(transition.condition) or "(no condition)"
             texts = [condition]
@@ -67,7 +78,9 @@ class _Graph:
                 texts.insert(0, transition.name)
             if transition.priority is not None:
                 texts[0] = f"{transition.priority}: {texts[0]}"
-            yield self._transition(transition), texts, None
+            if transition.exclude:
+                texts.append(EXCLUDED)
+            yield self._transition(transition), texts, transition
 
     def edges(self) -> Iterator[tuple[str, str]]:
         """Yield the nodes that are joined."""

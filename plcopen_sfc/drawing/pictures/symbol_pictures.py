@@ -15,11 +15,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, text_width, widest, wrap
-from plcopen_sfc.drawing.wording import ActionLine, Wording, association_words
+from plcopen_sfc.drawing.wording import EXCLUDED, ActionLine, Wording, enclosure_words
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, IlBody, StBody
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
@@ -128,7 +128,7 @@ def _rows(step: Step, words: Wording, prefix: str, *, grafcet: bool) -> Iterator
         if line.qualifier in bodies:
             yield _row(line, bodies[line.qualifier])
     for association in step.actions:
-        line = association_words(association)
+        line = words.association(association)
         row = _row(line, None if association.target else association.body)
         row.identifier = f"{prefix}action-{association.id}"
         row.excluded = association.exclude
@@ -153,8 +153,7 @@ def _row(line: ActionLine, body: str | Body | None) -> _Row:
     if len(lines) > _MOST_LINES:
         lines = [*lines[: _MOST_LINES - 1], "\u2026"]
     when = " ".join(filter(None, (line.qualifier, line.duration)))
-    title = " ".join(filter(None, (line.event, when, what)))
-    return _Row(title, (wrap(line.event, SIZE, TEXT_WIDTH), wrap(when, SIZE, 110), lines, []))
+    return _Row(str(replace(line, what=what)), (wrap(line.event, SIZE, TEXT_WIDTH), wrap(when, SIZE, 110), lines, []))
 
 
 def _above(step: Step, association: ActionAssociation, words: Wording) -> str:
@@ -220,13 +219,14 @@ class PictureSheet:
         return LinkEnd(name, f"{self.prefix}step-{number}")
 
     def transition_reference(self, number: int) -> LinkEnd:
-        """Return the reference to a transition: its name or number, else the names of its steps."""
+        """Return the reference to a transition: its name or number, else the names of the steps before it."""
         transition = self.transitions[number]
         name = transition.name
         if transition.number is not None and (self.style is PictureStyle.S7GRAPH or not name):
             name = f"T{transition.number}"
         elif not name:
             name = " & ".join(self.step_reference(i).name for i in transition.sources if i in self.steps)
+            name = name or self.labels[number]  # a source transition
         return LinkEnd(name, f"{self.prefix}transition-{number}")
 
 
@@ -356,7 +356,8 @@ class StepSymbol:
         kind = "Macro-step" if step.macro is not None else "Enclosing step" if step.encloses else "Step"
         if step.initial:
             kind = f"Initial {kind.lower()}"
-        parts = [f"{kind} {step.name}", *(text for _, text in self._texts)]
+        name = f"{step.name} {EXCLUDED}" if step.exclude else step.name
+        parts = [f"{kind} {name}", *(text for _, text in self._texts)]
         return ". ".join(parts)
 
 
@@ -367,7 +368,7 @@ def _about_step(sheet: PictureSheet, step: Step) -> Iterator[tuple[str, str]]:
     if step.macro is not None and step.macro.expansion != step.name:
         yield "quiet", step.macro.expansion or ""
     for enclosure in step.encloses or ():
-        yield "quiet", f"{enclosure.chart} {{{', '.join(enclosure.activated_steps)}}}"
+        yield "quiet", enclosure_words(enclosure)
     for mark, part in (("C", step.interlock), ("V", step.supervision)):
         if part is not None and part.condition is not None:
             title = plain(part.title)
@@ -397,7 +398,9 @@ class TransitionSymbol:
         self._priority = str(transition.priority) if competing and transition.priority is not None else ""
         self._names = self._name_lines()
         condition = sheet.words.condition(transition.condition)
-        self._title = f"Transition {sheet.labels[transition.id]}: {condition or '(no condition)'}"
+        label = sheet.labels[transition.id]
+        name = f"{label} {EXCLUDED}" if transition.exclude else label
+        self._title = f"Transition {name}: {condition or '(no condition)'}"
         widest_line = min(max(_CONDITION_WIDTH, text_width(condition, 12) // 4), 2 * _CONDITION_WIDTH)
         self._condition = wrap(condition, 12, widest_line)
         about = [plain(transition.title), plain(transition.comment)]
