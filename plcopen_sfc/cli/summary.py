@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from plcopen_sfc.cli.screen import Line
 from plcopen_sfc.documents.sources import FileSource, FolderSource, documents_of
-from plcopen_sfc.drawing.wording import Wording
+from plcopen_sfc.drawing.wording import EXCLUDED, Wording
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import NamedCondition
@@ -213,6 +213,7 @@ class _Outline:
         step = self.steps[number]
         self.told[number] = path
         name = f"[[{step.name}]]" if step.initial else f"[{step.name}]"
+        name = f"{name} {EXCLUDED}" if step.exclude else name
         actions = ", ".join(map(str, self.words.actions(step)))
         self._line(
             indent, (name, "bold green" if step.initial else "bold"), (f"  {actions}" if actions else "", "cyan")
@@ -221,7 +222,8 @@ class _Outline:
     def _condition(self, transition: Transition, lead: str) -> None:
         self.told_transitions.add(transition.id)
         text = self.words.condition(transition.condition)
-        self._line(lead, (text, "") if text else ("(no condition)", "red"))
+        excluded = [(f" {EXCLUDED}", "dim")] if transition.exclude else []
+        self._line(lead, (text, "") if text else ("(no condition)", "red"), *excluded)
 
     def _arrow(self, target: int, indent: str) -> None:
         self._line(indent, (self.signs.arrow, "dim"), self._names([target]))

@@ -157,7 +157,8 @@ def _watched(read: NetworkExpression, helper: Helper) -> Iterator[n.Expression]:
 
 def enclosure_words(enclosure: Enclosure) -> str:
     """Return the chart that a step encloses, with the steps that it activates there: ``G2{10, 12}``."""
-    return f"{enclosure.chart}{{{', '.join(enclosure.activated_steps)}}}"
+    activated = f"{{{', '.join(enclosure.activated_steps)}}}" if enclosure.activated_steps else ""
+    return f"{enclosure.chart}{activated}"
 
 
 def body_words(body: Body) -> str:

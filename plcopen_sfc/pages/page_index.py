@@ -113,10 +113,10 @@ class PageIndex:
         own = step.macro.body if step.macro is not None else None
         names = [] if step.macro is None or isinstance(own, SfcBody) else [step.macro.expansion or ""]
         names += [each.chart for each in step.encloses or ()]
-        here = self.anchor(step)
+        inside = [self.anchor(own.chart)] if isinstance(own, SfcBody) else []
+        here = self.anchor(step) if names else ""
         parts = [part for prefix, parts in self.parts.items() if here.startswith(prefix) for part in parts]
         by_name = {part.drawn.name.casefold(): part.anchor for part in reversed(parts)}
-        inside = [self.anchor(own.chart)] if isinstance(own, SfcBody) else []
         return inside + [by_name.get(name.casefold(), "") for name in names]
 
     def linked(self, holder: Any, key: str) -> Html:

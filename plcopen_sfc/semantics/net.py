@@ -310,7 +310,9 @@ class _Builder:
         names = {step.id: step.name for step in place.chart.steps}
         for transition in ordered:
             if not transition.exclude:
-                self._add_transition(place, transition, ends, excluded, place.prefix + place.chart.label(transition, names))
+                self._add_transition(
+                    place, transition, ends, excluded, place.prefix + place.chart.label(transition, names)
+                )
         return ends
 
     def _add_step(self, place: _Place, step: Step, *, initial: bool) -> _Ends:

@@ -66,6 +66,23 @@ def test_a_line_and_the_way_back(chart):
     )
 
 
+def test_excluded_elements_and_actions_of_a_grafcet(chart):
+    del chart.steps[2:]
+    connect(chart, "A>B", "B>A")
+    chart.steps[1].exclude = chart.transitions[1].exclude = True
+    chart.steps[0].actions = [ActionAssociation(id=9, kind="delayed", duration="T#3s", target="Q", condition="x")]
+    same(
+        text(chart),
+        """
+        [[A]]  delayed T#3s Q [x]
+         |  a_b
+        [B] (excluded)
+         |  b_a (excluded)
+        -> A
+        """,
+    )
+
+
 def test_selection(chart):
     del chart.steps[5:]
     connect(chart, "A>B", "A>C", "B>D", "C>D", "D>E")

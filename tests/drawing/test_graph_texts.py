@@ -51,7 +51,7 @@ def test_excluded_elements_are_dashed_and_say_so() -> None:
         '    step0[["S0<br>N Motor (excluded)"]]',
         '    step1["S1 (excluded)"]',
         "    style step1 stroke-dasharray:4",
-        '    transition2(["(no condition)<br>(excluded)"])',
+        '    transition2(["c0<br>(excluded)"])',
         "    style transition2 stroke-dasharray:4",
     ]
     assert 'step1 [label="S1 (excluded)", shape=box, style=dashed]' in dot_text(chart)

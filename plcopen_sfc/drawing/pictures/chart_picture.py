@@ -118,7 +118,7 @@ class ChartPart:
     """
 
     chart: SfcNetwork
-    place: ObjectPath = ObjectPath()
+    place: ObjectPath
     heading: str = ""
     partial: PartialChart | None = None
     around: Step | None = None
@@ -137,7 +137,7 @@ class ChartPart:
 
 def charts_in(chart: SfcNetwork) -> Iterator[ChartPart]:
     """Yield a chart and the charts inside it: partial charts, contents of macro-steps, charts as actions."""
-    pending = [ChartPart(chart)]
+    pending = [ChartPart(chart, ObjectPath())]
     while pending:
         part = pending.pop()
         yield part

@@ -28,7 +28,9 @@ def mermaid_text(chart: SfcNetwork) -> str:
             lines.append(f'    subgraph {graph.prefix}chart["{_mermaid(graph.headings())}"]')
             lines.append("    direction TB")
         for node, texts, thing in graph.nodes():
-            begin, end = ("([", "])") if isinstance(thing, Transition) else ("[[", "]]") if thing.initial else ("[", "]")
+            begin, end = (
+                ("([", "])") if isinstance(thing, Transition) else ("[[", "]]") if thing.initial else ("[", "]")
+            )
             lines.append(f'    {node}{begin}"{_mermaid(texts)}"{end}')
             if thing.exclude:
                 lines.append(f"    style {node} stroke-dasharray:4")
