@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.languages.networks import condition_reader
@@ -27,13 +27,22 @@ KINDS = {
 }
 """The words of IEC 60848 for kinds of actions; the usual one, a continuous action, goes without saying."""
 
+Told = Callable[..., str]
+"""Words in the language of the reader: of a text in English, whose places ``{}`` are for further arguments."""
+
+
+def english(text: str, *values: object) -> str:
+    """Return words in English, with `values` in their places."""
+    return text.format(*values) if values else text
+
 
 @dataclass(frozen=True, slots=True)
 class ActionLine:
     """An action of a step in words: what is done, and when.
 
     `qualifier` is also the kind of an action of GRAFCET (`KINDS`), ``entry``, ``main`` or ``exit`` of a step action,
-    and ``macro`` or ``encloses`` of a step that has other charts inside.
+    and ``macro`` or ``encloses`` of a step that has other charts inside, in the language of the reader, as
+    `excluded` is, which is empty where the action is executed.
     """
 
     what: str
@@ -41,13 +50,12 @@ class ActionLine:
     event: str = ""
     duration: str = ""
     condition: str = ""
-    excluded: bool = False
+    excluded: str = ""
 
     def __str__(self) -> str:
         """Return the action in one line: ``D T#2s Lamp``, ``on event n := 5 [a]``."""
         condition = f"[{self.condition}]" if self.condition else ""
-        excluded = EXCLUDED if self.excluded else ""
-        return " ".join(filter(None, (self.event, self.qualifier, self.duration, self.what, condition, excluded)))
+        return " ".join(filter(None, (self.event, self.qualifier, self.duration, self.what, condition, self.excluded)))
 
 
 EXCLUDED = "(excluded)"
@@ -55,9 +63,10 @@ EXCLUDED = "(excluded)"
 
 
 class Wording:
-    """Words for the elements of one chart."""
+    """Words for the elements of one chart, in the language of `told`."""
 
-    def __init__(self, chart: SfcNetwork, dialect: Dialect = Dialect.IEC) -> None:
+    def __init__(self, chart: SfcNetwork, dialect: Dialect = Dialect.IEC, told: Told = english) -> None:
+        self.told = told
         self._read = condition_reader(chart, dialect)
 
     def condition(self, condition: Condition | None) -> str:
@@ -74,7 +83,7 @@ class Wording:
         if isinstance(condition, BodyCondition):
             return _negated(condition.name or body_words(condition.body), condition.negated)
         pin = condition.input
-        return _negated(pin.expression or ("(logic)" if pin.connections else "(not wired)"), condition.negated)
+        return _negated(pin.expression or self.told("(logic)" if pin.connections else "(not wired)"), condition.negated)
 
     def _drawn(self, condition: BodyCondition | WiredCondition) -> str:
         """A condition in FBD or LD as an expression; empty where there is none."""
@@ -96,7 +105,7 @@ class Wording:
         """Return a helper variable in words: the edge that it has, or the value that it is given; None for others."""
         if helper.type_name == "R_TRIG":
             watched = next(_watched(read, helper), None)
-            return None if watched is None else f"rising edge of {self._text(watched)}"
+            return None if watched is None else self.told("rising edge of {}", self._text(watched))
         given = {
             statement.target.identifier: statement.value
             for statement in read.before
@@ -108,7 +117,7 @@ class Wording:
         retained = {other.name for other in read.helpers if other.retained}
         last = value.operands[-1] if isinstance(value, n.Operation) else None
         if isinstance(last, n.Name) and last.identifier in retained:  # as `Wires.edge` has it: NOT now AND last
-            return f"falling edge of {self._text(given[last.identifier])}"
+            return self.told("falling edge of {}", self._text(given[last.identifier]))
         return f"({self._text(value)})"
 
     def _text(self, tree: n.Expression) -> str:
@@ -119,13 +128,13 @@ class Wording:
         named = (("entry", step.entry_action), ("main", step.main_action), ("exit", step.exit_action))
         for label, action in named:
             if action:
-                yield ActionLine(action if isinstance(action, str) else body_words(action), label)
+                yield ActionLine(action if isinstance(action, str) else body_words(action), self.told(label))
         for association in step.actions:
             yield self.association(association)
         if step.macro is not None:
-            yield ActionLine(step.macro.expansion or "", "macro")
+            yield ActionLine(step.macro.expansion or "", self.told("macro"))
         for enclosure in step.encloses or ():
-            yield ActionLine(enclosure_words(enclosure), "encloses")
+            yield ActionLine(enclosure_words(enclosure), self.told("encloses"))
 
     def association(self, association: ActionAssociation) -> ActionLine:
         """Return a line of an action block in words."""
@@ -139,11 +148,11 @@ class Wording:
         qualifier = "" if association.qualifier is Qualifier.NONE else association.qualifier.value
         return ActionLine(
             _negated(what, association.negated),
-            qualifier if association.kind is None else KINDS[association.kind],
+            self.told(KINDS[association.kind]) if association.kind is not None else qualifier,
             association.event.value if association.event is not None else "",
             association.duration or "",
             self.condition(association.condition),
-            association.exclude,
+            self.told(EXCLUDED) if association.exclude else "",
         )
 
 

@@ -64,7 +64,7 @@ def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en")
         element("ul", *proofs) if proofs else Html(""),
         id="project",
     )
-    return document(_title(a, b), words, _tree(pairs, words("Differences")), overview, *charts)
+    return document(_title(a, b), words, _tree(pairs, words, words("Differences")), overview, *charts)
 
 
 def conversion_page(
@@ -87,7 +87,9 @@ def conversion_page(
     pairs = list(_pairs(left, right))
     title = f"{title_of(source)}: {report.source_format} \u2192 {report.target_format}"
     rows = [
-        element("tr", element("th", words(outcome.value)), element("td", str(len(report.with_outcome(outcome)))))
+        element(
+            "tr", element("th", words.heading(outcome.value)), element("td", str(len(report.with_outcome(outcome))))
+        )
         for outcome in Outcome
         if report.with_outcome(outcome)
     ]
@@ -105,7 +107,9 @@ def conversion_page(
     charts = list(_charts(pairs, words))
     outcomes = [outcome for outcome in (*_MARKS, Outcome.EXTENSION_DATA) if report.with_outcome(outcome)]
     lists = {outcome: _items(report.with_outcome(outcome), outcome, left, words) for outcome in outcomes}
-    tree = _tree(pairs, words("Report"), [(outcome.name.lower(), words(outcome.value)) for outcome in outcomes])
+    tree = _tree(
+        pairs, words, words("Report"), [(outcome.name.lower(), words.heading(outcome.value)) for outcome in outcomes]
+    )
     first = [lists.pop(outcome) for outcome in outcomes if outcome in (*LOSSES, Outcome.DROPPED)]
     return document(title, words, tree, overview, *first, *charts, *lists.values())
 
@@ -175,10 +179,9 @@ def _pairs(left: _Side, right: _Side) -> Iterator[_Pair]:
 def _charts(pairs: Iterable[_Pair], words: Words) -> Iterator[Html]:
     for number, pair in enumerate(pairs):
         figures = [_figure(side, prefix, words) for side, prefix in pair]
-        heading = element("h2", _path(pair))
-        yield element(
-            "section", heading, element("div", *figures, class_="pair"), id=f"chart-{number}", data_name=_path(pair)
-        )
+        path = words.place(_path(pair))
+        parts = element("h2", path), element("div", *figures, class_="pair")
+        yield element("section", *parts, id=f"chart-{number}", data_name=path)
 
 
 def _path(pair: _Pair) -> str:
@@ -190,11 +193,12 @@ def _figure(side: _Side, prefix: str, words: Words) -> Html:
         title = element("figcaption", side.caption)
         return element("figure", title, element("p", words("no such chart"), class_="comment"))
     marks: Mapping[str, str] = {anchor: " ".join(sorted(kinds)) for anchor, kinds in side.marks.items()}
-    return picture_figure(chart_figure(side.index.parts[prefix][0].chart, prefix, marks), words, side.caption)
+    picture = chart_figure(side.index.parts[prefix][0].chart, prefix, marks, told=words)
+    return picture_figure(picture, words, side.caption)
 
 
-def _tree(pairs: Iterable[_Pair], first: str, links: Iterable[tuple[str, str]] = ()) -> Html:
-    charts = [element("li", link(f"chart-{number}", _path(pair))) for number, pair in enumerate(pairs)]
+def _tree(pairs: Iterable[_Pair], words: Words, first: str, links: Iterable[tuple[str, str]] = ()) -> Html:
+    charts = [element("li", link(f"chart-{number}", words.place(_path(pair)))) for number, pair in enumerate(pairs)]
     lists = [element("li", link(anchor, name)) for anchor, name in links]
     return element("ul", element("li", link("project", first)), *lists, *charts)
 
@@ -230,7 +234,7 @@ def _items(items: list[Item], outcome: Outcome, side: _Side, words: Words) -> Ht
         shown.append(element("details", element("summary", caption), element("ul", *lines)))
     if len(items) > _MOST_ITEMS:
         shown.append(element("p", words("and {} more", len(items) - _MOST_ITEMS)))
-    heading = element("h2", f"{words(outcome.value)} ({len(items)})")
+    heading = element("h2", f"{words.heading(outcome.value)} ({len(items)})")
     return element("section", heading, *shown, id=outcome.name.lower())
 
 
@@ -251,4 +255,4 @@ def _place(item: Item, words: Words) -> str:
 
 def _proof(proof: Proof, words: Words) -> str:
     path, told = proof.path, str(proof).removeprefix(f"{proof.path}: ")
-    return f"{words.place(path)}: " + "\n".join(map(words.message, told.splitlines()))
+    return f"{words.place(path)}: " + "\n".join(map(words.verdict, told.splitlines()))

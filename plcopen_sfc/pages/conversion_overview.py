@@ -38,10 +38,10 @@ def verdict_of(report: ConversionReport, path: str) -> ChartVerdict:
     found = report.compared.get(path)
     if found is None or found.startswith(("not run", "not compared")):
         return ChartVerdict.NOT_RUN
-    if path in report.untested:
-        return ChartVerdict.UNTESTED
-    if not found.startswith("equal"):
+    if found.startswith("different"):
         return ChartVerdict.DIFFERENT
+    if path in report.untested or not found.startswith("equal"):
+        return ChartVerdict.UNTESTED
     return ChartVerdict.DELAYED if " later" in found.partition("(")[0] else ChartVerdict.SAME
 
 
@@ -59,13 +59,13 @@ def verdicts(source: Project, report: ConversionReport, words: Words) -> Html:
                 element("th", words.place(path)),
                 element("td", words(verdict.value), class_=_CLASSES.get(verdict, "")),
                 element("td", str(losses)),
-                element("td", "\n".join(words.message(line) for line in seen if line), class_="comment"),
+                element("td", "\n".join(words.verdict(line) for line in seen if line), class_="comment"),
             )
         )
     if not rows:
         return Html("")
     names = ("chart", "Verdict", "Losses", "Run in both tools")
-    head = element("thead", element("tr", *(element("th", words(name)) for name in names)))
+    head = element("thead", element("tr", *(element("th", words.heading(name)) for name in names)))
     return joined(element("h2", words("Charts")), element("table", head, element("tbody", *rows)))
 
 

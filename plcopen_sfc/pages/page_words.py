@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
-from plcopen_sfc.pages.report_words import GERMAN, german, german_place
+from plcopen_sfc.pages.report_words import GERMAN, german, german_place, german_verdict
 from plcopen_sfc.pages.rule_words import german_finding
 
 _GERMAN = {
+    "(excluded)": "(ausgenommen)",
+    "(logic)": "(Logik)",
+    "(no condition)": "(keine Bedingung)",
+    "(not wired)": "(nicht angeschlossen)",
     "Actions": "Aktionen",
     "Add what declares these names": "Erg\u00e4nzen, was diese Namen deklariert",
     "Add these data types": "Diese Datentypen erg\u00e4nzen",
@@ -15,6 +19,7 @@ _GERMAN = {
     "Comment": "Kommentar",
     "Connect these variables to inputs and outputs": "Diese Variablen mit Ein- und Ausg\u00e4ngen verbinden",
     "Contents": "Inhalt",
+    "Continues at {}": "Weiter bei {}",
     "Correct these program texts": "Diese Programmtexte korrigieren",
     "Create a task that calls this program": "Eine Task anlegen, die dieses Programm aufruft",
     "Create the task and call its programs": "Die Task anlegen und ihre Programme aufrufen",
@@ -22,17 +27,26 @@ _GERMAN = {
     "Decide who operates these inputs (--at-rest)": "Entscheiden, wer diese Eing\u00e4nge bedient (--at-rest)",
     "Declarations": "Deklarationen",
     "Differences": "Unterschiede",
+    "Enclosing step": "Einschlie\u00dfender Schritt",
     "Files": "Dateien",
     "Findings": "Befunde",
     "Format": "Format",
+    "From {}": "Von {}",
+    "Function block diagram": "Funktionsplan",
     "Global variables": "Globale Variablen",
     "Import into {} and compile: not tried yet": "In {} importieren und \u00fcbersetzen: noch nicht versucht",
+    "Initial enclosing step": "Einschlie\u00dfender Initialschritt",
+    "Initial macro-step": "Makroschritt am Anfang",
+    "Initial step": "Initialschritt",
     "Initial value": "Anfangswert",
+    "Jump to {}": "Sprung zu {}",
+    "Ladder diagram": "Kontaktplan",
     "Look at what differs": "Ansehen, was anders ist",
     "Losses": "Verluste",
+    "Macro-step": "Makroschritt",
     "Make these variables retentive": "Diese Variablen remanent machen",
     "Name": "Name",
-    "Permanent instructions": "permanente Anweisungen",
+    "Permanent instructions": "Permanente Anweisungen",
     "Program the supervision of these times": "Die \u00dcberwachung dieser Zeiten programmieren",
     "Program these actions as blocks, and call them": "Diese Aktionen als Bausteine programmieren und aufrufen",
     "Program these conditions": "Diese Bedingungen programmieren",
@@ -46,6 +60,7 @@ _GERMAN = {
     "Search (key /)": "Suche (Taste /)",
     "Search": "Suche",
     "Section": "Bereich",
+    "Sequential function chart": "Ablaufkette",
     "Set the cycle time of the task": "Die Zykluszeit der Task einstellen",
     "Set these start values": "Diese Startwerte eintragen",
     "Simulation": "Simulation",
@@ -59,8 +74,10 @@ _GERMAN = {
     "Tasks": "Tasks",
     "Test the charts that were not seen to be the same": "Die Ablaufketten testen, deren Gleichheit nicht gezeigt ist",
     "Test the machine": "Die Maschine testen",
+    "Timing diagram: {} scans of {}": "Zeitdiagramm: {} Zyklen von {}",
     "To do": "Zu tun",
     "Tool": "Werkzeug",
+    "Transition {}": "Transition {}",
     "Transitions": "Transitionen",
     "Type": "Typ",
     "Used in": "Verwendet in",
@@ -76,26 +93,35 @@ _GERMAN = {
     "part of condition": "Teil einer Bedingung",
     "approximated": "angen\u00e4hert",
     "conditional": "bedingt",
+    "charts": "Ablaufketten",
     "condition missing": "Bedingung fehlt",
     "delayed": "verz\u00f6gert",
     "differs": "verschieden",
     "dropped": "weggelassen",
     "enclosed": "eingeschlossen",
     "encloses": "schlie\u00dft ein",
+    "entry": "Eingangsaktion",
     "error": "Fehler",
     "every {}": "alle {}",
     "excluded": "ausgenommen",
+    "exit": "Ausgangsaktion",
     "expansion": "Expansion",
     "extension data": "Erweiterungsdaten",
+    "external": "extern",
+    "falling edge of {}": "fallende Flanke von {}",
     "forcing": "zwangssteuernd",
     "function block": "Funktionsbaustein",
     "function": "Funktion",
     "global": "global",
+    "in_out": "Ein- und Ausgang",
     "info": "Hinweis",
+    "input": "Eingang",
     "kept": "erhalten",
     "limited": "zeitbegrenzt",
     "line {}": "Zeile {}",
+    "local": "lokal",
     "macro": "Makroschritt",
+    "main": "Hauptaktion",
     "never possible": "nie m\u00f6glich",
     "not reached": "nicht erreicht",
     "no differences": "keine Unterschiede",
@@ -111,8 +137,11 @@ _GERMAN = {
     "one change back": "eine \u00c4nderung zur\u00fcck",
     "one change on": "eine \u00c4nderung weiter",
     "organization block": "Organisationsbaustein",
+    "output": "Ausgang",
     "play": "abspielen",
     "priority {}": "Priorit\u00e4t {}",
+    "rising edge of {}": "steigende Flanke von {}",
+    "temp": "tempor\u00e4r",
     "the same": "gleich",
     "the same, a scan later": "gleich, einen Zyklus sp\u00e4ter",
     "the whole width": "ganze Breite",
@@ -132,12 +161,21 @@ class Words:
 
     def __call__(self, english: str, *values: object) -> str:
         """Return the words, with `values` in their places."""
-        text = _GERMAN.get(english) or GERMAN[english] if self.lang == "de" else english
+        text = (_GERMAN.get(english) or GERMAN[english]) if self.lang == "de" and english else english
         return text.format(*values) if values else text
+
+    def heading(self, english: str) -> str:
+        """Return words that begin with a capital letter."""
+        text = self(english)
+        return text[:1].upper() + text[1:]
 
     def message(self, english: str) -> str:
         """Return a message of a report; English where no translation of it is known."""
         return german(english) if self.lang == "de" else english
+
+    def verdict(self, english: str) -> str:
+        """Return a line of a verdict, or why something was not reached; English where no translation is known."""
+        return german_verdict(english) if self.lang == "de" else english
 
     def place(self, path: str) -> str:
         """Return a path of a report: names as they are, the kinds of things in the language of the page."""

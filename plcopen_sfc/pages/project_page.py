@@ -120,13 +120,18 @@ class _ProjectContent:
         items = []
         for each, anchors in self._unreached:
             kind = self.words("never possible" if each.impossible else "not reached")
-            name = link(anchors[0], each.name) if anchors else each.name
-            items.append(element("li", element("b", kind), f" {self.words(each.kind)} ", name, f": {each.why}"))
+            told = self.words.verdict(each.name) if each.kind == "action" else each.name
+            name = link(anchors[0], told) if anchors else told
+            items.append(
+                element(
+                    "li", element("b", kind), f" {self.words(each.kind)} ", name, f": {self.words.verdict(each.why)}"
+                )
+            )
         return element(
             "section",
             element("h2", self.words("Verdict")),
-            element("p", str(verdict).splitlines()[0]),
-            element("p", f"{coverage.name}: {coverage}"),
+            element("p", self.words.verdict(str(verdict).splitlines()[0])),
+            element("p", f"{coverage.name}: {self.words.verdict(str(coverage))}"),
             element("ul", *items) if items else Html(""),
             id="coverage",
         )
@@ -141,7 +146,7 @@ class _ProjectContent:
             (words("Data types"), [link(index.anchor(each), each.name) for each in project.data_types]),
             (words("Global variables"), [link(index.anchor(each), self._section_name(each)) for each in sections]),
             (words("Tag tables"), [link(index.anchor(each), each.name) for each in project.tag_tables]),
-            (words("data block"), [link(index.anchor(each), each.name) for each in project.data_blocks]),
+            (words.heading("data blocks"), [link(index.anchor(each), each.name) for each in project.data_blocks]),
         ]
         items = [element("li", link("project", words("Project")))]
         if self.findings:
@@ -241,7 +246,7 @@ class _ProjectContent:
 
     def _networks(self, body: FbdBody | LdBody) -> Html:
         self._drawn += 1
-        return picture_figure(body_figure(body, f"{self.index.prefix}drawn-{self._drawn}-"), self.words)
+        return picture_figure(body_figure(body, f"{self.index.prefix}drawn-{self._drawn}-", self.words), self.words)
 
     # -- charts
 
@@ -250,7 +255,8 @@ class _ProjectContent:
         for each, anchors in self._unreached:
             kind = "impossible" if each.impossible else "unreached"
             marks |= {anchor: f"{marks.get(anchor, '')} {kind}".strip() for anchor in anchors}
-        figure = picture_figure(chart_figure(body.chart, prefix, marks, self.index.names(prefix)), self.words)
+        picture = chart_figure(body.chart, prefix, marks, self.index.names(prefix), self.words)
+        figure = picture_figure(picture, self.words)
         parts = self.index.parts[prefix]
         return joined(figure, *(self._permanent(part) for part in parts), *(self._steps(part) for part in parts))
 
@@ -260,7 +266,7 @@ class _ProjectContent:
         return joined(element("h4", self.words("Permanent instructions")), element("ul", *items)) if items else Html("")
 
     def _steps(self, part: DrawnPart) -> Html:
-        wording = Wording(part.chart, self.project.dialect)
+        wording = Wording(part.chart, self.project.dialect, self.words)
         leaving: dict[int, list[Transition]] = {}
         for transition in part.chart.transitions:
             for source in transition.sources:
@@ -334,20 +340,20 @@ class _ProjectContent:
         for label, key in named.items():
             action = getattr(step, key)
             if isinstance(action, str) and action:
-                yield joined(element("b", label), " ", self.index.linked(step, key))
+                yield joined(element("b", self.words(label)), " ", self.index.linked(step, key))
             elif action:
-                yield joined(element("b", label), " ", self._content(action, ""))
+                yield joined(element("b", self.words(label)), " ", self._content(action, ""))
         for association in step.actions:
             yield self._association(association, wording)
-        inside = [line for line in wording.actions(step) if line.qualifier in ("macro", "encloses")]
+        names = (self.words("macro"), self.words("encloses"))
+        inside = [line for line in wording.actions(step) if line.qualifier in names]
         for line, anchor in zip(inside, self.index.chart_anchors(step), strict=True):
             name = line.what or self.words("chart")
-            yield joined(element("b", self.words(line.qualifier)), " ", link(anchor, name) if anchor else name)
+            yield joined(element("b", line.qualifier), " ", link(anchor, name) if anchor else name)
 
     def _association(self, association: ActionAssociation, wording: Wording) -> Html:
         line = wording.association(association)
-        qualifier = self.words(line.qualifier) if association.kind is not None and line.qualifier else line.qualifier
-        when = " ".join(filter(None, (line.event, qualifier, line.duration)))
+        when = " ".join(filter(None, (line.event, line.qualifier, line.duration)))
         parts: list[str] = [element("b", when), " "] if when else []
         if association.target and association.forcing is None:
             parts += ["NOT " if association.negated else "", self.index.linked(association, "target")]

@@ -1,25 +1,27 @@
 """German for what reports of conversions and lines of `diff` tell, by the English message.
 
-In a message ``{}`` stands for what is shown as it is, such as a name, ``{+}`` for something that is German too, and
-``{&}`` for names with "and" between them; in the German text ``{}`` or ``{0}`` are their places. A message that is not
-in the table stays English.
+Messages have places as `plcopen_sfc.pages.phrases` has them. A message that is not in the table stays English.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
-from functools import cached_property, lru_cache
+from functools import lru_cache
+
+from plcopen_sfc.pages.phrases import Phrases
+from plcopen_sfc.pages.verdict_words import Verdicts
 
 _KINDS = {
     "access variables": "Zugriffsvariablen",
     "action": "Aktion",
     "action association": "Aktionszuordnung",
     "action associations": "Aktionszuordnungen",
+    "action in place": "Aktion an Ort und Stelle",
     "action of the POU": "Aktion des Bausteins",
     "actions": "Aktionen",
     "activated steps": "aktivierte Schritte",
     "address": "Adresse",
+    "attributes": "Attribute",
     "author": "Autor",
     "block": "Box",
     "body": "Rumpf",
@@ -27,7 +29,12 @@ _KINDS = {
     "branch": "Zweig",
     "call of a program": "Aufruf eines Programms",
     "chart": "Ablaufkette",
+    "chart graph settings": "Einstellungen der Ablaufkette",
     "chart of an action": "Ablaufkette einer Aktion",
+    "chart partial charts": "Teilpläne der Ablaufkette",
+    "chart permanent post": "permanente Anweisungen nach der Ablaufkette",
+    "chart permanent pre": "permanente Anweisungen vor der Ablaufkette",
+    "chart sequences": "Ketten der Ablaufkette",
     "children": "untergeordnete Elemente",
     "code": "Code",
     "coil": "Spule",
@@ -48,12 +55,15 @@ _KINDS = {
     "description": "Beschreibung",
     "drawn logic": "gezeichnete Logik",
     "duplicate": "Duplikat",
+    "duration": "Dauer",
     "edge": "Flanke",
     "entries": "Einträge",
     "entry action": "Eingangsaktion",
+    "entry step": "Eingangsschritt",
     "event": "Ereignis",
     "excluded": "von der Übersetzung ausgenommen",
     "exit action": "Ausgangsaktion",
+    "exit step": "Ausgangsschritt",
     "extends": "Basistyp",
     "falling edge": "fallende Flanke",
     "FBD body": "FUP-Rumpf",
@@ -62,6 +72,7 @@ _KINDS = {
     "flag": "Merker",
     "flag of the initial step": "Merker des Initialschritts",
     "flags": "Merker",
+    "folder": "Ordner",
     "forcing": "Zwangssteuerung",
     "foreign data": "fremde Daten",
     "global id": "globale Kennung",
@@ -145,6 +156,7 @@ _KINDS = {
     "symbol": "Symbol",
     "symbols": "Symbole",
     "tag table": "Variablentabelle",
+    "tag tables": "Variablentabellen",
     "tags": "Variablen",
     "target": "Ziel",
     "task": "Task",
@@ -168,7 +180,12 @@ _KINDS = {
 
 _PARTS = {
     "a body in {}": "ein Rumpf in {}",
+    "a box": "eine Box",
+    "action `{}`": "die Aktion `{}`",
     "an empty action": "eine leere Aktion",
+    "the action in place": "die Aktion an Ort und Stelle",
+    "function": "Funktion",
+    "function block": "Funktionsbaustein",
     "nothing": "nichts",
     "tools that read the text": "Werkzeugen für Text",
     "TC6 tools": "TC6-Werkzeugen",
@@ -183,6 +200,7 @@ _PARTS = {
     "start value": "Startwert",
     "source": "Quelle",
     "the project": "das Projekt",
+    "value": "Wert",
 }
 """Parts of messages. Tools are in the dative: German puts them after `in` and `von`."""
 
@@ -211,7 +229,7 @@ _NOT_EXECUTED = {
     "property `{}` is not declared in {+}": "die Eigenschaft `{}` ist in {} nicht deklariert",
     "variable `{}` is not declared in {+}": "die Variable `{}` ist in {} nicht deklariert",
     "global variable `{}` is not declared in {+}": "die globale Variable `{}` ist in {} nicht deklariert",
-    "not declared in {+}: {}": "nicht deklariert in {}: {}",
+    "not declared in {+}: {&}": "nicht deklariert in {}: {}",
     "{+} `{}` is NOT executed in {+}": "{} `{}` wird in {} NICHT ausgeführt",
     "the action in place ({}) is NOT executed in {+}": "die Aktion an Ort und Stelle ({}) wird in {} NICHT ausgeführt",
     "the permanent instruction after the sequence is NOT executed in {+}": (
@@ -351,8 +369,74 @@ _NOT_EXECUTED = {
     "S7-GRAPH has no partial charts: they are not executed": (
         "S7-GRAPH hat keine Teilpläne: sie werden nicht ausgeführt"
     ),
+    "the step may be left before its minimum time {} in {+}": (
+        "der Schritt kann in {1} vor seiner Minimalzeit {0} verlassen werden"
+    ),
+    "the interlock `{}` has no effect in {+}": "die Verriegelung `{}` hat in {} keine Wirkung",
+    "the supervision `{}` does NOT hold the step in {+}": "die Überwachung `{}` hält den Schritt in {} NICHT",
+    "the transition has no condition in {+} instead of `{}`": "die Transition hat in {} keine Bedingung statt `{}`",
+    "the condition is in a form of its tool that is not read: {+} does not execute it": (
+        "die Bedingung ist in einer Form ihres Werkzeugs, die nicht gelesen wird: in {} wird sie nicht ausgeführt"
+    ),
+    "`{}` does not start with its own values in {+}: {}": "`{}` beginnt in {} nicht mit eigenen Werten: {}",
+    "the data block does not start with the values of its file in {+}, some of which are not read": (
+        "der Datenbaustein beginnt in {} nicht mit den Werten seiner Datei, von denen einige nicht gelesen werden"
+    ),
+    "`{}` is not at {} in {+}": "`{0}` ist in {2} nicht auf {1}",
+    "`{}` is no constant in {+}": "`{}` ist in {} keine Konstante",
+    "nothing sets these outputs in {+}: {}": "nichts setzt diese Ausgänge in {}: {}",
+    "variables of this name operate the sequence or show its state in {+}: {}": (
+        "Variablen dieses Namens bedienen in {} die Kette oder zeigen ihren Zustand: {}"
+    ),
+    "the {+} has no program in {+}": "{} hat in {} keinen Programmcode",
+    "the {+} does not extend `{}` in {+}: nothing of that is in it": (
+        "{0} erweitert in {2} `{1}` nicht: nichts davon ist enthalten"
+    ),
+    "the {+} does not implement `{}` in {+}": "{0} implementiert in {2} `{1}` nicht",
+    "the members of the UNION do not share their memory in {+}": (
+        "die Elemente der UNION teilen sich in {} keinen Speicher"
+    ),
+    "each instance has a `{}` of its own in {+}: VAR_STAT is one for all": (
+        "jede Instanz hat in {1} ein eigenes `{0}`: VAR_STAT ist eines für alle"
+    ),
+    "the program instance does not get its arguments in {+}: {}": (
+        "die Programminstanz bekommt in {} ihre Argumente nicht: {}"
+    ),
+    "{} does not start at a rising edge of {} in {+}": "{0} startet in {2} nicht bei einer steigenden Flanke von {1}",
+    "{} is a task of the kind {}: there is none in {+}": "{} ist eine Task der Art {}: in {} gibt es keine",
+    "the program is a {+} in {+}, which nothing calls": "das Programm ist in {1} ein {0}, den nichts aufruft",
+    "{+} `{}` is not in {+}": "{} `{}` gibt es in {} nicht",
+    "only the tool of the source reads this: it is NOT executed in {+}": (
+        "nur das Werkzeug der Quelle liest dies: in {} wird es NICHT ausgeführt"
+    ),
+    "the name `{}` is not declared in {+}: it is {+} of the library of its tool": (
+        "der Name `{}` ist in {} nicht deklariert: er ist {} der Bibliothek seines Werkzeugs"
+    ),
+    "the type `{}` is not declared in {+}: it is {+} of the library of its tool": (
+        "der Typ `{}` ist in {} nicht deklariert: er ist {} der Bibliothek seines Werkzeugs"
+    ),
+    "action `{}` ({}) is NOT executed in {+}": "die Aktion `{}` ({}) wird in {} NICHT ausgeführt",
+    "the action in place is NOT executed in {+}": "die Aktion an Ort und Stelle wird in {} NICHT ausgeführt",
+    "the {+} is NOT executed in {+}": "{} wird in {} NICHT ausgeführt",
+    "{+} sets its variable to TRUE in {+} instead of `{}`": "{} setzt ihre Variable in {} auf TRUE statt auf `{}`",
+    "{+} has the {+} `{}` in {+}, and none in the source": "{0} hat in {3} {1} `{2}`, in der Quelle nicht",
+    "the {+} of the action in place is `{+}` in {+} instead of `{+}`": (
+        "{0} der Aktion an Ort und Stelle ist in {2} `{1}` statt `{3}`"
+    ),
+    "the action in place runs as {} in {+}, not as {+}": (
+        "die Aktion an Ort und Stelle wird in {1} als {0} ausgeführt, nicht als {2}"
+    ),
+    "the action in place runs WITHOUT its {+} `{}` in {+}": (
+        "die Aktion an Ort und Stelle wird in {2} OHNE {0} `{1}` ausgeführt"
+    ),
     "the flag has no effect in {+}": "der Merker hat in {} keine Wirkung",
     "{} has no effect in {+}": "{} hat in {} keine Wirkung",
+    "{} has no effect in {+}, and nothing in the project operates it": (
+        "{} hat in {} keine Wirkung, und nichts im Projekt bedient es"
+    ),
+    "{} has no effect in {+}, and nobody operates it, as --at-rest says": (
+        "{} hat in {} keine Wirkung, und niemand bedient es, wie --at-rest angibt"
+    ),
     "TIA Portal has no type like this one; written as {}, which does not compile": (
         "TIA Portal hat keinen solchen Typ; geschrieben als {}, was sich nicht übersetzen lässt"
     ),
@@ -471,6 +555,18 @@ _OTHERWISE = {
     "the type `{}` is declared neither in the source nor in {+}, which does not compile it": (
         "der Typ `{}` ist weder in der Quelle noch in {} deklariert, wo er sich nicht übersetzen lässt"
     ),
+    "{} has variables of its own in {+}: in the source all calls of the program share them": (
+        "{} hat in {} eigene Variablen: in der Quelle teilen sie sich alle Aufrufe des Programms"
+    ),
+    "{} is {} in {+} while the step is active, not {}: S7-GRAPH executes the rows S and R of an operand in their "
+    "order; elsewhere R counts": (
+        "{0} ist in {2} {1}, während der Schritt aktiv ist, nicht {3}: S7-GRAPH führt die Zeilen S und R eines "
+        "Operanden in ihrer Reihenfolge aus; anderswo gilt R"
+    ),
+    "{} executes an {+} `{}` that the source does not": "{} führt {} `{}` aus, was die Quelle nicht tut",
+    "{+} runs not once more in {+} after the step is left": (
+        "{} wird in {}, nachdem der Schritt verlassen ist, nicht noch einmal ausgeführt"
+    ),
     "action `{}` runs once more in {+} after the step is left": (
         "die Aktion `{}` wird in {}, nachdem der Schritt verlassen ist, noch einmal ausgeführt"
     ),
@@ -489,7 +585,7 @@ _OTHERWISE = {
     "the target fires transitions once in a scan: flags are a scan late": (
         "das Ziel schaltet Transitionen einmal je Zyklus: Merker kommen einen Zyklus später"
     ),
-    "the target fires transitions once in a scan: {} may be active where a GRAFCET only passes": (
+    "the target fires transitions once in a scan: {&} may be active where a GRAFCET only passes": (
         "das Ziel schaltet Transitionen einmal je Zyklus: {} können aktiv sein, wo ein GRAFCET nur durchläuft"
     ),
     "it leads to all initial steps: charts of the target have one, and the first scan passes with it": (
@@ -629,6 +725,9 @@ _TRANSLATED = {
         "ihre Zuweisungen sind eigene Zeilen, und weitere für den letzten Durchlauf"
     ),
     "its assignments are rows of their own": "ihre Zuweisungen sind eigene Zeilen",
+    "networks behind the sequence control {}: no row says {} as its other steps mean it": (
+        "Netzwerke nach der Kette steuern {}: keine Zeile sagt {}, wie es seine anderen Schritte meinen"
+    ),
     "networks behind the sequence control {}: no row says {}": (
         "Netzwerke nach der Kette steuern {}: keine Zeile sagt {}"
     ),
@@ -815,7 +914,7 @@ _TRANSLATED = {
         "er ist von der Übersetzung ausgenommen: er hat dort keine Aktionen und wird nicht verlassen"
     ),
     "it leads to the step {}, which does nothing": "sie führt zum Schritt {}, der nichts tut",
-    "it stands for {}": "sie steht für {}",
+    "it stands for {&}": "sie steht für {}",
     "its chart is the block {}, which a row calls, and another one for the final scan": (
         "ihre Ablaufkette ist der Baustein {}, den eine Zeile aufruft, und eine weitere für den letzten Durchlauf"
     ),
@@ -901,87 +1000,6 @@ _TRANSLATED = {
 }
 """What something has become in the target."""
 
-_COMPARED = {
-    "not compared: the report names what is not executed": (
-        "nicht verglichen: der Bericht nennt, was nicht ausgeführt wird"
-    ),
-    "not compared: the report names nothing in {} that has its name": (
-        "nicht verglichen: in {} ist nichts mit diesem Namen"
-    ),
-    "not compared: {+}": "nicht verglichen: {}",
-    "not run: the time limit was reached": "nicht ausgeführt: das Zeitlimit war erreicht",
-    "not run: {}": "nicht ausgeführt: {}",
-    "{+}; what the report names as approximated is in it": (
-        "{}; was der Bericht angenähert nennt, ist darin enthalten"
-    ),
-    "equal ({+})": "gleich ({})",
-    "equal, {+} ({+})": "gleich, {} ({})",
-    "first {} scan later": "das erste {} Zyklus später",
-    "first {} scans later": "das erste {} Zyklen später",
-    "second {} scan later": "das zweite {} Zyklus später",
-    "second {} scans later": "das zweite {} Zyklen später",
-    "proof: {} states, all inputs": "Beweis: {} Zustände, alle Eingänge",
-    "proof: {} states, all inputs, scan time {}": "Beweis: {} Zustände, alle Eingänge, Zykluszeit {}",
-    "proof: {} states, all inputs; {}": "Beweis: {} Zustände, alle Eingänge; {}",
-    "proof: {} states, all inputs, scan time {}; {}": ("Beweis: {} Zustände, alle Eingänge, Zykluszeit {}; {}"),
-    "equal in {} directed runs, {} scans (no proof: {})": (
-        "gleich in {} gerichteten Läufen, {} Zyklen (kein Beweis: {})"
-    ),
-    "no scan was run (no proof: {})": "kein Zyklus wurde ausgeführt (kein Beweis: {})",
-    "not all was reached ({}), {+}": "nicht alles wurde erreicht ({}), {}",
-    "not all was reached, {+}": "nicht alles wurde erreicht, {}",
-    "different after {} scans (shortest input trace)": "verschieden nach {} Zyklen (kürzeste Eingangsfolge)",
-    "different after {} scan (shortest input trace)": "verschieden nach {} Zyklus (kürzeste Eingangsfolge)",
-    "different after {} scans (an input trace)": "verschieden nach {} Zyklen (eine Eingangsfolge)",
-    "different after {} scan (shortest input trace, {+})": "verschieden nach {} Zyklus (kürzeste Eingangsfolge, {})",
-    "different after {} scans (shortest input trace, {+})": "verschieden nach {} Zyklen (kürzeste Eingangsfolge, {})",
-    "different after {} scans (an input trace, {+})": "verschieden nach {} Zyklen (eine Eingangsfolge, {})",
-    "compared with the {+}": "verglichen, {}",
-    "the same but for the inputs that actions see, and the first scan": (
-        "dasselbe bis auf die Eingänge, die Aktionen sehen, und den ersten Zyklus"
-    ),
-    "it does something else after {} scan": "es tut nach {} Zyklus etwas anderes",
-    "it does something else after {} scans": "es tut nach {} Zyklen etwas anderes",
-    "{} is {} in the source and {} in {}": "{} ist {} in der Quelle und {} in {}",
-    "{} is {} in the source {} scan before and {} in {}": "{} ist {} in der Quelle {} Zyklus zuvor und {} in {}",
-    "{} is {} in the source {} scans before and {} in {}": "{} ist {} in der Quelle {} Zyklen zuvor und {} in {}",
-    "{} differs, too": "auch {} ist anders",
-    "{} and {} differ, too": "auch {} und {} sind anders",
-    "a cause is the {+}, which the report names": "eine Ursache nennt der Bericht: {}",
-    "a cause is the {+} at {}, which the report names": "eine Ursache nennt der Bericht: {} bei {}",
-    "look at {} and {}: tools have an order of their own for what writes a variable in one scan": (
-        "siehe {} und {}: Werkzeuge haben ihre eigene Reihenfolge für das, was in einem Zyklus eine Variable schreibt"
-    ),
-    "look at {} and {}": "siehe {} und {}",
-    "look at {}": "siehe {}",
-    "{} is written {+} in the source and {+} in {}": "{} wird {} in der Quelle und {} in {} geschrieben",
-    "in every scan": "in jedem Zyklus",
-    "only while its action is executed": "nur während der Ausführung seiner Aktion",
-    "only while an association decides on it": "nur wenn eine Aktionszuordnung darüber entscheidet",
-    "while {} stays {}, both are {+}: tools differ in when they take up a new time of an action that runs": (
-        "solange {} {} bleibt, sind beide {}: wann die neue Zeit einer laufenden Aktion gilt, ist anders"
-    ),
-    "{} executes the actions before the transitions, and so sees other inputs in them": (
-        "{} führt die Aktionen vor den Transitionen aus und sieht darin andere Eingänge"
-    ),
-    "{} tests no transition in its first scan": "{} prüft im ersten Zyklus keine Transition",
-    "it is not known to do the same": "ob es dasselbe tut, ist nicht bekannt",
-    "the source": "die Quelle",
-    "only if something outside writes {}; while they keep their start values, both do the same": (
-        "nur wenn etwas außerhalb {} schreibt; solange sie ihre Startwerte behalten, tun beide dasselbe"
-    ),
-    "no run shows at which terminal or in which memory a variable is": (
-        "kein Lauf zeigt, an welcher Klemme oder in welchem Speicher eine Variable liegt"
-    ),
-    "no run ends and starts again": "kein Lauf endet und beginnt wieder",
-    "tasks are not run": "Tasks werden nicht ausgeführt",
-    "it is only in one of the two": "es ist nur in einem von beiden",
-    "it is run only where it is called, and nothing calls it": (
-        "es läuft nur, wo es aufgerufen wird, und nichts ruft es auf"
-    ),
-}
-"""What runs of both sides showed."""
-
 _CHANGED = {
     "added": "neu",
     "removed": "entfernt",
@@ -1000,7 +1018,7 @@ _CHANGED = {
 }
 """What `diff` tells of a change."""
 
-GERMAN = {**_KINDS, **_PARTS, **_NOT_EXECUTED, **_OTHERWISE, **_TRANSLATED, **_COMPARED, **_CHANGED}
+GERMAN = {**_KINDS, **_PARTS, **_NOT_EXECUTED, **_OTHERWISE, **_TRANSLATED, **_CHANGED}
 
 
 def german_place(path: str) -> str:
@@ -1021,9 +1039,8 @@ _LINE = re.compile(r"line (\d+): ")
 """What begins a message about program text of several lines."""
 
 
-_RUN = ("it does something else after ", "different after ")
-"""Beginnings of what a run has shown, which goes on with causes."""
-_CLAUSE_END = re.compile(r"; (?![^(]*\))")
+_RUN = ("it does something else after ", "it is not known to do the same")
+"""Beginnings of what a run of both sides has shown."""
 
 
 @lru_cache(maxsize=4096)
@@ -1032,50 +1049,12 @@ def german(message: str) -> str:
     if message in GERMAN:
         return GERMAN[message]
     if message.startswith(_RUN):
-        clauses = _CLAUSE_END.split(message)
-        head, colon, rest = clauses[0].partition(": ")
-        return "; ".join([f"{_REPORTS(head)}{colon}{german(rest)}", *map(german, clauses[1:])])
+        return german_verdict(message)
     if line := _LINE.match(message):
         return f"Zeile {line[1]}: {german(message[line.end() :])}"
     return _REPORTS(message)
 
 
-class Phrases:
-    """German for the messages of a table. `part` translates what ``{+}`` stands for; the table itself as a rule."""
-
-    def __init__(self, table: Mapping[str, str], part: Callable[[str], str]) -> None:
-        self._table = table
-        self._part = part
-
-    def __call__(self, message: str) -> str:
-        """Return a message in German; itself where the table does not have it."""
-        if message in self._table:
-            return self._table[message]
-        for pattern, places, text in self._patterns:
-            if found := pattern.fullmatch(message):
-                return text.format(*map(self._value, found.groups(), places))
-        return message
-
-    def _value(self, text: str, place: str) -> str:
-        if place == "{+}":
-            return self._part(text)
-        return text.replace(" and ", " und ") if place == "{&}" else text
-
-    @cached_property
-    def _patterns(self) -> list[tuple[re.Pattern[str], list[str], str]]:
-        """The messages with values in them: how to recognise each, its places, its German text.
-
-        Those with the most words of their own are first: ``{+}: {+}`` would take what belongs to others.
-        """
-        return sorted(self._read_patterns(), key=lambda each: -len(each[0].pattern.replace("(.+?)", "")))
-
-    def _read_patterns(self) -> Iterator[tuple[re.Pattern[str], list[str], str]]:
-        for message, text in self._table.items():
-            places = _PLACES.findall(message)
-            if places:
-                parts = map(re.escape, _PLACES.split(message))
-                yield re.compile("(.+?)".join(parts), re.DOTALL), places, text
-
-
-_PLACES = re.compile(r"\{[+&]?\}")
 _REPORTS = Phrases(GERMAN, german)
+german_verdict = Verdicts(_REPORTS)
+"""Return a line of a verdict in German, or why something was not reached; English stays what is not known."""

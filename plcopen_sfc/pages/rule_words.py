@@ -1,13 +1,13 @@
 """German for what `check` tells: the messages of findings, and the hints of rules and findings.
 
-Messages have places as those of `plcopen_sfc.pages.report_words`.
+Messages have places as `plcopen_sfc.pages.phrases` has them.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
 
-from plcopen_sfc.pages.report_words import Phrases
+from plcopen_sfc.pages.phrases import Phrases
 
 _HINTS = {
     "Convert the value (REAL_TO_INT, TIME_TO_DINT), or compare it: n <> 0.": (

@@ -40,16 +40,18 @@ def trace_svg(trace: Trace, theme: str = Theme.LIGHT) -> str:
     It has the steps that become active, and inputs and outputs; where there are none, all variables. `theme` as in
     `SfcNetwork.to_svg`. Raises `ModelError` for a theme that does not exist.
     """
-    return TimingDiagram(trace).svg(chosen_theme(theme))
+    return TimingDiagram(trace).svg(chosen_theme(theme), Words("en"))
 
 
 def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
     """Return the section of a page that plays a trace: the diagram, the values, and what the script needs for both."""
     diagram = TimingDiagram(trace)
-    figure = element("figure", element("div", Html(diagram.svg(None)), class_="scroll", tabindex="0", id="timing"))
+    figure = element(
+        "figure", element("div", Html(diagram.svg(None, words)), class_="scroll", tabindex="0", id="timing")
+    )
     rows = [
-        element("tr", element("th", column.name), element("td", column.direction), element("td", class_="value"))
-        for column in trace.columns
+        element("tr", element("th", name), element("td", words(way) if way else ""), element("td", class_="value"))
+        for name, way in ((column.name, column.direction) for column in trace.columns)
     ]
     values = element(
         "details", element("summary", words("Values")), element("table", element("tbody", *rows)), open=True
@@ -91,14 +93,14 @@ class TimingDiagram:
         self.left = _MARGIN + max(labels, default=0) + 12
         self.width = max(min(len(trace) * _SCAN, _LONGEST), 60)
 
-    def svg(self, theme: Theme | None) -> str:
+    def svg(self, theme: Theme | None, words: Words) -> str:
         """Return the picture; without a `theme` as a part of a page."""
         canvas = Canvas()
         bottom = _MARGIN + _AXIS + len(self._rows) * _PITCH
         self._draw_axis(canvas, bottom)
         for number, row in enumerate(self._rows):
             self._draw_row(canvas, row, _MARGIN + _AXIS + number * _PITCH)
-        told = f"Timing diagram: {len(self.trace)} scans of {time_literal(self.trace.scan_time)}"
+        told = words("Timing diagram: {} scans of {}", len(self.trace), time_literal(self.trace.scan_time))
         return canvas.document(self.left + self.width + _MARGIN, bottom + _MARGIN, theme, self.trace.name, told)
 
     def _x(self, scan: int) -> int:

@@ -9,8 +9,10 @@ import pytest
 from lxml import html
 
 import plcopen_sfc as sfc
+from plcopen_sfc.pages.page_words import Words
 from tests.pages.browser import Browser
 from tests.pages.test_project_page import NASTY, nasty_project, parse, words_of
+from tests.pages.test_verdict_words import english_in
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 
@@ -87,7 +89,7 @@ def test_a_conversion_shows_both_charts_and_what_is_not_executed() -> None:
     assert [figure.get("class") for figure in tree.xpath("//figure")] == ["fitted", None]  # the other is too wide
     assert "Schritt Drill / Aktion" in words_of(losses)
     (step,) = tree.xpath("//g[starts-with(@id, 'a-') and contains(@class, 'found-error')]")
-    assert step.findtext("title").startswith("Step Drill")
+    assert step.findtext("title").startswith("Schritt Drill")
     # nothing was written: the source alone
     tree = parse(sfc.conversion_page(source, refused.value.report))
     assert "nothing was written" in words_of(tree)
@@ -101,19 +103,25 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     report.compared = {
         "POU Ablauf_Band": "equal, first 1 scan later (proof: 8 states)",
         "POU Other": "different after 3",
+        "POU Second": "not all was reached, no scan was run (no proof: interrupted)",
         "POU Third": "not compared: the report names what is not executed",
     }
     tree = parse(sfc.conversion_page(source, report, sfc.loads(data, as_tool=True)))
     (overview,) = tree.xpath("//section[@id='project']")
     verdicts, _, files = overview.findall("table")
     rows = {row[0].text: row[1].text for row in verdicts.findall(".//tbody/tr")}
-    assert rows == {"POU Ablauf_Band": "the same, a scan later", "POU Other": "differs", "POU Third": "not compared"}
+    assert rows == {
+        "POU Ablauf_Band": "the same, a scan later",
+        "POU Other": "differs",
+        "POU Second": "not all was reached",
+        "POU Third": "not compared",
+    }
     assert hashlib.sha256(source.source.content).hexdigest() in words_of(files)
     assert words_of(files).count(source.header.tool) == 1, "the tool of the source does not open the target"
     tasks = words_of(overview.xpath("ul[@class='tasks']")[0])
     assert "Decide who operates these inputs (--at-rest)POU Ablauf_Band / SFC" in tasks
     assert "Import into TIA Portal" in tasks
-    assert "Test the charts that were not seen to be the samePOU Other, POU Third" in tasks
+    assert "Test the charts that were not seen to be the samePOU Other, POU Second, POU Third" in tasks
     lost = report.with_outcome(sfc.Outcome.NOT_EXECUTED)
     (listed,) = tree.xpath("//section[@id='not_executed']")
     assert len(listed.findall(".//li")) == len(lost) > 1
@@ -144,6 +152,7 @@ def test_reasons_are_german_on_a_german_page(file: str, target: str) -> None:
     english, german = (
         words_of(parse(sfc.conversion_page(source, report, written, lang=lang))) for lang in ("en", "de")
     )
+    assert [told for item in report.items if english_in(told := Words("de").message(item.why))] == []
     reasons = {item.why for item in report.items if item.why and item.why in english}
     assert reasons
     assert {why for why in reasons if why in german} == set()

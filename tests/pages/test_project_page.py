@@ -14,6 +14,7 @@ from plcopen_sfc.analysis.checks import all_rules
 from plcopen_sfc.drawing.pictures import dot_text
 from plcopen_sfc.pages.page_words import Words
 from tests.pages.browser import Browser
+from tests.pages.test_verdict_words import english_in
 
 ROOT = Path(__file__).resolve().parents[2]
 FIXTURES = ROOT / "fixtures"
@@ -195,11 +196,34 @@ def test_both_languages_have_all_words() -> None:
     used: set[str] = set()
     for module in (ROOT / "plcopen_sfc" / "pages").glob("*.py"):
         used.update(re.findall(r'words\(f?"([^"]+)"', module.read_text(encoding="utf-8")))
+    for module in (ROOT / "plcopen_sfc" / "drawing").rglob("*.py"):
+        used.update(re.findall(r'told\("([^"]+)"', module.read_text(encoding="utf-8")))
     tables = [ROOT / "plcopen_sfc" / "pages" / name for name in ("page_words.py", "report_words.py")]
     listed = "".join(table.read_text(encoding="utf-8") for table in tables)
     assert [word for word in sorted(used) if f'    "{word}": ' not in listed] == []
     with pytest.raises(sfc.ModelError, match="pages have no language 'fr'"):
         sfc.page(project, lang="fr")
+
+
+def test_a_german_page_has_german_pictures_and_values() -> None:
+    project = sfc.load(FIXTURES / "grafcet" / "every_symbol.gct")
+    tree = parse(sfc.page(project, trace=sfc.simulate(project, scans=2), lang="de"))
+    parts = [words_of(each) for each in tree.xpath("//g[@class='part']/text[@class='name']")]
+    assert parts == ["G1 (global)", "M3 (Expansion)", "G3 (eingeschlossen)", "G4 (global)"]
+    titles = {
+        each.text.split()[0]
+        for each in tree.xpath("//figure[not(.//*[@id='timing'])]//g[contains(@class, 'step')]/title")
+    }
+    assert titles == {"Initialschritt", "Schritt", "Makroschritt", "Einschließender"}
+    directions = {words_of(row[1]) for row in tree.xpath("//section[@id='trace']//table//tr")}
+    assert directions == {"Ausgang", "Eingang", "extern", "lokal"}
+    places = words_of(tree.xpath("//section[@class='pou']")[0])
+    assert "POU Symbole / M3 / Eingangsschritt" in places
+    assert "POU Symbole / M3 / Ausgangsschritt" in places
+    assert english_in(places) == []
+    drill = parse(sfc.page(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml"), lang="de"))
+    assert "Warnung T#7S" in words_of(drill.xpath("//svg")[0])
+    assert english_in(" ".join(map(words_of, drill.xpath("//svg")))) == []
 
 
 def test_drawn_conditions_and_bodies_are_pictures() -> None:
@@ -332,9 +356,10 @@ def test_what_a_comparison_did_not_reach_is_marked() -> None:
     assert missing == {"Release"}
     tree = parse(sfc.page(project, verdict=verdict, lang="de"))
     marked = tree.xpath("//*[contains(@class, 'step') and contains(@class, 'unreached')]/title")
-    assert [each.text.splitlines()[0] for each in marked] == ["Step Release"]
+    assert [each.text.splitlines()[0] for each in marked] == ["Schritt Release"]
     (section,) = tree.xpath("//section[@id='coverage']")
-    assert "nicht erreicht Schritt Release: needs `xQuit`, never reached" in words_of(section)
+    assert english_in(words_of(section)) == []
+    assert "nicht erreicht Schritt Release: braucht `xQuit`, nie eingetreten" in words_of(section)
     assert not parse(sfc.page(project)).xpath("//*[contains(@class, 'unreached')]")
 
 

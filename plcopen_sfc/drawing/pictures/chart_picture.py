@@ -13,7 +13,7 @@ from plcopen_sfc.drawing.pictures.chart_arrangement import Arrangement
 from plcopen_sfc.drawing.pictures.file_arrangement import FileArrangement
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width, widest, wrap
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureSheet, PictureStyle
-from plcopen_sfc.drawing.wording import KINDS, Wording
+from plcopen_sfc.drawing.wording import KINDS, Told, Wording, english
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.dialect import Dialect
@@ -48,20 +48,32 @@ def chart_svg(chart: SfcNetwork, style: str | None = None, theme: str = Theme.LI
 
 
 def chart_figure(
-    chart: SfcNetwork, prefix: str, marks: Mapping[str, str], names: Mapping[str, Mapping[str, str]] = _NO_NAMES
+    chart: SfcNetwork,
+    prefix: str,
+    marks: Mapping[str, str],
+    names: Mapping[str, Mapping[str, str]] = _NO_NAMES,
+    told: Told = english,
 ) -> str:
     """Return a picture of `chart` as a part of a page with several: all ids in it begin with `prefix`.
 
-    It has no colours of its own, see `Canvas.document`. `marks` and `names` are those of `Canvas`.
+    It has no colours of its own, see `Canvas.document`. `marks` and `names` are those of `Canvas`, `told`
+    gives the words of the picture.
     """
-    return _picture(chart, usual_style(chart), None, prefix, Canvas(marks, names))
+    return _picture(chart, usual_style(chart), None, prefix, Canvas(marks, names), told=told)
 
 
 def _picture(
-    chart: SfcNetwork, look: PictureStyle, theme: Theme | None, prefix: str, canvas: Canvas, *, fresh: bool = False
+    chart: SfcNetwork,
+    look: PictureStyle,
+    theme: Theme | None,
+    prefix: str,
+    canvas: Canvas,
+    *,
+    fresh: bool = False,
+    told: Told = english,
 ) -> str:
     dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
-    parts = list(charts_in(chart))
+    parts = list(charts_in(chart, told))
     activated = {
         enclosure.chart: frozenset(enclosure.activated_steps)
         for part in parts
@@ -71,11 +83,12 @@ def _picture(
     with collecting_rarely():
         for number, part in enumerate(parts):
             starred = activated.get(part.name, frozenset()) if number else frozenset()
-            sheet = PictureSheet(part.chart, look, Wording(part.chart, dialect), prefix + part_prefix(number), starred)
+            wording = Wording(part.chart, dialect, told)
+            sheet = PictureSheet(part.chart, look, wording, prefix + part_prefix(number), starred)
             drawn = None if fresh else FileArrangement.of(sheet)
             part.arrangement = drawn or Arrangement(sheet)
         width, height = _place(canvas, parts, prefix)
-    return canvas.document(width, height, theme, _name_of(chart), _description(parts))
+    return canvas.document(width, height, theme, _name_of(chart), _description(parts, told))
 
 
 def part_prefix(number: int) -> str:
@@ -135,35 +148,38 @@ class ChartPart:
         return plain(self.partial.comment) if self.partial is not None else ""
 
 
-def charts_in(chart: SfcNetwork) -> Iterator[ChartPart]:
-    """Yield a chart and the charts inside it: partial charts, contents of macro-steps, charts as actions."""
+def charts_in(chart: SfcNetwork, told: Told = english) -> Iterator[ChartPart]:
+    """Yield a chart and the charts inside it: partial charts, contents of macro-steps, charts as actions.
+
+    `told` gives the words of the headings.
+    """
     pending = [ChartPart(chart, ObjectPath())]
     while pending:
         part = pending.pop()
         yield part
         inner = [
-            ChartPart(each.chart, part.place / each.name, f"{each.name} ({each.kind.value})", each)
+            ChartPart(each.chart, part.place / each.name, f"{each.name} ({told(each.kind.value)})", each)
             for each in part.chart.partial_charts
         ]
         for step in part.chart.steps:
             place = part.place / f"step {step.name}"
             inner += [
                 ChartPart(body.chart, place / below, f"{step.name}: {what}", around=step)
-                for what, below, body in _inner_bodies(step)
+                for what, below, body in _inner_bodies(step, told)
             ]
         pending += reversed(inner)
 
 
-def _inner_bodies(step: Step) -> Iterator[tuple[str, str, SfcBody]]:
+def _inner_bodies(step: Step, told: Told) -> Iterator[tuple[str, str, SfcBody]]:
     """Yield the charts inside a step: what they are, what their path has below that of the step, and their bodies."""
     bodies: list[tuple[str, str, str | Body | None]] = [
-        ("macro", "", step.macro.body if step.macro is not None else None),
-        ("entry", "", step.entry_action),
-        ("main", "", step.main_action),
-        ("exit", "", step.exit_action),
+        (told("macro"), "", step.macro.body if step.macro is not None else None),
+        (told("entry"), "", step.entry_action),
+        (told("main"), "", step.main_action),
+        (told("exit"), "", step.exit_action),
     ]
     for each in step.actions:
-        what = KINDS[each.kind] if each.kind is not None else each.qualifier.value
+        what = told(KINDS[each.kind]) if each.kind is not None else each.qualifier.value
         bodies.append((what, f"action {each.target or 'inline'}", each.body))
     yield from ((what, below, body) for what, below, body in bodies if isinstance(body, SfcBody))
 
@@ -211,7 +227,7 @@ def _name_of(chart: SfcNetwork) -> str:
     return ".".join(reversed(names)) or "Chart"
 
 
-def _description(parts: list[ChartPart]) -> str:
+def _description(parts: list[ChartPart], told: Told) -> str:
     """Return how much is in a picture, with the charts in frames."""
     counts = [
         (sum(len(part.chart.steps) for part in parts), "step"),
@@ -219,4 +235,5 @@ def _description(parts: list[ChartPart]) -> str:
     ]
     if len(parts) > 1:
         counts.append((sum(1 for part in parts if part.chart.steps or part.chart.transitions), "chart"))
-    return "Sequential function chart: " + ", ".join(f"{n} {what}{'' if n == 1 else 's'}" for n, what in counts)
+    sizes = ", ".join(f"{n} {told(what if n == 1 else f'{what}s')}" for n, what in counts)
+    return f"{told('Sequential function chart')}: {sizes}"

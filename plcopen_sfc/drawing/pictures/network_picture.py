@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 from plcopen_sfc.drawing.pictures.chart_picture import chosen_theme
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width, widest, wrap
+from plcopen_sfc.drawing.wording import Told, english
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.text import plain
@@ -311,12 +312,15 @@ def body_svg(body: FbdBody | LdBody, theme: str = Theme.LIGHT, name: str = "") -
     return _picture(body, chosen_theme(theme), "", name)
 
 
-def body_figure(body: FbdBody | LdBody, prefix: str) -> str:
-    """Return a picture of the networks of a body as a part of a page: all ids in it begin with `prefix`."""
-    return _picture(body, None, prefix, "")
+def body_figure(body: FbdBody | LdBody, prefix: str, told: Told = english) -> str:
+    """Return a picture of the networks of a body as a part of a page: all ids in it begin with `prefix`.
+
+    `told` gives the words of the picture.
+    """
+    return _picture(body, None, prefix, "", told)
 
 
-def _picture(body: FbdBody | LdBody, theme: Theme | None, prefix: str, name: str) -> str:
+def _picture(body: FbdBody | LdBody, theme: Theme | None, prefix: str, name: str, told: Told = english) -> str:
     canvas = Canvas()
     y = right = _MARGIN
     for number, network in enumerate(body.networks):
@@ -330,10 +334,10 @@ def _picture(body: FbdBody | LdBody, theme: Theme | None, prefix: str, name: str
         sheet.draw(canvas, _MARGIN, y)
         right = max(right, _MARGIN + sheet.width)
         y += sheet.height + 8
-    kind = "Ladder diagram" if body.language == "LD" else "Function block diagram"
+    kind = told("Ladder diagram" if body.language == "LD" else "Function block diagram")
     count = len(body.networks)
-    told = f"{kind}: {count} network{'' if count == 1 else 's'}"
-    return canvas.document(right + _MARGIN, y + _MARGIN - 24, theme, name or kind, told)
+    size = f"{kind}: {count} {told('network' if count == 1 else 'networks')}"
+    return canvas.document(right + _MARGIN, y + _MARGIN - 24, theme, name or kind, size)
 
 
 @dataclass(slots=True)

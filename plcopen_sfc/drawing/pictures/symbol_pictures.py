@@ -123,7 +123,8 @@ _ACTION, _INDICATOR = 2, 3
 
 
 def _rows(step: Step, words: Wording, prefix: str, *, grafcet: bool) -> Iterator[_Row]:
-    bodies = {"entry": step.entry_action, "main": step.main_action, "exit": step.exit_action}
+    actions = {"entry": step.entry_action, "main": step.main_action, "exit": step.exit_action}
+    bodies = {words.told(label): action for label, action in actions.items()}
     for line in words.actions(step):
         if line.qualifier in bodies:
             yield _row(line, bodies[line.qualifier])
@@ -282,7 +283,7 @@ class StepSymbol:
         """Draw the step on the axis `x` below `y`; `enters` and `leaves`: wires above and below belong to it."""
         top = y + self._lead
         bottom = top + self._box
-        _draw_entries(canvas, self.entries, x, y + 6, top, enters=y if enters else None)
+        _draw_entries(canvas, self.entries, x, y + 6, top, enters=y if enters else None, sheet=self.sheet)
         below = top + self._body
         if leaves or self.exits:
             last = below + 8 + 14 * (len(self.exits) - 1)
@@ -290,7 +291,7 @@ class StepSymbol:
         for number, reference in enumerate(self.exits):
             level = below + 8 + 14 * number
             canvas.wire((x, level), (x - 14, level))
-            with _reference(canvas, "Continues at", reference, x, level):
+            with _reference(canvas, self.sheet.words.told("Continues at {}", reference.name), reference, x, level):
                 canvas.line("head", (x - 18, level), (x - 11, level - 4), (x - 11, level + 4), closed=True)
         kind = "step" + " initial" * self.step.initial + " excluded" * self.step.exclude
         area = (x - self._width // 2 - 20, top, self._width // 2 + 20 + self.right - 6, self._body)
@@ -356,8 +357,9 @@ class StepSymbol:
         kind = "Macro-step" if step.macro is not None else "Enclosing step" if step.encloses else "Step"
         if step.initial:
             kind = f"Initial {kind.lower()}"
-        name = f"{step.name} {EXCLUDED}" if step.exclude else step.name
-        parts = [f"{kind} {name}", *(text for _, text in self._texts)]
+        told = self.sheet.words.told
+        name = f"{step.name} {told(EXCLUDED)}" if step.exclude else step.name
+        parts = [f"{told(kind)} {name}", *(text for _, text in self._texts)]
         return ". ".join(parts)
 
 
@@ -373,7 +375,8 @@ def _about_step(sheet: PictureSheet, step: Step) -> Iterator[tuple[str, str]]:
         if part is not None and part.condition is not None:
             title = plain(part.title)
             yield "quiet", f"{mark}: {sheet.words.condition(part.condition)}" + (f" ({title})" if title else "")
-    times = (("min", step.min_time), ("max", step.max_time), ("warning", step.warning_time))
+    warning = sheet.words.told("warning")
+    times = (("min", step.min_time), ("max", step.max_time), (warning, step.warning_time))
     if tuple((time or "").upper() for _, time in times) != _USUAL_TIMES:
         yield "quiet", ", ".join(f"{label} {time}" for label, time in times if time)
     yield "remark", plain(step.title)
@@ -398,16 +401,16 @@ class TransitionSymbol:
         self._priority = str(transition.priority) if competing and transition.priority is not None else ""
         self._names = self._name_lines()
         condition = sheet.words.condition(transition.condition)
-        label = sheet.labels[transition.id]
-        name = f"{label} {EXCLUDED}" if transition.exclude else label
-        self._title = f"Transition {name}: {condition or '(no condition)'}"
+        told, label = sheet.words.told, sheet.labels[transition.id]
+        name = f"{label} {told(EXCLUDED)}" if transition.exclude else label
+        self._title = f"{told('Transition {}', name)}: {condition or told('(no condition)')}"
         widest_line = min(max(_CONDITION_WIDTH, text_width(condition, 12) // 4), 2 * _CONDITION_WIDTH)
         self._condition = wrap(condition, 12, widest_line)
         about = [plain(transition.title), plain(transition.comment)]
         self._about = [line for text in about for line in wrap(text, 11, _REMARK_WIDTH)]
         self._missing = not self._condition
         if self._missing:
-            self._condition = ["(no condition)"]
+            self._condition = [told("(no condition)")]
         self.left = max(20 + widest(self._names, 11), 20 + text_width(self._priority, 11))
         if self.waits:
             self.left = max(self.left, 14 + _reference_width(self.waits))
@@ -433,7 +436,7 @@ class TransitionSymbol:
         start = y if enters else bar - 12
         if self.waits:
             double = y + self._lead - 6
-            _draw_entries(canvas, self.waits, x - 12, y + 4, double, enters=None)
+            _draw_entries(canvas, self.waits, x - 12, y + 4, double, enters=None, sheet=self.sheet)
             canvas.wire((x - 26, double), (x + 26, double))
             canvas.wire((x - 26, double + 4), (x + 26, double + 4))
             if enters:
@@ -462,7 +465,7 @@ class JumpSymbol:
 
     def __init__(self, sheet: PictureSheet, target: int) -> None:
         self.reference = sheet.step_reference(target)
-        self._name = sheet.steps[target].name
+        self._title = sheet.words.told("Jump to {}", sheet.steps[target].name)
         self._lines = wrap(self.reference.name, 12, _NAME_WIDTH)
         half = widest(self._lines, 12) // 2 + 8
         self.left = self.right = max(half, 14)
@@ -472,7 +475,7 @@ class JumpSymbol:
         """Draw the jump on the axis `x` below `y`; nothing leaves it."""
         canvas.wire((x, y), (x, y + 18))
         area = (x - self.left, y + 14, self.left + self.right, self.height - 16)
-        with canvas.element("jump", "", f"Jump to {self._name}", area):
+        with canvas.element("jump", "", self._title, area):
             canvas.line("head", (x, y + 25), (x - 5, y + 14), (x + 5, y + 14), closed=True)
             for number, line in enumerate(self._lines):
                 canvas.text("link", x, y + 39 + 15 * number, line, anchor="middle", link=self.reference.element)
@@ -495,7 +498,14 @@ def _reference_width(references: Sequence[LinkEnd]) -> int:
 
 
 def _draw_entries(
-    canvas: Canvas, references: Sequence[LinkEnd], x: int, first: int, bottom: int, *, enters: int | None
+    canvas: Canvas,
+    references: Sequence[LinkEnd],
+    x: int,
+    first: int,
+    bottom: int,
+    *,
+    enters: int | None,
+    sheet: PictureSheet,
 ) -> None:
     """Draw arrows from the left into the wire above a symbol, from `first` down, and the wire down to `bottom`.
 
@@ -506,14 +516,14 @@ def _draw_entries(
     for number, reference in enumerate(references):
         level = first + 5 + 14 * number
         canvas.wire((x - 18, level), (x - 6, level))
-        with _reference(canvas, "From", reference, x, level):
+        with _reference(canvas, sheet.words.told("From {}", reference.name), reference, x, level):
             canvas.line("head", (x - 1, level), (x - 9, level - 4), (x - 9, level + 4), closed=True)
 
 
 @contextmanager
-def _reference(canvas: Canvas, way: str, reference: LinkEnd, x: int, level: int) -> Iterator[None]:
+def _reference(canvas: Canvas, title: str, reference: LinkEnd, x: int, level: int) -> Iterator[None]:
     """Write the name of a reference to the left of the axis `x`; its arrow is drawn inside."""
     width = text_width(reference.name, 11)
-    with canvas.element("reference", "", f"{way} {reference.name}", (x - 22 - width, level - 7, width + 22, 14)):
+    with canvas.element("reference", "", title, (x - 22 - width, level - 7, width + 22, 14)):
         yield
         canvas.text("back", x - 22, level + 4, reference.name, anchor="end", link=reference.element)

@@ -1,0 +1,60 @@
+"""German for messages with values in them, by a table of English ones.
+
+In a message of a table ``{}`` stands for what is shown as it is, such as a name, ``{+}`` for something that is German
+too, ``{&}`` for names with "and" between them or "and 2 more" behind them, and ``{#}`` for a number. In the German text
+``{}`` or ``{0}`` are their places.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from functools import cached_property
+
+
+class Phrases:
+    """German for the messages of a table. `part` translates what ``{+}`` stands for; the table itself as a rule."""
+
+    def __init__(self, table: Mapping[str, str], part: Callable[[str], str]) -> None:
+        self._table = table
+        self._part = part
+
+    def __call__(self, message: str) -> str:
+        """Return a message in German; itself where the table does not have it."""
+        return self.find(message) or message
+
+    def find(self, message: str) -> str | None:
+        """Return a message in German; None where the table does not have it."""
+        if message in self._table:
+            return self._table[message]
+        for pattern, places, text in self._patterns:
+            if found := pattern.fullmatch(message):
+                return text.format(*map(self._value, found.groups(), places))
+        return None
+
+    def _value(self, text: str, place: str) -> str:
+        if place == "{+}":
+            return self._part(text)
+        return _MORE.sub(r" und \1 weitere", text).replace(" and ", " und ") if place == "{&}" else text
+
+    @cached_property
+    def _patterns(self) -> list[tuple[re.Pattern[str], list[str], str]]:
+        """The messages with values in them: how to recognise each, its places, its German text.
+
+        Those with the most words of their own are first: ``{+}: {+}`` would take what belongs to others.
+        """
+        messages = [message for message in self._table if _PLACES.search(message)]
+        messages.sort(key=lambda each: -len(_PLACES.sub("", each)))
+        return [self._read_pattern(message) for message in messages]
+
+    def _read_pattern(self, message: str) -> tuple[re.Pattern[str], list[str], str]:
+        places = _PLACES.findall(message)
+        first, *others = map(re.escape, _PLACES.split(message))
+        values = [_NUMBER if place == "{#}" else "(.+?)" for place in places]
+        pattern = first + "".join(f"{value}{own}" for value, own in zip(values, others, strict=True))
+        return re.compile(pattern, re.DOTALL), places, self._table[message]
+
+
+_PLACES = re.compile(r"\{[+&#]?\}")
+_MORE = re.compile(r" and (\d+) more$")
+_NUMBER = r"(\d[\d,.]*)"

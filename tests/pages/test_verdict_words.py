@@ -1,0 +1,90 @@
+"""Lines of verdicts in German: whole sentences, whatever they are composed of, and code as it is."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from plcopen_sfc.pages.page_words import Words
+
+ENGLISH = re.compile(r"\b(?:the|and|or|of|is|are|which|needs?|never|not|reached|with|has|have|both|first|second)\b")
+"""English words that are neither German nor, in capitals, operators of code."""
+LINES = (
+    "not reached: condition FC_Count: `x`: `n = 1` what it stands in was not executed (proven)",
+    "not reached: condition `x` needs `y`, never reached",
+    "not reached: outcome of condition `x`: `y`: needs `Drill.x`, never reached",
+    "equal (proof: 5 states, all inputs, scan time T#500ms)",
+    "equal, second 1 scan later (proof: 5 states in 2 parts, all inputs, scan time T#500ms; the first "
+    "scan of the second has no counterpart; the second starts 2 scans later, and until then A, B at rest)",
+    "not all was reached (1 step, 2 transitions; 3 assignments), equal in 5 states, scan time T#1s (no "
+    "proof: half of the time limit of 2 s was reached; elapsed times of steps are used otherwise than in "
+    "comparisons with constants, all inputs tried for 7 scans; no transition is tested in the first scan)",
+    "no scan was run (no proof: the time limit of 2 s was reached)",
+    "not all was reached, equal in 4 directed runs, 800 scans (no proof: more than 1,000 states)",
+    "equal, first 1 scan later in 3 directed runs, 30 scans, scan time T#1ms (no proof: A is a text)",
+    "different after 2 scans (shortest input trace, scan time T#250ms)",
+    "different after 2 scans (an input trace, compared with the first 1 scan later, scan time T#250ms); "
+    "what the report names as approximated is in it",
+    "equal (proof: 5 states, all inputs); the same but for the inputs that actions see, and the first scan",
+    "not reached: step Release: needs `xQuit or b and c; d`, never reached",
+    "not reached: steps A, B and 3 more: no transition leads to it from what was reached",
+    "not reached: assignment F.x: y := 1: needs `a: b` and `c`, never TRUE (proven)",
+    "not reached: action M: step A never executed it, needs `x` and T#2s to pass (D) and the event S1",
+    "not reached: action M: needs step A, never entered or step B only resets it (proven)",
+    "not reached: transition A -> B: `x` was never TRUE, as z kept its value (frozen)",
+    "not reached: condition `x`: `y` can never decide it (proven)",
+    "not reached: assignment `q := a > b` is never FALSE (proven)",
+    "not reached for other reasons: 5",
+    "not reached behind these steps: 2 steps, 1 transition",
+    "covered on both sides: 5 of 6 steps, 4 of 6 transitions, 1 of 1 actions",
+    "covered: 5 of 6 steps; 3 of 3 assignments, 4 of 4 outcomes of comparisons",
+    "unreachable (proven)",
+    "needs `a AND b`, never reached (proven)",
+    "needs `a`, never reached or needs the condition of T1, never reached",
+    "it does something else after 3 scans: M is TRUE in the source and FALSE in CODESYS; A, B and 3 more "
+    "differ, too; look at transition A -> B, action X and action in place of step C: tools have an order "
+    "of their own for what writes a variable in one scan",
+    "it does something else after 1 scan: M is TRUE in the source 1 scan before and FALSE in CODESYS; B "
+    "differs, too; the source tests no transition in its first scan",
+    "it does something else after 2 scans: M is TRUE in the source and FALSE in CODESYS; a cause is the "
+    "condition of the transition at transition A -> B, which the report names; while `t` stays T#1s and "
+    "`u` stays T#2s, both are equal (proof: 5 states, all inputs): tools differ in when they take up a "
+    "new time of an action that runs",
+    "not compared: it is only in one of the two",
+    "only if something outside writes a, b; while they keep their start values, both do the same",
+    "M is written in every scan in the source and only while its action is executed in CODESYS",
+    "not compared: a, b and 3 more",
+    "can never fire (proven)",
+)
+
+
+def english_in(text: str) -> list[str]:
+    """The English words of a text, without those in code."""
+    return ENGLISH.findall(re.sub("`[^`]*`", "", text))
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_a_line_is_german_but_for_its_code(line: str) -> None:
+    told = Words("de").verdict(line)
+    assert english_in(told) == []
+    assert re.findall("`[^`]*`", told) == re.findall("`[^`]*`", line)
+    assert Words("en").verdict(line) == line
+
+
+def test_a_line_is_a_sentence() -> None:
+    words = Words("de")
+    told = words.verdict(
+        "not all was reached (1 step), equal in 9 states, scan time T#1s "
+        "(no proof: half of the time limit of 2 s was reached)"
+    )
+    assert told == (
+        "nicht alles wurde erreicht (1 Schritt), gleich in 9 Zuständen, Zykluszeit T#1s "
+        "(kein Beweis: die Hälfte des Zeitlimits von 2 s war erreicht)"
+    )
+    assert words.message("it does something else after 1 scan: M is TRUE in the source and FALSE in CODESYS") == (
+        "es tut nach 1 Zyklus etwas anderes: M ist TRUE in der Quelle und FALSE in CODESYS"
+    )
+    assert words.verdict("scan  time  x  first: active  second: x") == "Zyklus  Zeit  x  erstes: aktiv  zweites: x"
+    # names that are words of lists, and what is not known, stay as they are
+    assert words.verdict("not compared: time, step and 2 more") == "nicht verglichen: time, step und 2 weitere"
