@@ -596,7 +596,7 @@ class _Reader:
     def _body(self, part: Part, pou: Pou, body: Body, path: str, called: set[str], *, number: int = 0) -> None:
         """Note what a body does; `number`: the programs of the POU before it."""
         if isinstance(body, SfcBody):
-            if body.chart.steps or body.chart.transitions:
+            if body.chart.steps or body.chart.transitions or body.chart.partial_charts:
                 ExecutedChartReader(self, pou, body.chart, path, called).read(part.add("chart", "", path))
         else:
             result = pou.name if pou.kind is PouKind.FUNCTION else ""

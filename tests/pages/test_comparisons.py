@@ -69,6 +69,22 @@ def test_a_chart_that_only_one_side_has() -> None:
     assert len(section.findall(".//svg")) == 1
 
 
+def test_a_diff_marks_partial_charts_and_what_changed_in_them() -> None:
+    text = (FIXTURES / "grafcet" / "every_symbol.gct").read_text(encoding="utf-8")
+    changed = text.partition("CHART G4")[0].replace("H1 AFTER 3s", "H1 AFTER 9s")
+    a, b = sfc.loads(text.encode()), sfc.loads(changed.encode())
+    changes = sfc.diff(a, b)
+    found = [(str(change.kind), change.path) for change in changes.changes]
+    assert found == [("changed", "POU Symbole / G1 / step 2 / action H1"), ("removed", "POU Symbole / G4")]
+    tree = parse(sfc.diff_page(a, b, changes))
+    marked = tree.xpath("//svg//*[contains(@class, 'diff-')]")
+    assert [(each.get("class"), each.findtext("title")) for each in marked] == [
+        ("step diff-changed", "Step 2"),
+        ("part diff-removed", "G4 (global)"),
+        ("step diff-changed", "Step 2"),
+    ]
+
+
 def test_equal_projects() -> None:
     project = sfc.load(FIXTURES / "iectext" / "mixing_plant.st")
     tree = parse(sfc.diff_page(project, project, sfc.diff(project, project)))
