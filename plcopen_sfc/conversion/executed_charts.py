@@ -162,7 +162,8 @@ class ExecutedChartReader:
                 ExecutedChartReader(self.owner, self.pou, step.macro.body.chart, path, self.called).read(inner)
         for enclosure in step.encloses or ():
             inner = part.add("enclosed chart", enclosure.chart, path)
-            inner.tell("activated steps", Meaning.of(tuple(map(str.casefold, enclosure.activated_steps))))
+            steps = enclosure.activated_steps
+            inner.tell("activated steps", Meaning.of(tuple(map(str.casefold, steps)), ", ".join(steps) or "none"))
 
     def _tell_all(self, part: Part, thing: Step | Transition | ActionAssociation) -> None:
         """Note what no controller executes."""
@@ -242,7 +243,7 @@ class ExecutedChartReader:
             part.tell("negation", Meaning.of(True, "negated"))
         if association.forcing is not None:
             order = association.forcing
-            part.tell("forcing", Meaning.of((order.chart, order.situation.value, *order.steps), str(order.situation)))
+            part.tell("forcing", Meaning.of((order.chart, order.situation.value, *order.steps), str(order)))
 
     def _stored(self, part: Part, step: Step) -> None:
         """Values that the rows S and R of a step leave in each operand: the last one counts in S7-GRAPH, else R."""
@@ -279,7 +280,8 @@ class ExecutedChartReader:
         qualifier, event = association.qualifier, association.event
         if event in (ActionEvent.C, None):
             event = None
-        shown = " ".join(filter(None, (qualifier.value, event and f"event {event.value}", association.kind)))
+        kind = association.kind.words if association.kind is not None else None
+        shown = kind or " ".join(filter(None, (qualifier.value, event and f"event {event.value}")))
         if self.is_written:
             return Meaning.of((qualifier.value, event and event.value, association.kind), shown)
         control = self._control(association, is_code=is_code)

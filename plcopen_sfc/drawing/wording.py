@@ -142,9 +142,7 @@ class Wording:
         if association.value is not None:
             what = f"{what} := {_one_line(association.value)}"
         if association.forcing is not None:
-            order = association.forcing
-            situation = ", ".join(order.steps) or order.situation.value.strip("{}")
-            what = f"{order.chart}{{{situation}}}"
+            what = str(association.forcing)
         qualifier = "" if association.qualifier is Qualifier.NONE else association.qualifier.value
         return ActionLine(
             _negated(what, association.negated),

@@ -97,6 +97,11 @@ class ActionKind(StrEnum):
     ON_EVENT = "onEvent"
     FORCING = "forcing"
 
+    @property
+    def words(self) -> str:
+        """The kind as people write it: ``on activation``."""
+        return re.sub("[A-Z]", lambda found: f" {found[0].lower()}", self.value)
+
 
 class ForcedSituation(StrEnum):
     """The situations a forcing order can impose (IEC 60848:2013, 7.1)."""
@@ -113,6 +118,10 @@ class ForcingOrder(Model):
     chart: str
     situation: ForcedSituation
     steps: list[str] = Field(default_factory=list)
+
+    def __str__(self) -> str:
+        situation = ", ".join(self.steps) or self.situation.value.strip("{}")
+        return f"{self.chart}{{{situation}}}"
 
 
 class SymbolAccess(StrEnum):

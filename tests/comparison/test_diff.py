@@ -572,3 +572,26 @@ def test_case_of_names_and_names_of_instances_are_no_changes():
     source = loaded("plcopen/filling_station_2.01.xml")
     written = sfc.loads(sfc.convert(source, "codesys", partial=True).data)
     assert all("qualifier P" in line for line in told(sfc.diff(source, written)))
+
+
+def test_changes_in_partial_charts_of_a_grafcet_are_found() -> None:
+    before = """GRAFCET X
+CHART G1
+INITIAL STEP 1
+    q AFTER 3s
+    FORCE G2{}
+1 -> 2 : a
+STEP 2
+2 -> 1 : b
+CHART G2
+INITIAL STEP 10
+10 -> 10 : c
+"""
+    after = before.replace(": a", ": /a").replace("AFTER", "FOR").replace("G2{}", "G2{*}").replace(": c", ": a * c")
+    texts = [sfc.loads(text.encode(), format="grafcet-text") for text in (before, after)]
+    assert str(sfc.diff(*texts)).splitlines()[1:] == [
+        "  chart G1 / step 1 / action q: qualifier delayed -> limited",
+        "  chart G1 / step 1 / action force G2: forcing G2{} -> G2{*}",
+        "  chart G1 / transition 1 -> 2: condition a -> /a",
+        "  chart G2 / transition 10 -> 10: condition c -> a * c",
+    ]

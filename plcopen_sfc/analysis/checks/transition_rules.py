@@ -16,7 +16,7 @@ from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE, condition_problem, program_parts
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, print_node, walk
+from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import Body, IlBody
 from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition
@@ -208,8 +208,8 @@ def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
         for transition in sheet.transitions:
             if not isinstance(transition.condition, Expression):
                 continue
-            parsed = parse_condition(transition.condition.text, chart.dialect)
-            told = _other_type(n.bare(parsed.tree), chart, site) if not parsed.problems else ""
+            tree = chart.condition(sheet, transition).tree  # in a GRAFCET * and + join Boolean terms
+            told = _other_type(n.bare(tree), chart, site) if tree is not None else ""
             if told:
                 text = " ".join(transition.condition.text.split())
                 yield Finding(sheet.at(transition), f"the condition {text} is not Boolean: it is {told}")

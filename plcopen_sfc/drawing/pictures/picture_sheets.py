@@ -52,10 +52,11 @@ class _Sheet:
 
 
 def sheets(svg: str, paper: str) -> list[str]:
-    """Return a picture in its size on sheets of `paper`, from left to right and then down; one if it fits.
+    """Return a picture in its size on sheets of `paper`, from left to right and then down.
 
     An element that a border would divide is whole on the next sheet, which begins before it; a large one is divided.
-    Margins have the number of the sheet and of its neighbours. Raises `ModelError` for a paper that does not exist.
+    The margins of several have the number of the sheet and of those beside it. Raises `ModelError` for a paper that
+    does not exist.
     """
     check_argument(paper, str, "the paper of a picture is a text")
     known = {name.casefold(): size for name, size in PAPERS.items()}
@@ -69,18 +70,22 @@ def sheets(svg: str, paper: str) -> list[str]:
     size = known[paper.casefold()]
     parts = _parts(shapes)
     upright, across = (
-        _divided(parts, (width, height), (room[0] - 2 * _MARGIN, room[1] - 2 * _MARGIN)) for room in (size, size[::-1])
+        (page, _divided(parts, (width, height), (page[0] - 2 * _MARGIN, page[1] - 2 * _MARGIN)))
+        for page in (size, size[::-1])
     )
-    rows = min((upright, across) if height >= width else (across, upright), key=lambda made: sum(map(len, made)))
-    if sum(map(len, rows)) == 1:
-        return [svg]
+    preferred = (upright, across) if height >= width else (across, upright)
+    page, rows = min(preferred, key=lambda each: sum(map(len, each[1])))
     title = re.sub("<[^>]*>", "", shapes[1].partition("<desc>")[0])
     kept = [shape for shape in shapes[1:3] if shape.startswith(("<title>", "<style>"))]
     first = list(accumulate(map(len, rows), initial=1))
+    made = [(row, number, sheet) for row, sheets in enumerate(rows) for number, sheet in enumerate(sheets, first[row])]
+    if len(made) == 1:
+        return [_document(made[0][2], page, head[1], kept)]
     return [
-        _document(sheet, head[1], [*kept, *_marks(f"{title} {number}/{first[-1] - 1}", rows, first, (row, number))])
-        for row, made in enumerate(rows)
-        for number, sheet in enumerate(made, first[row])
+        _document(
+            sheet, page, head[1], [*kept, *_marks(f"{title} {number}/{len(made)}", page, rows, first, (row, number))]
+        )
+        for row, number, sheet in made
     ]
 
 
@@ -172,15 +177,14 @@ def _spoilt(cut: int, spans: Sequence[Span], room: int) -> int:
     return cut - start + room * sum(low < start and high > cut for low, high in spans)
 
 
-def _document(sheet: _Sheet, classes: str, shapes: Sequence[str]) -> str:
-    """Return one sheet as a picture: `shapes` beside its part of the whole."""
+def _document(sheet: _Sheet, page: tuple[int, int], classes: str, shapes: Sequence[str]) -> str:
+    """Return one sheet as a picture of the size of the paper: `shapes` beside its part of the whole."""
     (left, right), (top, bottom) = sheet.across, sheet.down
     width, height = right - left, bottom - top
-    outer = width + 2 * _MARGIN, height + 2 * _MARGIN
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {classes} width="{outer[0]}" height="{outer[1]}" '
-        f'viewBox="{-_MARGIN} {-_MARGIN} {outer[0]} {outer[1]}">',
-        f'<rect class="paper" x="{-_MARGIN}" y="{-_MARGIN}" width="{outer[0]}" height="{outer[1]}"/>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" {classes} width="{page[0]}" height="{page[1]}" '
+        f'viewBox="{-_MARGIN} {-_MARGIN} {page[0]} {page[1]}">',
+        f'<rect class="paper" x="{-_MARGIN}" y="{-_MARGIN}" width="{page[0]}" height="{page[1]}"/>',
         *shapes,
         f'<svg width="{width}" height="{height}" viewBox="{left} {top} {width} {height}">',
         *(part.shape for part in sheet.parts),
@@ -189,14 +193,20 @@ def _document(sheet: _Sheet, classes: str, shapes: Sequence[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _marks(title: str, rows: Sequence[Sequence[_Sheet]], first: Sequence[int], place: tuple[int, int]) -> Iterator[str]:
+def _marks(
+    title: str,
+    page: tuple[int, int],
+    rows: Sequence[Sequence[_Sheet]],
+    first: Sequence[int],
+    place: tuple[int, int],
+) -> Iterator[str]:
     """Yield the texts in the margins of a sheet: its title, which is escaped, and the numbers of the sheets beside it.
 
     `first` are the numbers of the first sheets of the rows; `place` is the row and the number of the sheet.
     """
     row, number = place
     sheet = rows[row][number - first[row]]
-    width, height = (high - low for low, high in (sheet.across, sheet.down))
+    width, height = (length - 2 * _MARGIN for length in page)
 
     def at(x: int, y: int, text: str, anchor: str = "middle") -> str:
         return f'<text class="quiet" x="{x}" y="{y}" text-anchor="{anchor}">{text}</text>'

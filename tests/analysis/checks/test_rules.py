@@ -408,7 +408,7 @@ case("CND06", reading("NOT Q1"), reading("NOT I1"), "reads q1", "grafcet")
 
 
 case("CND09", reading("I1 1B2"), reading("I1 * /1B2 + ↑I2 · [n>=3]"), "missing before '1B2'", "grafcet")
-case("CND10", reading("I1 + ↑S2"), reading("I1 + ↑XS2"), "S2 is a step and no value: its flag is XS2", "grafcet")
+case("CND10", reading("I1 + ↑S2"), reading("I1 * I2 + ↑XS2"), "S2 is a step and no value: its flag is XS2", "grafcet")
 case("CND09", reading("n > 3 +"), reading("n > 3 + 1"), "cannot be read", "grafcet")
 
 
