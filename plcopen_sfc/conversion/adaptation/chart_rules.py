@@ -35,6 +35,7 @@ from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import (
     REWRITTEN_FIELD,
     SourceMarks,
+    drawing_mark,
     rewritten_transition,
 )
 from plcopen_sfc.languages.binding import STORING, Names, Row, SharedScans, told_orders
@@ -153,6 +154,9 @@ def rewrite_charts(
             if options.of_codesys and not host.is_codesys and not options.flavour:
                 rewriting.flags = _used_flags(project, source, named)
             _ChartRewriter(rewriting).rewrite()
+            drawing = source.chart.drawing
+            if drawing is not None and len(chart.chart.transitions) > len(source.chart.transitions):
+                marks.setdefault(id(chart.chart), {}).update(drawing_mark(drawing))
 
 
 def obey_flags(project: Project, source: Project, tool: str, options: WriteOptions, report: ConversionReport) -> None:

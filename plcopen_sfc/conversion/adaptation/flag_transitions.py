@@ -293,9 +293,10 @@ class FlagRewriter(ABC):
         pushed, watching = self._pushed(flags, stops)
         for transition in list(self._chart.transitions):
             is_first = not {self._initial.id, again.id}.isdisjoint(transition.sources)
-            if not (stops or is_first or tips):
-                continue
             text = self._texts[transition.id] or "TRUE"
+            is_never = transition.exclude or (text == "FALSE" and not pushed)
+            if is_never or not (stops or is_first or tips):
+                continue
             text = all_of([text, f"NOT {self._tip_mode}" if SfcFlag.TIP_MODE in flags else ""])
             text = f"({text}) OR ({pushed})" if pushed else text
             fires = [text, *(f"NOT {each}" for each in (waits, init if is_first or stops else "") if each)]

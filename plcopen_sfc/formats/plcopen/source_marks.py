@@ -18,6 +18,7 @@ from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.drawing import Drawing
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Configuration
 from plcopen_sfc.model.sfc import FlagUse, GraphSettings, SfcFlag, SfcNetwork, SfcSettings, Step, Transition
@@ -30,6 +31,8 @@ REWRITTEN_FIELD = "rewritten"
 """At a step or transition: the fields of the source, and the digest of what was written for them."""
 OF_FLAGS, OF_ENDS = "flags", "ends"
 """In the mark of an added step or transition: it stands for SFC flags, or for ends of sequences."""
+DRAWING_FIELD = "source_drawing"
+"""Field beside a chart with added steps or transitions: the drawing without them."""
 ADDED_FIELD = "added"
 """At an action, a transition object or a list of variables that the source does not have: the digest of its content."""
 TEXTS_FIELD = "texts"
@@ -207,15 +210,25 @@ def take_marks(chart: Fields) -> dict[int, dict[str, Any]]:
     return found
 
 
+def drawing_mark(drawing: Drawing) -> dict[str, Any]:
+    """Return the mark of a chart that is drawn with more than its source has."""
+    return {DRAWING_FIELD: drawing.model_dump(mode="json", exclude_defaults=True)}
+
+
 def restore_chart(
-    chart: SfcNetwork, marks: Mapping[int, dict[str, Any]], edited: Collection[str], warn: Callable[[str], None]
+    chart: SfcNetwork,
+    marks: Mapping[int, dict[str, Any]],
+    drawing: object,
+    edited: Collection[str],
+    warn: Callable[[str], None],
 ) -> set[str]:
     """Put the source back into the elements of `chart` that are as they were written.
 
     Returns the names, in lower case, of the added parts that the other elements execute.
 
-    `edited`: added actions and transition objects that were changed since, by their names in lower case.
-    `warn` is told of elements for which the source counts no more.
+    `drawing` is that of the source, which counts where nothing of the chart was edited. `edited`: added actions and
+    transition objects that were changed since, by their names in lower case. `warn` is told of elements for which the
+    source counts no more.
     """
     executed: set[str] = set()
     outdated = _outdated(chart, marks, edited)
@@ -253,6 +266,8 @@ def restore_chart(
             warn(f"the condition of the transition {chart.label(transition)}")
         elif mark is not None:
             _put(transition, mark, ("condition",))
+    if isinstance(drawing, dict) and not outdated:
+        chart.drawing = Drawing.model_validate(drawing)
     return executed
 
 

@@ -8,6 +8,7 @@ from lxml import etree
 from pydantic import ValidationError
 
 from plcopen_sfc.formats.plcopen.source_marks import (
+    DRAWING_FIELD,
     added_parts,
     added_variables,
     restore_chart,
@@ -81,13 +82,13 @@ def _read_chart(unread: UnreadChart) -> SfcNetwork:
         chart, unread.ahead = unread.ahead, None
         return chart
     fields = _chart_fields(unread)
-    marks = take_marks(fields)
+    marks, of_source = take_marks(fields), fields.pop(DRAWING_FIELD, None)
     drawing = fields["drawing"]
     if isinstance(drawing, dict):
         fields["drawing"] = read_later(Drawing, {}, lambda: _read_drawing(unread, drawing), unread.text)
     try:
         chart = SfcNetwork.model_validate(fields)
-        unread.executed = restore_chart(chart, marks, unread.edited, unread.warn_of_edit)
+        unread.executed = restore_chart(chart, marks, of_source, unread.edited, unread.warn_of_edit)
         return chart
     except ValidationError as error:
         ctx = unread.ctx
@@ -260,6 +261,7 @@ def write_body(ctx: Tc6WriteContext, parent: etree._Element, name: str, body: Bo
             ctx.note(outcome, f"chart {part.replace('_', ' ')}", why=why)
         if body.chart.drawing is not None and body.chart.drawing.places is Places.COMPUTED:
             chart_left["drawing"] = {"places": Places.COMPUTED.value}
+        chart_left |= ctx.marks.get(id(body.chart), {})
         also = {"chart": chart_left} if chart_left else {}
     elif isinstance(body, FbdBody | LdBody):
         sheet = add_child(ctx, element, body.language)
