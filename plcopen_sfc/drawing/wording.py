@@ -15,16 +15,7 @@ from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, N
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import Enclosure, SfcNetwork, Step
 
-KINDS = {
-    ActionKind.CONTINUOUS: "",
-    ActionKind.CONDITIONAL: "conditional",
-    ActionKind.DELAYED: "delayed",
-    ActionKind.LIMITED: "limited",
-    ActionKind.ON_ACTIVATION: "on activation",
-    ActionKind.ON_DEACTIVATION: "on deactivation",
-    ActionKind.ON_EVENT: "on event",
-    ActionKind.FORCING: "forcing",
-}
+KINDS = {kind: "" if kind is ActionKind.CONTINUOUS else kind.words for kind in ActionKind}
 """The words of IEC 60848 for kinds of actions; the usual one, a continuous action, goes without saying."""
 
 Told = Callable[..., str]

@@ -590,8 +590,8 @@ INITIAL STEP 10
     after = before.replace(": a", ": /a").replace("AFTER", "FOR").replace("G2{}", "G2{*}").replace(": c", ": a * c")
     texts = [sfc.loads(text.encode(), format="grafcet-text") for text in (before, after)]
     assert str(sfc.diff(*texts)).splitlines()[1:] == [
-        "  chart G1 / step 1 / action q: qualifier delayed -> limited",
-        "  chart G1 / step 1 / action force G2: forcing G2{} -> G2{*}",
-        "  chart G1 / transition 1 -> 2: condition a -> /a",
-        "  chart G2 / transition 10 -> 10: condition c -> a * c",
+        "  G1 / step 1 / action q: qualifier delayed -> limited",
+        "  G1 / step 1 / action force G2: forcing G2{} -> G2{*}",
+        "  G1 / transition 1 -> 2: condition a -> /a",
+        "  G2 / transition 10 -> 10: condition c -> a * c",
     ]
