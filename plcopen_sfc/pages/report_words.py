@@ -180,6 +180,33 @@ _KINDS = {
 
 _PARTS = {
     "a body in {}": "ein Rumpf in {}",
+    "acknowledge_errors_required": "Quittierpflicht bei Fehlern",
+    "active transitions only": "nur aktive Transitionen",
+    "association": "Zuordnung",
+    "bodies": "Rümpfe",
+    "chart extension data": "Erweiterungsdaten der Ablaufkette",
+    "constants": "Konstanten",
+    "content extension data": "Erweiterungsdaten des Inhalts",
+    "data types": "Datentypen",
+    "dialect": "Dialekt",
+    "elements": "Elemente",
+    "exclude": "von der Übersetzung ausgenommen",
+    "extension data": "Erweiterungsdaten",
+    "ids": "Kennungen",
+    "lock_operating_mode": "Betriebsartenwahl sperren",
+    "monitoring": "Beobachtung",
+    "network_language": "Sprache der Netzwerke",
+    "permanent operation": "permanente Anweisung",
+    "permanent_interlock_processing_in_manual_mode": "Verriegelungen im Handbetrieb bearbeiten",
+    "permanent_post": "permanente Anweisungen nach der Kette",
+    "permanent_pre": "permanente Anweisungen vor der Kette",
+    "pous": "Bausteine",
+    "selection": "Alternative",
+    "SFC flag": "SFC-Merker",
+    "skip_steps": "Schritte überspringen",
+    "tag_tables": "Variablentabellen",
+    "use defaults": "Vorgaben verwenden",
+    "with_alarm_handling": "mit Alarmbehandlung",
     "a box": "eine Box",
     "action `{}`": "die Aktion `{}`",
     "an empty action": "eine leere Aktion",
@@ -466,6 +493,24 @@ _NOT_EXECUTED = {
     "IEC 60848 has none: write {} into the conditions that leave the step": (
         "IEC 60848 hat keine: {} in die Bedingungen schreiben, die den Schritt verlassen"
     ),
+    "IEC 60848 has no action that does the same as {}": "IEC 60848 hat keine Aktion, die dasselbe tut wie {}",
+    "IEC 60848 has no step actions": "IEC 60848 hat keine Schrittaktionen",
+    "the body of the action is no structured text in one line": (
+        "der Rumpf der Aktion ist kein strukturierter Text in einer Zeile"
+    ),
+    "a GRAFCET has no word for it; it is in a comment": (
+        "ein GRAFCET hat kein Wort dafür; es steht in einem Kommentar"
+    ),
+    "{} has no such action of IEC 60848": "{} hat keine solche Aktion nach IEC 60848",
+    "a .grafcet file has actions of IEC 60848 on variables only": (
+        "eine .grafcet-Datei hat nur Aktionen nach IEC 60848 auf Variablen"
+    ),
+    "a .grafcet file has BOOL and integers only": "eine .grafcet-Datei hat nur BOOL und ganze Zahlen",
+    "a .grafcet file has one GRAFCET": "eine .grafcet-Datei hat einen GRAFCET",
+    "a .grafcet file has no place for it; it is in a comment": (
+        "eine .grafcet-Datei hat dafür keinen Platz; es steht in einem Kommentar"
+    ),
+    "no text expresses it": "kein Text drückt es aus",
     "no fault holds a step of a GRAFCET": "keine Störung hält einen Schritt eines GRAFCET",
     "it is excluded or negated, and a GRAFCET executes it as it is": (
         "er ist ausgeschlossen oder negiert, und ein GRAFCET führt ihn aus, wie er ist"
@@ -665,10 +710,10 @@ _TRANSLATED = {
         "sie ist die Funktion {}, mit den Variablen des Bausteins, die sie benutzt"
     ),
     "functions are called in place of the methods {}": "statt der Methoden {} werden Funktionen aufgerufen",
-    "a function block with the instance data block {}; no task calls it, so no organization block does": (
+    "a function block with the instance data block {&}; no task calls it, so no organization block does": (
         "ein Funktionsbaustein mit dem Instanz-DB {}; keine Task ruft ihn auf, also auch kein Organisationsbaustein"
     ),
-    "a function block with the instance data block {}": "ein Funktionsbaustein mit dem Instanz-DB {}",
+    "a function block with the instance data block {&}": "ein Funktionsbaustein mit dem Instanz-DB {}",
     "the step {} is not active": "der Schritt {} ist nicht aktiv",
     "`{}` is a statement while the step is active, under the condition {}": (
         "`{}` ist eine Anweisung, während der Schritt aktiv ist, unter der Bedingung {}"
@@ -699,6 +744,21 @@ _TRANSLATED = {
     "from instruction list into an expression": "von Anweisungsliste in einen Ausdruck",
     "from a drawing into structured text": "von einer Zeichnung in strukturierten Text",
     "`{}` in {+}: a name begins with no digit": "`{}` in {}: ein Name beginnt nicht mit einer Ziffer",
+    "{} is {} in IEC 60848": "{} ist {} in IEC 60848",
+    "nothing is executed in it and nothing leaves it: CODESYS leaves the step out": (
+        "nichts wird darin ausgeführt und nichts verlässt ihn: CODESYS lässt den Schritt aus"
+    ),
+    "`{}` is left out: a later row of the step sets {}": "`{}` entfällt: eine spätere Zeile des Schritts setzt {}",
+    "`{}` (event S0) is executed before the next step drives {}; S7-GRAPH executes it after that": (
+        "`{}` (Ereignis S0) wird ausgeführt, bevor der nächste Schritt {} ansteuert; S7-GRAPH führt es danach aus"
+    ),
+    "`{}` (event S0) is executed after the next step has written {}; S7-GRAPH executes it before that": (
+        "`{}` (Ereignis S0) wird ausgeführt, nachdem der nächste Schritt {} geschrieben hat; S7-GRAPH führt es davor "
+        "aus"
+    ),
+    "`{}` is executed before the step {}, active too, drives {}; S7-GRAPH executes it after that": (
+        "`{}` wird ausgeführt, bevor der ebenfalls aktive Schritt {} {} ansteuert; S7-GRAPH führt es danach aus"
+    ),
     "a name begins with no digit": "ein Name beginnt nicht mit einer Ziffer",
     "the action {} of the step {}, which is executed in every scan": (
         "die Aktion {} des Schritts {}, die in jedem Zyklus ausgeführt wird"

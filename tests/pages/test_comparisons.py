@@ -170,6 +170,7 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
         ("iectext/mixing_plant.st", "codesys"),
         ("training-chain/codesys.xml", "plcopen-2.01"),
         ("grafcet/two_cylinders.gct", "simaticml"),
+        ("simaticml/FB_Drill.xml", "grafcet-text"),
     ],
 )
 def test_reasons_are_german_on_a_german_page(file: str, target: str) -> None:
