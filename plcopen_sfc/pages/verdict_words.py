@@ -92,6 +92,7 @@ _REASONS = {
     "both end with an error: {}": "beide enden mit einem Fehler: {}",
     "{} kept their values": "{} behielten ihre Werte",
     "{} at rest": "{} in Ruhe",
+    "situations that never become stable are left out": "Situationen, die nie stabil werden, sind ausgelassen",
     "REAL inputs are finite numbers": "REAL-Eingänge sind endliche Zahlen",
     "the first begins when the second has passed its initial step": (
         "das erste beginnt, wenn das zweite seinen Initialschritt verlassen hat"
