@@ -93,6 +93,10 @@ _REASONS = {
     "{} kept their values": "{} behielten ihre Werte",
     "{} at rest": "{} in Ruhe",
     "situations that never become stable are left out": "Situationen, die nie stabil werden, sind ausgelassen",
+    "situations in which forcing orders contradict each other are left out": (
+        "Situationen, in denen sich Zwangssteuerungen widersprechen, sind ausgelassen"
+    ),
+    "what follows {} is left out": "was auf {} folgt, ist ausgelassen",
     "REAL inputs are finite numbers": "REAL-Eingänge sind endliche Zahlen",
     "the first begins when the second has passed its initial step": (
         "das erste beginnt, wenn das zweite seinen Initialschritt verlassen hat"

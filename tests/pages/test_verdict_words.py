@@ -11,6 +11,7 @@ from plcopen_sfc.pages.page_words import Words
 ENGLISH = re.compile(r"\b(?:the|and|or|of|is|are|which|needs?|never|not|reached|with|has|have|both|first|second)\b")
 """English words that are neither German nor, in capitals, operators of code."""
 LINES = (
+    "equal (proof: 6 states, all inputs; situations in which forcing orders contradict each other are left out)",
     "equal (proof: 6 states, all inputs; situations that never become stable are left out)",
     "not reached: condition FC_Count: `x`: `n = 1` what it stands in was not executed (proven)",
     "not reached: condition `x` needs `y`, never reached",
