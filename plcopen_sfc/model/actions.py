@@ -195,7 +195,7 @@ class ActionAssociation(Element):
         """The association as `parse` takes it; of a body in place its language, of a GRAFCET its kind."""
         event = "C" if self.interlock and self.event is None else self.event
         when = self.kind if self.kind is not None else self.qualifier
-        target = self.target or (f"({self.body.language})" if self.body is not None else "")
+        target = self.target or (f"({self.body.language})" if self.body is not None else str(self.forcing or ""))
         parts = (event, when if when is not Qualifier.NONE else None, self.duration, target)
         return " ".join(str(part) for part in parts if part) + (f" := {self.value}" if self.value else "")
 

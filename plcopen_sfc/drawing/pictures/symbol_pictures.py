@@ -13,6 +13,7 @@ it: an arrow up or down for stored actions, the condition above the action, two 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -32,6 +33,8 @@ _PAD = 6
 _MOST_LINES = 12
 """Program text in an action is cut off after so many lines; its tooltip has all of it."""
 _TIMED_KINDS = {ActionKind.DELAYED: "{}/X{}", ActionKind.LIMITED: "NOT {}/X{}"}
+_LITERAL = re.compile(r"^(?:L?T(?:IME)?)#", re.IGNORECASE)
+"""The beginning of a time in IEC 61131-3, which IEC 60848 does not have."""
 _STORED = {ActionKind.ON_ACTIVATION: True, ActionKind.ON_DEACTIVATION: False}
 
 
@@ -161,9 +164,8 @@ def _above(step: Step, association: ActionAssociation, words: Wording) -> str:
     """Return what is written over an action of GRAFCET: its condition, with the time of delayed and limited ones."""
     condition = words.condition(association.condition)
     if association.kind in _TIMED_KINDS and association.duration:
-        timed = _TIMED_KINDS[association.kind].format(
-            association.duration, step.name if step.number is None else step.number
-        )
+        time = _LITERAL.sub("", association.duration)
+        timed = _TIMED_KINDS[association.kind].format(time, step.name if step.number is None else step.number)
         return f"{timed} AND {condition}" if condition else timed
     return condition
 
