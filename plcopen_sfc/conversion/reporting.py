@@ -34,6 +34,7 @@ from plcopen_sfc.conversion.meaning import UNREAD_CONDITION
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import names_in
+from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.project import Chart, Project
@@ -186,7 +187,7 @@ def _lasts(chart: Chart, project: Project, inputs: Iterable[str], *, has_other_i
         is_plain = each.qualifier in (Qualifier.N, Qualifier.L, Qualifier.D) and each.event is None
         return is_plain and each.body is None and each.value is None and (each.target or "").casefold() not in bodies
 
-    for step in chart.chart.initial_steps:
+    for step in (step for inner in with_inner_charts(chart.chart) for step in inner.initial_steps):
         if step.entry_action or step.main_action or step.exit_action or not all(map(follows, step.actions)):
             return True
     if not has_other_inputs:
@@ -203,7 +204,8 @@ def _names_of_actions(chart: Chart, project: Project) -> Iterator[set[str]]:
     pous = {pou.name.casefold(): pou for pou in project.pous}
     types = {declared.name.casefold(): declared.type for declared in project.data_types}
     global_ = [variable for section in project.global_sections() for variable in section.variables]
-    texts = (*chart.pou.actions, *chart.pou.methods, *chart.chart.steps)
+    steps = (step for inner in with_inner_charts(chart.chart) for step in inner.steps)
+    texts = (*chart.pou.actions, *chart.pou.methods, *steps)
     waiting = [(chart.pou, {name for each in texts for name in names_in(each, project.dialect)})]
     seen, family = {chart.pou.name.casefold()}, {chart.pou.name.casefold()}
     while waiting:

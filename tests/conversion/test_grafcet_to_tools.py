@@ -581,3 +581,23 @@ def test_an_edge_of_an_undeclared_name_is_refused() -> None:
     report = converted(EDGES.replace("↑START", "↑Taste"), "simaticml")[1]
     assert losses(report)["text"] == "line 1: left as it stands: it is in the notation of GRAFCETs"
     assert losses(report)["condition"] == "↑Taste is an edge of something that is no variable and no step: Taste"
+
+
+def test_an_action_in_a_partial_chart_that_sees_an_input_a_scan_later_is_told() -> None:
+    text = """GRAFCET Mini
+INPUTS
+    a
+    b
+    c
+OUTPUTS
+    Q
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : a * /b
+    STEP 2
+        Q IF c
+    2 -> 1 : /a * b
+"""
+    report = sfc.convert(sfc.loads(text.encode()), "codesys", partial=True, limit=60).report
+    (item,) = [item for item in report.losses if item.what == "chart"]
+    assert "executes the actions before the transitions, and so sees other inputs in them" in item.why

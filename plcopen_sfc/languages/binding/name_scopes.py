@@ -319,13 +319,18 @@ def steps_of(chart: SfcNetwork, path: str, pou: Pou | None) -> Iterator[Declarat
 def charts_inside(body: Body | None) -> Iterator[SfcNetwork]:
     """The chart of a body and those of macro-steps and partial charts in it."""
     if isinstance(body, SfcBody):
-        waiting = [body.chart]
-        while waiting:
-            chart = waiting.pop()
-            yield chart
-            waiting += [partial.chart for partial in chart.partial_charts]
-            macros = [step.macro.body for step in chart.steps if step.macro is not None]
-            waiting += [macro.chart for macro in macros if isinstance(macro, SfcBody)]
+        yield from with_inner_charts(body.chart)
+
+
+def with_inner_charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
+    """A chart and those of macro-steps and partial charts in it."""
+    waiting = [chart]
+    while waiting:
+        chart = waiting.pop()
+        yield chart
+        waiting += [partial.chart for partial in chart.partial_charts]
+        macros = [step.macro.body for step in chart.steps if step.macro is not None]
+        waiting += [macro.chart for macro in macros if isinstance(macro, SfcBody)]
 
 
 def _steps(body: Body | None, path: str, pou: Pou) -> Iterator[Declaration]:
