@@ -23,6 +23,8 @@ _TWO = {
     **{"GT": Operator.GREATER, "GE": Operator.GREATER_OR_EQUAL, "EQ": Operator.EQUAL},
     **{"LE": Operator.LESS_OR_EQUAL, "LT": Operator.LESS, "NE": Operator.UNEQUAL},
 }
+_COMPARED = 2
+"""The inputs of a box that compares."""
 
 
 class UnknownNetworkError(Exception):
@@ -109,7 +111,7 @@ class BoxTrees:
         box = element.value("BoxType").strip('"')
         if box in _MANY and len(inputs) > 1:
             return n.Operation(_MANY[box], inputs)
-        if box in _TWO and len(inputs) == len("ab"):
+        if box in _TWO and len(inputs) == _COMPARED:
             return n.Operation(_TWO[box], inputs)
         if box == "NOT" and len(inputs) == 1:
             return n.Unary(Operator.NOT, inputs[0])
@@ -118,8 +120,8 @@ class BoxTrees:
     def _operand(self, element: _Element) -> n.Expression:
         _refuse_flags(element)
         held = element.child("Operand")
-        text = held.text[1:-1]
-        if held.tag != "v" or len(held.text) < len('""x') or "&" in text or '"' in text:
+        text = held.text[1:-1]  # the quotes around it
+        if held.tag != "v" or not text or "&" in text or '"' in text:
             raise UnknownNetworkError
         parsed = parse_expression(text, Dialect.CODESYS)
         if parsed.problems:
