@@ -30,7 +30,7 @@ def check(
     the project is for. It decides which rules apply and how severe a breach is. `select` are the rules to apply, by
     their codes or by what their codes begin with (``STR``), and `ignore` those not to apply. Elements that are excluded
     from the program are not looked at, and ``plcopen-sfc: ignore STR09`` in the comment of a step, a transition, a
-    chart or a POU lets findings there be.
+    chart or a POU suppresses findings there.
 
     `externals` are patterns (``GVL_*``) for names that are declared outside of a partial export: with them every other
     name that nothing declares is a finding, instead of one of what may be declared elsewhere.

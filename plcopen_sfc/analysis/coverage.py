@@ -127,7 +127,7 @@ class Coverage:
     def lines(self) -> list[str]:
         """Return what was not reached, a line for each reason; behind the first ones only how many there are.
 
-        What may be reachable comes first. What is behind a step that was not entered is only counted.
+        Elements that may be reachable come first. Those behind a step that was not entered are only counted.
         """
         following = Counter(each.kind for each in self.unreached if each.follows)
         behind = ", ".join(f"{count} {kind if count == 1 else _plural(kind)}" for kind, count in following.items())
@@ -174,7 +174,7 @@ class Coverage:
 class Tally:
     """Record of what a search reached of a system, and of systems that are parts of it.
 
-    What the compared POU itself has is counted, and what blocks and functions have that it calls, unless they are the
+    Elements of the compared POU count, and those of blocks and functions that it calls, unless they are the
     same on both sides.
     """
 
@@ -275,7 +275,7 @@ def _charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgra
 
 
 def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
-    """All of a kind, and whether it was reached."""
+    """All of a kind, each with True if it was reached."""
     if kind in _OF_TEXTS:
         yield from _OF_TEXTS[kind](system)
         return
@@ -432,7 +432,7 @@ class _Reasons:
         return Unreached(kind, shown, was_never, value=value)
 
     def _not_executed(self, name: str, label: str, net: Net) -> tuple[str, bool]:
-        """Return why an action was never executed, and whether nothing can execute it."""
+        """Return why an action was never executed, and True if nothing can execute it."""
         chart = next(chart for own, chart in _charts(self._system) if own == name)
         told: dict[str, bool] = {}
         entered = sum(1 << index for index in self._reached_steps(name, net))
@@ -444,7 +444,7 @@ class _Reasons:
         return " or ".join(known) or "was never executed", all(told.values()) and bool(told)
 
     def _idle(self, name: str, origin: ActionOrigin, entered: int, dead: int) -> tuple[str, bool]:
-        """Return why a step did not execute an action, and whether it cannot."""
+        """Return why a step did not execute an action, and True if it cannot."""
         steps, association = origin
         net = self._nets[name]
         step = ", ".join(net.names(steps))

@@ -1,11 +1,11 @@
 """Variables that a program writes in every scan before it reads them: their old values are no part of its state.
 
-Lowered charts compute transition bits anew in every scan, and give timers and flip-flops their inputs with every call.
+Lowered charts compute transition bits again in every scan, and give timers and flip-flops their inputs with every call.
 Without this a search would tell states apart that differ in such values only.
 
 Bodies that alone see the variables of their POU: what their statements do to these is all that is done to them.
 
-`sole_statements` are those of a single body in their order, `all_nodes` what stands in any body of a POU, in no order.
+`sole_statements` are those of a single body in their order, `all_nodes` the nodes of any body of a POU, in no order.
 """
 
 from __future__ import annotations
@@ -161,11 +161,11 @@ class _Reading:
     # -- statements
 
     def all(self, statements: Sequence[n.Statement], written: set[str]) -> bool:
-        """Statements behind each other; whether their end is reached."""
+        """Follow statements in their order; return True if their end is reached."""
         return all(self.one(statement, written) for statement in statements)
 
     def one(self, statement: n.Statement, written: set[str]) -> bool:
-        """One statement; False: what stands behind it is not reached."""
+        """Follow one statement; return False if the next one is not reached."""
         match statement:
             case n.Assignment(target=target, value=value, kind=kind):
                 self.read(value, written)
@@ -218,7 +218,7 @@ class _Reading:
     # -- expressions
 
     def read(self, node: n.Node, written: set[str]) -> None:
-        """Whatever stands in an expression is read."""
+        """Count everything in an expression as read."""
         if isinstance(node, n.Call):
             self._expose(_root(node.callee), written)
         path = plain_path(node)

@@ -28,9 +28,9 @@ from plcopen_sfc.semantics.programs.types import Frame
 
 @dataclass(eq=False)
 class ConditionPart:
-    """A part of the condition of a transition: its text, when it decides, and whether it has done so.
+    """A part of the condition of a transition: its text, when it decides, and if it has done so.
 
-    `value`: a Boolean that is to have this value when it is tested, whether it decides or not.
+    `value`: a Boolean that is to have this value when it is tested, if it decides or not.
     """
 
     owner: str

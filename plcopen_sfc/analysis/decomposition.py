@@ -563,7 +563,7 @@ def _names_of(path: str) -> set[str]:
 
 
 class _Running:
-    """A search that is advanced piece by piece."""
+    """A search that is advanced step by step."""
 
     def __init__(self, searching: Search, look: Callable[[int], str]) -> None:
         self._searching = searching
@@ -578,7 +578,7 @@ class _Running:
             if progress is None:
                 break
             now = progress.scans
-            if now < self._last:  # it began anew, with more values of inputs
+            if now < self._last:  # it began again, with more values of inputs
                 self._before += self._last
             self._last = now
         return self.found
@@ -593,8 +593,8 @@ def race(
 ) -> Explored:
     """Search the whole and its parts in turn: whichever has an answer first ends it.
 
-    `size`: how many variables the whole has. `accepted` tells whether what the parts show is a difference of the whole.
-    `look` tells why the search must end. What the search of the whole says counts where the parts have no answer.
+    `size`: how many variables the whole has. `accepted` is True if a difference of the parts is one of the whole.
+    `look` tells why the search must end. The result of the whole counts where the parts have none.
     """
     undivided = _Running(whole, look)
     head_start = _HEAD_START + _HEAD_START_FOR_A_VARIABLE * size

@@ -26,7 +26,7 @@ _MOST_NAMES = 64
 
 
 class NotProvableError(Exception):
-    """Programs do something with an input that no few values stand for."""
+    """Programs use an input in a way that no few values can represent."""
 
 
 class Domain:
@@ -113,7 +113,7 @@ class Symbolic:
     __slots__ = ()
 
     def key(self) -> Any:
-        """Equal keys stand for equal values."""
+        """Equal keys mean equal values."""
         raise NotImplementedError
 
 
@@ -206,7 +206,7 @@ def plain(value: Any) -> Value:
 
 
 def frozen(state: Any) -> Any:
-    """A state that can be hashed: what stands for values in it is named."""
+    """A state that can be hashed: symbolic values in it are named."""
     if isinstance(state, Symbolic):
         return state.key()
     return tuple(map(frozen, state)) if isinstance(state, tuple) else state

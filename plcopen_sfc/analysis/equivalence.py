@@ -2,7 +2,7 @@
 
 First all that both can do together is searched (`plcopen_sfc.analysis.product`), with every value of every input that
 is read: that is a proof, or gives the shortest input trace that shows a difference. Where there are too many states, or
-a program does with a number what no few values stand for, both are run on directed and random inputs.
+a program uses a number in a way that no few values can represent, both run on directed and random inputs.
 
 Each side may run as another tool runs it, and one of them may be later by a constant number of scans
 (`plcopen_sfc.analysis.pairing`). Compared is what variables and steps are at the end of scans: in which order they were
@@ -91,7 +91,7 @@ _MOST_RUN_ALONE = 20_000
 """Scans of a difference that are run one by one; in longer ones those are skipped in which only clocks go on."""
 
 _QUICK_RUNS, _QUICK_SCANS = 12, 60
-"""Trial of each of several delays before it is searched whether it fits."""
+"""Scans that each of several delays is tried for, before a search."""
 
 
 class Searching(TypedDict, total=False):
@@ -129,7 +129,7 @@ def equivalent(
     `profile`: how both are executed, or each of them: ``("s7graph", "codesys")``; without it both as the first.
     `delay`: by how many scans `b` may be later in all that is compared (less than 0: `a`), a number, several of which
     the smallest with a proof is taken, else the smallest with the best verdict, or ``"auto"`` for -2 to 2; the verdict
-    says which it is, and how the start and times are compared then.
+    names it, and how the start and times are compared then.
 
     `outputs`: the variables to compare (by their names in `a`, or a mapping from these to those in `b`); without it all
     single values that both have under the same name, or at the same direct address, and that are no inputs, also those
@@ -141,7 +141,7 @@ def equivalent(
     `fixed`: inputs that keep a value, by their names in either. `free_inputs`: variables that nothing writes and that
     are to be inputs though they are not declared so, or ``all``, but never those that tell of steps. `left_out`: a
     variable of `b`; scans that end with its value TRUE are not compared, nor what follows them. A `LoweredPou` as `b`
-    brings its profile, step flags, inputs at rest and what is left out; SFC flags that operate the chart are inputs.
+    brings its profile, step flags, inactive inputs and what is left out; SFC flags that operate the chart are inputs.
     `cap`: the most states of the search; `runs` of `scans` scans are tried where that ends without an answer.
     `scan_time`: without it one for which all durations of the programs end exactly in a scan.
 

@@ -32,9 +32,9 @@ AnyCondition: TypeAlias = str | NetworkExpression | n.Node
 
 @dataclass(frozen=True)
 class Exclusivity:
-    """Answer to whether two conditions exclude each other; true where Python asks only if they do.
+    """Answer to whether two conditions exclude each other; its truth value is True if they do.
 
-    NO: `witness` is a situation in which both are true. UNKNOWN: `reason` says why.
+    NO: `witness` is a situation in which both are true. UNKNOWN: `reason` tells why.
     """
 
     answer: Answer
@@ -76,7 +76,7 @@ def association_condition(association: ActionAssociation, dialect: Dialect = Dia
 def exclusive(
     a: AnyCondition, b: AnyCondition, *, dialect: Dialect = Dialect.IEC, knowledge: Knowledge | None = None
 ) -> Exclusivity:
-    """Return whether two conditions exclude each other. `knowledge`: what is known of the variables in them.
+    """Decide if two conditions exclude each other. `knowledge`: what is known of the variables in them.
 
     Without knowledge a name is what its use shows: Boolean, a number, a duration. See `project_knowledge`.
     """
@@ -90,7 +90,7 @@ def exclusive(
 
 
 def truth(condition: AnyCondition, *, dialect: Dialect = Dialect.IEC, knowledge: Knowledge | None = None) -> Truth:
-    """Return whether a condition is true always, never, or sometimes."""
+    """Decide if a condition is true always, never, or sometimes."""
     read = _read(condition, dialect)
     if isinstance(read, str):
         return Truth.UNKNOWN

@@ -1,9 +1,9 @@
 """Conditions as formulas that z3 decides.
 
 A formula knows Boolean operations, comparisons of values with constants and with each other, lengths of texts, and
-nothing else. What it does not know (arithmetic, calls) is an atom of its own: equal text, equal value. Such an atom may
+nothing else. An unknown operation (arithmetic, a call) is an atom of its own: equal text, equal value. Such an atom may
 take any value in the formula, so what z3 finds impossible is impossible; what it finds possible is then only a guess,
-and `Formula.doubts` says why. Where only guesses are wanted, arithmetic and standard functions are known, too.
+and `Formula.doubts` tells why. Where only guesses are wanted, arithmetic and standard functions are known, too.
 
 The terms of z3 are without overflow and rounding errors.
 """
@@ -239,13 +239,13 @@ class Formula:
         return terms
 
     def check(self, terms: list[Any]) -> tuple[bool | None, dict[str, str], str]:
-        """Return whether all terms can be true together, in which situation, and why that is unknown (None)."""
+        """Decide if all terms can be true together, in which situation, and why that is unknown (None)."""
         solver = self._asker()
         possible, reason = self._judged(solver, terms)
         return possible, self._situation(solver.model()) if possible else {}, reason
 
     def can_be_true(self, terms: list[Any]) -> bool | None:
-        """Return whether all terms can be true together, as `check` does, in a third of the time.
+        """Decide if all terms can be true together, as `check` does, in a third of the time.
 
         One solver gets all questions about the terms that were made before the first. Which situation it finds would
         depend on the order of the questions.
@@ -290,8 +290,8 @@ class Formula:
     ) -> dict[str, Any] | None:
         """Values of variables with which all terms are true, or None.
 
-        `known` are values that variables have; names of enumerations are texts. What the formula does not know may take
-        any value, so it is to be tried whether the values do it.
+        `known` are values that variables have; names of enumerations are texts. Values unknown to the formula may be
+        anything, so the returned values are only a guess that has to be tried.
         """
         z3, solver = self._solver(terms, known)
         solver.add(
@@ -378,7 +378,7 @@ class Formula:
         value = date.fromordinal(number) if kind is ValueKind.DATE and 0 < number <= date.max.toordinal() else number
         try:
             return write_literal(LiteralValue(_LITERALS[kind], value), self.dialect)
-        except ModelError:  # no literal can say it: a time between the milliseconds of CODESYS
+        except ModelError:  # no literal has it: a time between the milliseconds of CODESYS
             return f"{number} ns"
 
     # -- Boolean terms
@@ -577,7 +577,7 @@ class Formula:
         return made
 
     def _key(self, tree: Expression) -> str:
-        """Equal keys, equal values. What is called may answer differently each time, but for standard functions."""
+        """Equal keys, equal values. Calls may answer differently each time, but for standard functions."""
         text = print_node(tree).casefold()
         calls = [node for node in walk(tree) if isinstance(node, n.Call)]
         if any(not is_standard_call(call) for call in calls):

@@ -426,7 +426,7 @@ class Goals:
     ) -> dict[str, Value] | None:
         """Values of inputs with which some conditions are TRUE and others FALSE now; None where there are none.
 
-        What is no input has its present value, or, `hoping`, any. Only as good as what z3 knows of the conditions.
+        All but inputs have their present values, or, `hoping`, any. Only as good as what z3 knows of the conditions.
         """
         goals = [*wanted, *unwanted]
         if any(goal.tree is None for goal in goals):

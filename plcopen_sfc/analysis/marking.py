@@ -1,7 +1,7 @@
 """The marking graph of a chart: every situation that it can come into, whatever its conditions are.
 
-Conditions are free: any enabled transition may fire or not. What is found to be impossible is impossible for the chart;
-what is found to be possible may still be excluded by conditions.
+Conditions are free: any enabled transition may fire or not. Anything found impossible is impossible for the chart;
+anything found possible may still be excluded by conditions.
 """
 
 from __future__ import annotations
@@ -205,7 +205,7 @@ def _sets(net: Net, competing: Competing, marking: int, enabled: tuple[int, ...]
 
 
 DEFAULT_CAP = 100_000
-"""Number of markings that are visited unless the caller says otherwise: a second or so, and some 20 MB."""
+"""Number of markings that are visited unless the caller wants another: a second or so, and some 20 MB."""
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ class Unsafe:
 class MarkingGraph:
     """All markings that can be reached from the initial one. See `marking_graph`.
 
-    Answers are exact where `complete`. Where the cap was hit, what was found stands (a deadlock is a deadlock), and
+    Answers are exact where `complete`. Where the cap was hit, what was found is true (a deadlock is a deadlock), and
     whatever would need the rest is `Answer.UNKNOWN` or None.
 
     As long as no step can get a second token, transitions that fire in one scan can as well fire one after the other,
@@ -251,7 +251,7 @@ class MarkingGraph:
 
     @cached_property
     def _first_search(self) -> ExploredMarkings:
-        """Explore by single firings, which shows whether the net is safe unless competing transitions fire together."""
+        """Explore by single firings, which decides if the net is safe unless competing transitions fire together."""
         if self.competing is Competing.ALL:
             return explore_in_sets(self.net, self.competing, self.cap)
         return explore_one_by_one(self.net, self.cap)

@@ -4,7 +4,7 @@ A counter (``n := n + 1``) takes thousands of values, and an input that is calcu
 two programs do the same with such a number it need not be known: both sides then have the same term. A comparison of
 terms may come out either way, but the same way wherever the same terms are compared in a scan. After the scan every
 term that is kept gets a name of its own, equal ones the same: from then on it may be any number. So there are a few
-states, in which more can happen than really does. What is proven there is proven; a difference may be none.
+states, in which more can happen than really does. A proof there is a proof; a difference may be none.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Answers:
 
 
 class Term(Symbolic):
-    """A number of which is known how it was calculated. What cannot be said of it ends the proof."""
+    """A number with its calculation. A question that it cannot answer ends the proof."""
 
     __slots__ = ("_answers", "_key", "_size")
 

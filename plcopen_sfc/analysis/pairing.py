@@ -98,7 +98,7 @@ _RETIMABLE = frozenset({ScanOrder.ACTIONS_FIRST, ScanOrder.RETIMED})
 def delays(wanted: int | str | Delay | Iterable[int], profiles: Sequence[Profile]) -> tuple[Delay, ...]:
     """The delays to try, in this order, for a choice of ``delay=``. `profiles`: of the first and the second.
 
-    Of each number of scans that is wanted those come first that say most: both sides as they are, begun together; one
+    Of each number of scans those are first that tell most: both sides as they are, begun together; one
     begun later; retimed. Raises `ModelError`.
     """
     if isinstance(wanted, Delay):

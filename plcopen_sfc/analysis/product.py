@@ -156,15 +156,15 @@ class Progress(NamedTuple):
 
 
 class StopError(Exception):
-    """Thrown into a search that has to end with what it knows; its text says why."""
+    """Thrown into a search that has to end with what it knows; its text tells why."""
 
 
 Search = Generator[Progress, None, Explored]
-"""A search that can be interrupted: it says how far it is before each state, and ends where `StopError` is thrown."""
+"""A search that can be interrupted: it yields its progress before each state, and ends where `StopError` is thrown."""
 
 
 def ended(searching: Search, look: Callable[[int], str] = lambda _: "") -> Explored:
-    """Let a search run to its end, or until `look` says why it must end."""
+    """Run a search to its end, or until `look` tells why it must end."""
     found, _ = advanced(searching, look)
     while found is None:
         found, _ = advanced(searching, look)
@@ -172,7 +172,7 @@ def ended(searching: Search, look: Callable[[int], str] = lambda _: "") -> Explo
 
 
 def advanced(searching: Search, look: Callable[[int], str]) -> tuple[Explored | None, Progress | None]:
-    """Let a search go on by one state: what it has found if it ends, else how far it is."""
+    """Advance a search by one state; return its result if it ends, else its progress."""
     try:
         progress = next(searching)
         reason = look(progress.states)
@@ -309,7 +309,7 @@ def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
 
     Both fail, or neither of them becomes stable; or orders of a chart contradict each other, which is a mistake of its
     author: what follows is unknown; or the user does not want to know what follows. That only one of them never
-    becomes stable is a difference. Raises an error that says that a system cannot be executed at all.
+    becomes stable is a difference. Raises an error if a system cannot be executed at all.
     """
     for failure in failures:
         if isinstance(failure, UnknownBehaviourError | UnknownFunctionError):

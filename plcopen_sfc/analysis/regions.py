@@ -2,7 +2,7 @@
 
 A region is a state machine, so it can be one CASE over one variable. A fork takes the token of its region and starts
 all branches of a block; a join ends them all and gives the token back. Where a chart is not built like that,
-`Unstructured` says which transition is in the way.
+`Unstructured` names the transition in the way.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Limits of a search, its progress, and what an analysis can say."""
+"""Limits of a search, its progress, and the answers of an analysis."""
 
 from __future__ import annotations
 

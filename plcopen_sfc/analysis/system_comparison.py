@@ -162,7 +162,7 @@ class Comparison:
     def first_difference(
         self, rows: Sequence[Mapping[str, Any]], skipped: Sequence[int] | None = None, look: Look = never
     ) -> int | None:
-        """Return how many rows it takes to a difference; None where there is none, or `look` says that time is over."""
+        """Return how many rows it takes to a difference; None where there is none, or `look` ends it."""
         for scan, failures in enumerate(self._runs(rows, skipped)):
             if end_of(failures) is not None or look(scan):
                 return None

@@ -2,7 +2,7 @@
 
 Results of unknown functions and blocks may be anything, but are the same on both sides. In a scan equal calls have
 equal results, and all results are tried. A block depends on the calls before, too: which these were is compared at the
-end of every scan, so both sides have made the same ones as long as the search goes on. What is proven then holds
+end of every scan, so both sides have made the same ones as long as the search goes on. A proof then holds
 whatever the functions and blocks do. A difference may be none: a result may be another one in another scan, though the
 arguments are the same.
 """
@@ -108,9 +108,9 @@ _NO_STEPS = StepTimes(limit=0, anywhere=frozenset(), read=frozenset())
 
 @dataclass(frozen=True)
 class Observation:
-    """Something to compare: a variable, whether it has a value (``state = 3``), or whether a step is active (`bit`).
+    """Something to compare: a variable, a test of its value (``state = 3``), or a step flag (`bit`).
 
-    `follows`: whether the step will be active in the next scan.
+    `follows`: True if the step will be active in the next scan.
     """
 
     path: str
@@ -264,11 +264,11 @@ class ProgramSystem:
         yield from sorted(length for length in {*around, signal.length} if 0 < length <= signal.length)
 
     def not_driven(self) -> list[str]:
-        """The inputs that it reads and that keep their values, because no few values stand for them."""
+        """The inputs that it reads and that keep their values, because no few values can represent them."""
         return self._controller.library.use.not_given()
 
     def writes(self, path: str) -> bool:
-        """Return True if it may write a variable. What unknown blocks put out is known from their calls."""
+        """Return True if it may write a variable. Outputs of unknown blocks are known from their calls."""
         unknown = self._controller.library.unknown
         if unknown is not None and unknown.owns(path):
             return False
@@ -488,7 +488,7 @@ class ProgramSystem:
         return {p.name: p for p in self.subject.project.pous if p.name in owners and p.name != self.subject.pou.name}
 
     def pass_time(self, scans: int) -> None:
-        """Let the time of some scans go by, in which nothing but clocks would go on."""
+        """Skip the time of some scans in which nothing but clocks would go on."""
         self._controller.now += scans * self.clock.scan_time
         self.instance.scans += scans
 

@@ -5,7 +5,7 @@ would go on growing for days while the step waits for something else, and every 
 greatest constant that it is compared with that makes no difference. And a timer that an action started and nothing
 calls any more would go on growing forever: once its time is over it makes no difference when it was started.
 
-`Clocking` and `StepTimes` say how far a search must follow times, and in which steps.
+`Clocking` and `StepTimes` bound how far a search must follow times, and in which steps.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ _DEFAULT_SCAN = 10_000_000
 class Clocking:
     """Advance of time in a search.
 
-    `scan_time` in nanoseconds; `constants` are the durations in the programs; `reason` says why no finite number of
-    states can stand for all times.
+    `scan_time` in nanoseconds; `constants` are the durations in the programs; `reason` tells why no finite number of
+    states can represent all times.
     """
 
     scan_time: int

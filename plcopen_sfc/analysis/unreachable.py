@@ -100,7 +100,7 @@ class Unreachable:
         )
 
     def is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, called: str | None = None) -> bool:
-        """True if conditions that stand in a chart, or in a called POU of a name, are never TRUE together."""
+        """True if conditions in a chart, or in a called POU of a name, are never TRUE together."""
         if called is None:
             return self._is_impossible(trees, chart, self._fixed)
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._system.called_pous()[called]))

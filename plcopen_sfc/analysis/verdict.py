@@ -111,15 +111,15 @@ class Counterexample:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The result of a comparison, and what it stands on.
+    """The result of a comparison, and its evidence.
 
     `compared`: what was compared, by the names of the first; `uncompared`: what only the first has and so could not be.
     `states`: the pairs of states that were searched, with all input sequences of `depth` scans; `parts`: in how many
     searches of what does not depend on each other. `runs` of `scans` scans were made with directed and random inputs.
-    `scan_time` (nanoseconds): what is said of times holds for it. `reason`: why there is no proof. `notes`: what was
+    `scan_time` (nanoseconds): statements about times hold for it. `reason`: why there is no proof. `notes`: what was
     left out of the search. `coverage`: what was executed of the first and of the second, and what was not. `frozen`:
     variables that nothing writes and that are declared as no inputs, so that they kept their values. `delay`: by how
-    many scans the second is later in all that was compared, and how that was compared; `delay_notes` say it.
+    many scans the second is later in all that was compared, and how that was compared; `delay_notes` describe it.
     `unknown`: functions and blocks that are called and that the file does not contain; see `equivalent`.
     `gap`: what is written and can be seen from outside, but was not compared, in words.
     """
@@ -158,7 +158,7 @@ class Verdict:
         return self.kind is VerdictKind.DIFFERENT
 
     def joined(self, other: Verdict) -> Verdict:
-        """The same with what another search of the same two has reached, in which some inputs were at rest."""
+        """The same with what another search of the same two has reached, in which some inputs were inactive."""
         coverage = tuple(mine.joined(theirs) for mine, theirs in zip(self.coverage, other.coverage, strict=True))
         kind = self.kind
         if kind is VerdictKind.UNTESTED and not self.interrupted and not self.gap and not any_untested(coverage):
@@ -276,7 +276,7 @@ def _shown(value: Value | None, signal: Signal | None) -> str:
 class UntestedError(LoweringError):
     """Code that is equal to its chart where both were run, but not all that can be reached was.
 
-    `verdict` says what was reached. Nothing was written.
+    `verdict` tells what was reached. Nothing was written.
     """
 
     def __init__(self, message: str, *, verdict: Verdict, location: Location | None = None, hint: str = "") -> None:

@@ -135,7 +135,7 @@ def _formats(screen: Screen) -> int:
 def _info(screen: Screen, files: o.Files, charts: o.Charts = None) -> int:
     """Show what files hold, with an outline of each chart.
 
-    Shows tool and version, POUs, steps, transitions and actions. What is wrong with the charts goes to standard error.
+    Shows tool and version, POUs, steps, transitions and actions. Problems of the charts go to standard error.
     """
     from plcopen_sfc.cli.commands import info
 
@@ -297,7 +297,7 @@ def _renumber(
 def _merge(screen: Screen, source: o.StepList, file: o.ListedFile, dry_run: o.DryRun = False) -> int:
     """Put what was edited in a step list into its file.
 
-    The list is what `convert FILE list.xlsx` wrote, with changes. What is the same in it stays as it is in the file.
+    The list is one that `convert FILE list.xlsx` wrote, with your changes. Rows that are the same change nothing.
     """
     from plcopen_sfc.cli.commands import edits
 
@@ -493,7 +493,7 @@ def _normalize(screen: Screen, files: o.Files, dry_run: o.OnlyList = False) -> i
 
 @_command
 def _git_setup(screen: Screen, patterns: o.Patterns = None, undo: o.Undo = False) -> int:
-    """Let git show changes in the words of charts, and check merges.
+    """Make git show changes in the words of charts, and check merges.
 
     Writes lines to .gitattributes and to the configuration of the repository that you are in.
     """

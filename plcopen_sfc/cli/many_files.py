@@ -1,6 +1,6 @@
 """Commands on many files: which files are meant, and what is done with each, told in their order.
 
-With several jobs each file is worked on in a process of its own. What it prints there is kept, and printed in its turn.
+With several jobs each file is worked on in a process of its own. Its output is kept, and printed in its turn.
 """
 
 from __future__ import annotations

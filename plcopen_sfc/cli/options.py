@@ -76,7 +76,7 @@ AcceptErrors = Annotated[
     bool, _option("--accept-errors", "Write what could be read of a file in which reading finds errors.")
 ]
 AsTool = Annotated[bool, _option("--as-tool", "Read the file as its tool does, without data that only we read.")]
-Partial = Annotated[bool, _option("--partial", "Write a file that does not execute everything; the report says what.")]
+Partial = Annotated[bool, _option("--partial", "Write a file that does not execute everything; the report lists what.")]
 Strict = Annotated[bool, _option("--strict", "Refuse all that changes behaviour, not only what is not executed.")]
 Fresh = Annotated[bool, _option("--fresh", "Write from the model alone and not into the old text.")]
 Normalize = Annotated[bool, _option("--normalize", "Leave out what TIA Portal ignores, such as the time of export.")]
@@ -172,7 +172,7 @@ After = Annotated[str, typer.Argument(metavar="B", help="The same, later.")]
 Layout = Annotated[
     bool, _option("--layout", "Also list what is not executed: positions, other text of the same meaning.")
 ]
-Prove = Annotated[bool, _option("--prove", "Run changed charts against each other: whether they still do the same.")]
+Prove = Annotated[bool, _option("--prove", "Compare changed charts by running them.")]
 ProveLimit = Annotated[str, _option("--limit", "With --prove, run a chart for no longer than this.", "TIME")]
 DiffHtml = Annotated[Path | None, _option("--html", "Save a page with the changed charts beside each other.", "FILE")]
 ExitCode = Annotated[bool, _option("--exit-code", "End with exit code 1 if there are differences.")]
@@ -181,16 +181,16 @@ Patterns = Annotated[
     list[str] | None,
     typer.Argument(metavar="[PATTERN]...", help="The files to compare so. The default are those of all formats."),
 ]
-Merged = Annotated[str, typer.Argument(help="What git gives a merge driver: %O %A %B %P.")]
+Merged = Annotated[str, typer.Argument(help="The four names from git: %O %A %B %P.")]
 Undo = Annotated[bool, _option("--undo", "Take out again what was written.")]
 
 # -- renaming ---------------------------------------------------------------------------------------------------------
 
-OldName = Annotated[str, typer.Argument(metavar="OLD", help="What to rename: Main, Main.S3, GVL.x, Type.member.")]
+OldName = Annotated[str, typer.Argument(metavar="OLD", help="The object: Main, Main.S3, GVL.x, Type.member.")]
 NewName = Annotated[str, typer.Argument(metavar="NEW", help="Its new name.")]
 
 Start = Annotated[int, _option("--start", "The number of the first step.")]
-Increment = Annotated[int, _option("--increment", "What each step has more than the one before it.")]
+Increment = Annotated[int, _option("--increment", "The difference between two steps.")]
 NamesOfSteps = Annotated[str, _option("--names", "Name the steps too: S{number}, S{number:03}_{name}.")]
 
 # -- step lists -------------------------------------------------------------------------------------------------------
@@ -207,7 +207,7 @@ Script = Annotated[
 ScriptSettings = Annotated[list[str] | None, _option("--set", "Give the script a setting. Repeatable.", "NAME=VALUE")]
 Write = Annotated[bool, _option("--write", "Change the files; without it only show what would change.")]
 Patch = Annotated[Path | None, _option("--diff", "Write the changes as a unified diff without context.", "FILE")]
-Scheduler = Annotated[str, _option("--scheduler", "Let the workers of a Dask scheduler do it.", "tcp://HOST:PORT")]
+Scheduler = Annotated[str, _option("--scheduler", "Use the workers of a Dask scheduler.", "tcp://HOST:PORT")]
 ProveSame = Annotated[
     bool, _option("--prove", "Change only files that do the same: proven, or run through all that changed.")
 ]
@@ -228,7 +228,7 @@ SystemInputs = Annotated[
 Scans = Annotated[
     int | None, _option("--scans", "Run so many scans. The default is as many as there are inputs, or 100.", "N", min=0)
 ]
-ScanTime = Annotated[str, _option("--scan-time", "Let this time pass from scan to scan.", "TIME")]
+ScanTime = Annotated[str, _option("--scan-time", "The time from scan to scan.", "TIME")]
 Settings = Annotated[
     list[str] | None, _option("--set", "Give a variable a value before the first scan. Repeatable.", "NAME=VALUE")
 ]
@@ -255,7 +255,7 @@ Stop = Annotated[
     str | None,
     _option("--stop", "On this condition (emergency stop) activate only the initial step.", "CONDITION"),
 ]
-ResetActions = Annotated[bool, _option("--reset-actions", "Let --init and --stop end stored actions too.")]
+ResetActions = Annotated[bool, _option("--reset-actions", "Make --init and --stop end stored actions too.")]
 States = Annotated[
     str | None,
     _option("--states", "Write states of a CASE as numbers, constants or enumeration; usual are names.", "KIND"),

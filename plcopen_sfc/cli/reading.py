@@ -32,7 +32,7 @@ def load_input(screen: Screen, name: str, *, as_tool: bool = False) -> Project:
 def written_to_stdout(screen: Screen, target: str, extension: str) -> Iterator[str]:
     """Give the path to write to: `target`, or for ``-`` that of a file which goes to standard output in the end.
 
-    What the command prints goes to standard error then. Raises `SfcError` where that is to be JSON.
+    The output of the command goes to standard error then. Raises `SfcError` where that is to be JSON.
     """
     if target != STANDARD_STREAM:
         yield target

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.diagnostics import Diagnostic
 
 UNREADABLE = 2
-INTERRUPTED = 130  # 128 + SIGINT, as shells say it
+INTERRUPTED = 130  # 128 + SIGINT, as shells do
 _PIPE_CLOSED = 141  # 128 + SIGPIPE
 
 
@@ -170,7 +170,7 @@ class Screen:
     # -- results ------------------------------------------------------------------------------------------------------
 
     def line(self, *pieces: str | tuple[str, str]) -> None:
-        """Print one line of the result; pieces with a style have it on a terminal."""
+        """Print one line of the result; parts with a style have it on a terminal."""
         self._write(self._results, [(p, "") if isinstance(p, str) else p for p in pieces])
 
     def lines(self, lines: Iterable[Line]) -> None:
@@ -329,7 +329,7 @@ class Screen:
 
 
 def prepare_streams() -> None:
-    """Let no text be an encoding error; use UTF-8 in pipes, unless PYTHONIOENCODING is set."""
+    """Prevent encoding errors of output; use UTF-8 in pipes, unless PYTHONIOENCODING is set."""
     for stream in (sys.stdout, sys.stderr):
         if not isinstance(stream, io.TextIOWrapper):
             continue

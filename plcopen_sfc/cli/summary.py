@@ -255,7 +255,7 @@ _Path = tuple[tuple[int, int], ...]
 class _Flow:
     """The chart as a walk from its initial steps.
 
-    `roots` are the steps where the walk begins. `waits` says for each step how many transitions lead to it without
+    `roots` are the steps where the walk begins. `waits` has for each step how many transitions lead to it without
     leading back: the outline goes on with it where the last of them has arrived.
     """
 

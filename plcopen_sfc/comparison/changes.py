@@ -109,7 +109,7 @@ _TELL_THEMSELVES = frozenset({"initial", "excluded", "negation", "retain", "cons
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """Answer to whether something changed still does the same: the `verdict`, or why there is none.
+    """Proof that something changed still does the same: the `verdict`, or why there is none.
 
     `reason` with a verdict is what it holds for.
     """

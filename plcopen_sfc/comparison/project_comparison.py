@@ -40,7 +40,7 @@ def diff(
 ) -> ProjectDiff:
     """Return what changed from the project `a` to the project `b`, in the charts and around them.
 
-    Both are compared by their meaning, so they may come from files of different formats. What has another name is
+    Both are compared by their meaning, so they may come from files of different formats. An object with another name is
     recognised by what it does and where it is. With `layout` also what is not executed is listed: positions, and
     program text that means the same. With `prove` the changed charts are run against each other as `equivalent` does,
     each for at most `limit` (seconds, or a time). Raises `InputError` for a limit that is not valid.
@@ -187,7 +187,7 @@ def proofs(projects: tuple[Project, Project], changes: Iterable[Change], limit: 
     """Run what may do something else in the second project, each for at most `limit` (seconds, or a time).
 
     These are the programs, function blocks and charts that have changed, and all of them where something has changed
-    that is in none: they may use it. What no run shows is a proof without a verdict.
+    that is in none: they may use it. Where no run can show it, the proof has no verdict.
     """
     executed = [change for change in changes if _is_executed(change)]
     shown = []

@@ -1,7 +1,7 @@
 """Recognition of what has another name in the second project: steps, variables, actions, POUs, types.
 
 A step is found again by its place in the flow and what it does, a variable by its type and its uses, everything else by
-what is in it. What is found is a table for `plcopen_sfc.refactor.rename`: with the new names in the first project, what
+what is in it. The result is a table for `plcopen_sfc.refactor.rename`: with the new names in the first project, what
 still differs are changes.
 """
 

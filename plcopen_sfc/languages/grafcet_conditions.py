@@ -41,10 +41,10 @@ class Terms(Protocol):
     """Replacements of edges and times, which structured text does not have. Operands are structured text."""
 
     def edge(self, operand: str, *, rising: bool) -> str:
-        """Return what stands for ``↑operand`` or ``↓operand``."""
+        """Return the replacement of ``↑operand`` or ``↓operand``."""
 
     def delay(self, operand: str, first: str | None, last: str | None) -> str:
-        """Return what stands for ``first/operand/last``."""
+        """Return the replacement of ``first/operand/last``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +166,7 @@ class _Reader:
     # -- levels of parentheses
 
     def level(self, start: int, end: int) -> str:
-        """Read what stands between two parentheses: Boolean parts, and comparisons between word operators."""
+        """Read the text between two parentheses: Boolean parts, and comparisons between word operators."""
         parts, position = [], start
         while True:
             split = self._next(position, end, set(_BOOLEAN))
@@ -233,7 +233,7 @@ class _Reader:
         token = self.tokens[start]
         if token.kind == "not" or token.text == "/":
             operand, behind = self._operand(start + 1, end)
-            # a time may stand as a comparison (Step1.T >= T#3s), of which NOT alone would take the first operand
+            # a time may become a comparison (Step1.T >= T#3s), of which NOT alone would take the first operand
             return f"NOT ({operand})" if _COMPARISON.match(operand) else f"NOT {operand}", behind
         if token.text in ("↑", "↓"):
             operand, behind = self._operand(start + 1, end)

@@ -69,7 +69,7 @@ class Operand:
 
 @dataclass(frozen=True, slots=True)
 class Instruction:
-    """One instruction. `operator` is as written and may be empty: a label can stand alone.
+    """One instruction. `operator` is as written and may be empty: a label can be alone.
 
     `opens`: its operand goes on over several lines (``AND( ..``).
     """
@@ -151,7 +151,7 @@ def _closes(tokens: list[Token]) -> bool:
 
 
 def _operands(text: str, tokens: list[Token], dialect: Dialect) -> Iterator[Operand]:
-    """The operands between commas that stand in no parentheses."""
+    """The operands between commas outside of parentheses."""
     depth = 0
     commas = [-1]
     for index, token in enumerate(tokens):
@@ -472,7 +472,7 @@ class _Following:
         trees = [operand.parsed.tree for operand in instruction.operands]
         if any(operand.parsed.problems for operand in instruction.operands):
             return False
-        if not word and not trees:  # a label that stands alone
+        if not word and not trees:  # a label alone
             return True
         if word in ("ST", "STN", "S", "R"):
             return len(trees) == 1 and self._store(word, trees[0])

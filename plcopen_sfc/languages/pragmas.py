@@ -1,11 +1,11 @@
-"""Pragmas of ours, ``{plcopen_sfc path := value}``: what IEC 61131-3 cannot say, in a form to read and to diff.
+"""The pragma ``{plcopen_sfc path := value}``: what IEC 61131-3 cannot express, in a form to read and to diff.
 
 Other tools ignore them. They hold the difference between what a reader takes from a text and what the model holds.
 Plain data on both sides: dictionaries of fields that are not at their default. A writer prints an object, knows what
 the reader will take from the print, and writes the remainder as pragmas; so nothing is forgotten, whatever the object
 holds.
 
-Values are literals of IEC 61131-3, ``(key := value)`` and ``[value, value]``. No brace and no comment mark ever stands
+Values are literals of IEC 61131-3, ``(key := value)`` and ``[value, value]``. No value has a brace or a comment mark
 in it, so that every tool finds the end of the pragma: ``{plcopen_sfc supervision := (alarm := 'too hot', condition :=
 (kind := 'expression', text := 'x > 3'))}``.
 """
@@ -32,7 +32,7 @@ class Default:
 
 
 DEFAULT: Final = Default()
-"""The value ``DEFAULT``: the field has its default, whatever the text beside the pragma says."""
+"""The value ``DEFAULT``: the field has its default, whatever is in the text beside the pragma."""
 
 
 class NotationError(ValueError):
@@ -228,10 +228,10 @@ Segment: TypeAlias = str | int | Named | Numbered | Append
 
 @dataclass(frozen=True, slots=True)
 class RemainderEntry:
-    """The value at `path` is `value`; `DEFAULT`: nothing is said there.
+    """The value at `path` is `value`; `DEFAULT`: the text has none there.
 
-    `instead` is what the text says there, None if it says nothing. Who edits the text means the text: the change is
-    made only as long as the text says that.
+    `instead` is the value in the text, None if it has none. An edit of the text overrides the pragma: the change is
+    made only as long as the text has that value.
     """
 
     path: tuple[Segment, ...]
@@ -268,7 +268,7 @@ def plain_fields(thing: BaseModel, substitute: Substitute | None = None, leave: 
 
 @cache
 def _defaults(kind: type[BaseModel]) -> list[tuple[str, bool, Any]]:
-    """Of each field its name, whether it is always to be said, and its default."""
+    """Of each field its name, True if it is always written, and its default."""
     return [
         (
             name,
@@ -420,11 +420,11 @@ class PathError(ValueError):
 
 
 class StaleError(ValueError):
-    """A change that was made for another text than the one that stands there now."""
+    """A change that was made for a text that has been edited since."""
 
 
 def apply(fields: Fields, change: RemainderEntry) -> None:
-    """Make `change` in `fields`. Raises `StaleError` where the text says something new there, and `PathError`."""
+    """Make `change` in `fields`. Raises `StaleError` where the text has been edited, and `PathError`."""
     holder: Any = fields
     for segment, following in zip(change.path, change.path[1:], strict=False):
         holder = _enter(holder, segment, following)
@@ -507,7 +507,7 @@ def format_path(path: tuple[Segment, ...]) -> str:
 
 
 def parse_change(text: str, position: int = 0) -> RemainderEntry:
-    """The change that ``path := value`` says; ``path`` alone means TRUE. Raises `NotationError`."""
+    """The change in ``path := value``; ``path`` alone means TRUE. Raises `NotationError`."""
     scanner = Scanner(text, position)
     path: list[Segment] = [scanner.key()]
     while (mark := scanner.next_mark()) in (".", "["):

@@ -1,6 +1,6 @@
 """Boxes of LAD and FBD of TIA Portal in tools that have the functions of IEC 61131-3 only.
 
-What does the same there is such a function, by one table; anything else has no counterpart and does not compile.
+One table maps blocks to the functions that do the same; any other block has no counterpart and does not compile.
 Evidence: TIA Portal V19 help, basic instructions of S7-1500.
 
 The state of a flip-flop of S7 is the variable at the box; in other tools flip-flops are instances. The box becomes

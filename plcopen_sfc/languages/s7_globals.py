@@ -1,7 +1,7 @@
 """Global variables as S7 has them: a named list is a data block, others are tags and constants of a table.
 
 Named lists are those of CODESYS, whose variables texts name with their list: they belong to an application, or are
-objects of a project. In a configuration of IEC 61131-3 the names of lists say nothing. The variables of a list that
+objects of a project. In a configuration of IEC 61131-3 the names of lists mean nothing. The variables of a list that
 have an address are tags, in a table with the name of the list: S7 has no addresses in optimised data blocks. A global
 variable without a list, an address and a value that never changes is in a data block for all of these.
 """
@@ -117,7 +117,7 @@ def names_from_s7(project: Project) -> dict[str, tuple[str, ...]]:
 def _tags_of_lists(project: Project) -> dict[tuple[str, str], Tag | Variable]:
     """The tags and user constants that variables of named lists become, by the names of both in lower case.
 
-    A tag has an address that S7 can say; a constant has a value. Both have an elementary type and a name that no other
+    A tag has an address that S7 knows; a constant has a value. Both have an elementary type and a name that no other
     global thing has: S7 names them without their list.
     """
     counts, types = Counter(global_names(project)), s7_types(project)
@@ -184,7 +184,7 @@ def _is_plain(variable: Variable, types: S7Types) -> bool:
 
 
 def _tag(variable: Variable, types: S7Types, addresses: Dialect) -> Tag | None:
-    """The tag for a variable; None where it has no address that S7 can say."""
+    """The tag for a variable; None where it has no address that S7 can write."""
     if not variable.address or "*" in variable.address:
         return None
     address = translated_address(variable.address, addresses, Dialect.SCL)
@@ -260,7 +260,7 @@ def _not_of_tags(variable: Variable, section: VariableSection) -> Iterator[str]:
 
 
 def _left_out_globals(project: Project) -> Iterator[tuple[str, str]]:
-    """The global variables of which blocks, tags and constants do not say all, each with what they leave out."""
+    """The global variables that blocks, tags and constants cannot express completely, each with what is lost."""
     blocks = {pou.name.casefold() for pou in project.pous}
     tables = [*project.tag_tables, *tag_tables_of(project)]
     tags = {tag.name.casefold() for table in tables for tag in table.tags}
@@ -310,7 +310,7 @@ def open_address(project: Project, variable: Variable) -> str | None:
 def called_actions(project: Project, is_replaced: Callable[[TextSite], bool] = lambda _: False) -> frozenset[int]:
     """The ids (``id``) of the actions that a step has or a program calls, or may call.
 
-    `is_replaced`: whether the calls in a text are written as something else.
+    `is_replaced`: True if the calls in a text are written as something else.
     """
     actions = [action for pou in project.pous for action in pou.actions]
     found: set[int] = set()

@@ -35,7 +35,7 @@ OPERANDS = ("expression", "variable")
 
 
 def is_void(section: VariableSection) -> bool:
-    """True if S7 says in a section that a function has no result."""
+    """True if a section of S7 declares that a function has no result."""
     kinds = [variable.type for variable in section.variables if section.kind is SectionKind.RETURN]
     return len(kinds) == 1 and isinstance(kinds[0], DerivedType) and kinds[0].name.casefold() == "void"
 

@@ -1,4 +1,4 @@
-"""Data types as S7 has them: structures only. What other tools declare besides is the type that it stands for.
+"""Data types as S7 has them: structures only. Other declared types become the type that they are made of.
 
 A variable of an enumeration is one of its base type, usually Int, and the values of the enumeration are user constants
 ``"Type_value"``. A subrange is its base type, without the check of its bounds; another name for a type is this type.
@@ -142,7 +142,7 @@ class S7Types:
         )
 
     def named(self, name: str) -> Constant | None:
-        """The value of an enumeration for which the user constant `name` stands."""
+        """The value of an enumeration that the user constant `name` has."""
         return self._by_name.get(name.casefold())
 
     def alone(self, hidden: Iterable[str]) -> Mapping[str, Constant]:

@@ -28,7 +28,7 @@ def named_flags(names: Names) -> frozenset[str]:
 def flags_at_rest(project: Project, pou: Pou, flags: Iterable[SfcFlag], named: Collection[str]) -> set[SfcFlag]:
     """Return those `flags` of the charts of `pou` that nothing in the project uses.
 
-    `named` are the names of the `named_flags`. What operates a chart is at rest only where the project has an
+    `named` are the names of the `named_flags`. An input that operates a chart is inactive only where the project has an
     instance of the block, and where it does not start with TRUE: people may operate a program, as may other projects.
     """
     declared = {variable.name.casefold(): variable for variable in pou.variables()}

@@ -1,7 +1,7 @@
 """The standard functions and function blocks of IEC 61131-3 ed. 3 (6.6.2.5 and 6.6.3.5), and what tools call them.
 
 One table for all who must know a block by its name: the translation between networks and text, and whoever executes
-either. Pins stand in the order in which IEC 61131-3 has them, which is that of arguments without names.
+either. Pins are in the order of IEC 61131-3, which is that of arguments without names.
 """
 
 from __future__ import annotations

@@ -37,7 +37,7 @@ class ValuePathError(ValueError):
 
 
 def _plain_type(type_: DataType | None, types: Types) -> DataType | None:
-    """A type, or what its name stands for; None for a name that nothing declares."""
+    """A type, or the one that its name refers to; None for a name that nothing declares."""
     for _ in range(_DEEPEST):
         if not isinstance(type_, DerivedType):
             break
@@ -169,7 +169,7 @@ def filled(value: Value, type_: DataType | None, types: Types) -> Value:
 
 
 def _usual(type_: DataType | None, types: Types, depth: int = 0) -> Value | None:
-    """The start value of a type, written out; of a structure that of its first member, which says all of it."""
+    """The start value of a type, written out; of a structure that of its first member, which is enough."""
     found = _plain_type(type_, types)
     if isinstance(found, StructType) and found.members and depth < _DEEPEST:
         return _of_first(found.members[0], types, depth)

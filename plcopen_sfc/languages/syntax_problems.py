@@ -32,7 +32,7 @@ _ESCAPED = {
 
 
 class TextFinder:
-    """Finds texts in `content`, the text of a file: XML, or one in which they stand as they are.
+    """Finds texts in `content`, the text of a file: XML, or one that has them unchanged.
 
     In XML a text fills an element or an attribute; elsewhere it may be a part of anything.
 

@@ -28,7 +28,7 @@ class UnknownDataRule(StrEnum):
 
 
 class ForeignData(Model):
-    """A piece of data of another tool, kept as it came (TC6 ``addData/data``).
+    """A piece of data of another tool, kept unchanged (TC6 ``addData/data``).
 
     `name` is the URI of its owner, `content` the markup as text.
     """

@@ -1,4 +1,4 @@
-"""What a project declares: everything in it that has a name which program text can use."""
+"""Declarations of a project: everything in it that has a name which program text can use."""
 
 from __future__ import annotations
 

@@ -101,7 +101,7 @@ class Drawing(Late):
     """The drawing of one chart, which a reader may leave unread.
 
     `order` is the order of the file's elements by id where graphical logic is between the symbols; else the
-    symbols come first, in the order of `symbols`. `places`: whether the positions mean anything.
+    symbols come first, in the order of `symbols`. `places`: True if the positions mean anything.
     """
 
     symbols: list[Symbol] = Field(default_factory=list)

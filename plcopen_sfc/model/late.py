@@ -26,7 +26,7 @@ class Late(Owned):
     _supply: Callable[[Any], Any] | None = PrivateAttr(default=None)
     _unread_text: Callable[[], str] | None = PrivateAttr(default=None)
     _provenance: Any = PrivateAttr(default=None)
-    """What a reader remembers of it. No method of the model looks at it, and equal elements may differ in it."""
+    """Data that its reader keeps with it. No method of the model looks at it, and equal elements may differ in it."""
 
     @classmethod
     def late(

@@ -300,7 +300,7 @@ class Project(Owned, Element):
         return tuple(sorted(found, key=lambda d: (d.location.file or "", d.location.line or 0)))
 
     def accept_errors(self) -> None:
-        """Let the project be written in other formats although its reading found errors.
+        """Allow the project to be written in other formats although its reading found errors.
 
         Else that raises `DamagedSourceError`: what could not be read is missing in the result. The report lists each
         error as approximated then.
@@ -413,7 +413,7 @@ class Project(Owned, Element):
         return found
 
     def cross_references(self, kind: str | None = "variable") -> list[dict[str, Any]]:
-        """The cross references as a table: a dictionary for each use of each variable, or of what `kind` says.
+        """The cross references as a table: a dictionary for each use of each variable, or of each object of `kind`.
 
         None: of everything. Keys: `name`, `kind`, `place`, `language`, `line`, `column`, `text`.
         """

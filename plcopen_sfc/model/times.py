@@ -22,7 +22,7 @@ _NUMBER = re.compile(r"[\d_.]+")
 def objection(text: str) -> str:
     """Return why `text` is neither a duration literal nor an expression; empty if it is one.
 
-    Sees what no expression can be, such as ``5 s``; whether an expression is right is seen where it is parsed.
+    Sees what no expression can be, such as ``5 s``; the parser finds what is wrong with an expression.
     """
     position, before = 0, ""
     while position < len(text):

@@ -132,7 +132,7 @@ class PointerType(Model):
 
 
 def _named_type(value: Any) -> Any:
-    """Let people write ``type="BOOL"`` or ``type="MyStruct"``."""
+    """Accept ``type="BOOL"`` and ``type="MyStruct"``."""
     if not isinstance(value, str):
         return value
     upper = value.upper()

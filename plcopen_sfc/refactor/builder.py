@@ -245,7 +245,7 @@ def declare_named(
     """Declare in the POU of a chart what steps and transitions name and nothing declares.
 
     Targets without a value become BOOL outputs, durations TIME inputs, operands of conditions BOOL inputs. `codes` are
-    statements of actions by their names. What is anything else stays undeclared: its type is not known.
+    statements of actions by their names. All others stay undeclared: their types are not known.
     """
     pou, project = pou_of(chart), chart.project
     if pou is None:

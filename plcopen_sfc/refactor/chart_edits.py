@@ -85,7 +85,7 @@ def _put_beside(
 
 
 def delete_step(journal: Journal, chart: SfcNetwork, step: Step, keep: str | None) -> None:
-    """Take a step out. What led to it leads to what followed it then, with the conditions that `keep` tells."""
+    """Take a step out, and join its predecessors to its successors with the conditions that `keep` selects."""
     what = f"the step {step.name!r} cannot be deleted"
     if keep not in (None, "incoming", "outgoing", "both"):
         raise ModelError(f"{keep!r} is none of incoming, outgoing and both", hint="It tells which conditions remain.")
@@ -236,7 +236,7 @@ def join_transitions(journal: Journal, chart: SfcNetwork, links: Sequence[Transi
 
 
 def retarget(journal: Journal, chart: SfcNetwork, old: Step, new: Step, links: Iterable[Transition] | None) -> None:
-    """Let transitions that lead to a step lead to another."""
+    """Redirect transitions that lead to a step to another one."""
     for each in chart.incoming(old) if links is None else links:
         if old.id not in each.targets:
             raise refused(

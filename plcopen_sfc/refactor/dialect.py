@@ -70,7 +70,7 @@ from plcopen_sfc.whole_numbers import whole_number
 
 @dataclass(frozen=True, slots=True)
 class TranslatedText:
-    """Result of the translation of one text: its path, in the words of reports, and what there is to say about it.
+    """Result of the translation of one text: its path, in the words of reports, and the notes on it.
 
     `what` it is: a text, or the address of a variable.
     """
@@ -97,7 +97,7 @@ def translate_project(
     `calls_actions`: calls of actions and methods in SCL are no loss, since the writer puts others in their places.
     `addresses` is the dialect that direct addresses get, where it is not `target`.
 
-    What has no counterpart is left as it stands and noted. Names that only SCL can write (with blanks, umlauts) get
+    Text without a counterpart stays unchanged and is noted. Names that only SCL can write (with blanks, umlauts) get
     others, in the declarations as well. Declarations that a file keeps as text are left out: they are written from the
     variables.
     """
@@ -147,7 +147,7 @@ def translate_project(
 
 
 def _say_lengths(project: Project, source: Dialect, target: Dialect) -> None:
-    """Write the length of strings that say none, where the tools of both dialects have others."""
+    """Write the length of strings without one, where the tools of both dialects have different defaults."""
     length = STRING_LENGTHS.get(source)
     if length is None or Dialect.SCL not in (source, target) or source is target:
         return
@@ -237,7 +237,7 @@ def _all_interfaces(project: Project) -> list[Interface]:
 def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]:
     """Put every text of `project` that `target` does not read into it: CODESYS for IEC 61131-3, or the reverse.
 
-    The others stay as they are: tools of both read most of each other's text. What only CODESYS has is noted.
+    The others stay as they are: tools of both read most of each other's text. Anything that only CODESYS has is noted.
     """
     known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {}, None)
     resolver = Resolver(project, project.dialect)
@@ -632,7 +632,7 @@ def _renaming(renames: Renames, target: Dialect) -> Callable[[NameScope, str], s
 
 
 def _rename_steps(project: Project, renames: Renames, target: Dialect) -> list[TranslatedText]:
-    """Give steps the names that the texts use now; says which have another."""
+    """Give steps the names that the texts use now; return those that have another."""
     found: list[TranslatedText] = []
     renamed = _renaming(renames, target)
     for chart in project.charts():

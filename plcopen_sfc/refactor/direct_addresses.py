@@ -17,9 +17,9 @@ from plcopen_sfc.model.variables import ConfigVariable
 
 
 def renumber_declared(project: Project, source: Dialect, target: Dialect) -> Iterator[tuple[str, Severity, str]]:
-    """Give declared variables the same places in `target`; yield path, severity and reason of what there is to say.
+    """Give declared variables the same places in `target`; yield path, severity and reason of each note.
 
-    What S7 cannot say is left as it is, and its writers tell that: variables of blocks have no addresses there.
+    Addresses that S7 does not know stay, and its writers report them: variables of blocks have no addresses there.
     """
     for path, variable in _located(project):
         if variable.address is None or not variable.address.startswith("%"):

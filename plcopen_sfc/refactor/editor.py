@@ -29,7 +29,7 @@ _Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
 def _edit(method: _Method) -> _Method:
-    """Let a method be a transaction, or a part of the one that is open."""
+    """Make a method a transaction, or a part of the one that is open."""
 
     @wraps(method)
     def transaction(self: Editor, *args: Any, **kwargs: Any) -> Any:
@@ -124,7 +124,7 @@ class Editor:
 
     @_edit
     def replace_variable(self, old: str, new: str) -> list[str]:
-        """Let all that uses a variable use another: ``edit.replace_variable("Main.bStart", "GVL.Start")``.
+        """Replace a variable by another wherever it is used: ``edit.replace_variable("Main.bStart", "GVL.Start")``.
 
         Gives the paths of the changed texts. Refused where the types differ, or where a place does not see the other.
         """
@@ -237,7 +237,7 @@ class Editor:
 
     @_edit
     def retarget(self, old: Step | str, new: Step | str, links: Iterable[Transition] | None = None) -> None:
-        """Let transitions that lead to the step `old` lead to `new`: all of them, or `links`."""
+        """Redirect transitions that lead to the step `old` to `new`: all of them, or `links`."""
         old, chart = self._step(old)
         new, other = self._step(new)
         if other is not chart:
@@ -331,7 +331,7 @@ class Editor:
 
     @_edit
     def redraw(self, chart: SfcNetwork) -> None:
-        """Let a chart be drawn from its steps and transitions when it is saved, whatever its drawing was."""
+        """Discard the drawing of a chart: it is drawn from its steps and transitions when it is saved."""
         self._journal.put(chart, "drawing", None)
 
     # -- what edits are about

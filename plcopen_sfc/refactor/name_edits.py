@@ -34,7 +34,7 @@ STEP_ACTIONS = ("entry_action", "main_action", "exit_action")
 
 
 def replace_variable(journal: Journal, project: Project, old: str, new: str) -> list[str]:
-    """Let every use of a variable be one of another, which must be of the same type and visible there.
+    """Replace every use of a variable by one of another, which must be of the same type and visible there.
 
     Gives the paths of the changed texts.
     """

@@ -208,7 +208,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None) -> list[Rename
         uses = [occurrence for occurrence in own if occurrence.refers_to(declaration)]
         if _gives_up_name(declaration, wanted):
             _refuse(declaration, new, visible_clashes(names, declaration, uses, wanted))
-        # what is said of the places is how they are before the rename
+        # the places are described as they are before the rename
         undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in own if o.may_refer_to(declaration))
         changed = tuple(occurrence.use for occurrence in uses)
         results.append(RenameResult(declaration.path, declaration.name, new, changed, undecided))

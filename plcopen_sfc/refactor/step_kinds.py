@@ -41,7 +41,7 @@ _MOST_ASSOCIATIONS = 9
 def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False) -> list[str]:
     """Make the action of each step an association with N; returns the paths of texts with another notation now.
 
-    `guarded`: the code asks whether the step is active, so that it is not executed once more.
+    `guarded`: the code asks if the step is active, so that it is not executed once more.
     """
     what = "the steps cannot become IEC steps"
     project, pou = _owners(chart)
@@ -147,7 +147,7 @@ def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
 
 
 _SIMPLE = {Qualifier.N: "TRUE", Qualifier.S: "TRUE", Qualifier.R: "FALSE"}
-"""What a variable gets in the main action for these qualifiers."""
+"""The value that a variable gets in the main action for these qualifiers."""
 
 
 def _inside_guard(pou: Pou, step: Step, called: str) -> str:

@@ -1,8 +1,8 @@
-"""Charts as the converter of Beremiz and OpenPLC hands them to the compiler, where a profile says so.
+"""Charts as the converter of Beremiz and OpenPLC hands them to the compiler, where a profile asks for it.
 
-What the profile chooses about drawn logic becomes a part of the model here: boxes before conditions become an action
+The choices of the profile about drawn logic become part of the model here: boxes before conditions become an action
 that is stored from the initial step on, conditions become expressions, logic that leads nowhere is gone, and steps and
-transitions stand in the order of the flow. Simulation, comparison and lowering treat the result as any chart.
+transitions are in the order of the flow. Simulation, comparison and lowering treat the result as any chart.
 """
 
 from __future__ import annotations

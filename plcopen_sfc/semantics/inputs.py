@@ -73,7 +73,7 @@ class Variables:
     def find(self, name: str) -> str | None:
         """The input of this name as it is declared; case does not matter.
 
-        What is at an address has a path with its program (``Main.Start``); its name alone is enough where one has it.
+        A variable at an address has a path with its program (``Main.Start``); its name is enough where only one has it.
         """
         wanted = name.casefold()
         inside = [each for key, each in self._folded.items() if key.endswith(f".{wanted}")]

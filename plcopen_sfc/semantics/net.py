@@ -1,7 +1,7 @@
 """The net of a chart: steps and transitions as bits and indexes, for the interpreter and for analysis alike.
 
 `Net.of(chart)` is a picture of the chart at that moment. Macro-steps are replaced by their expansions, elements
-excluded from the build are left out, and all partial charts of a GRAFCET stand in one net, to evolve together.
+excluded from the build are missing, and all partial charts of a GRAFCET are in one net, to evolve together.
 Enclosures and forcing orders are rules beyond firing; a net only tells that there are some (`Net.hierarchy`).
 """
 
@@ -118,7 +118,7 @@ class NetProblem:
 class Net:
     """Steps and transitions of a chart. A marking is an `int` with the bits of the active steps.
 
-    `transitions` stand in the order in which they are tried: chart by chart, by priority, then as in the chart.
+    `transitions` are in the order in which they are tried: chart by chart, by priority, then as in the chart.
     `initial` is the marking at the start. `hierarchy`: the chart has enclosing steps or forcing orders, which rule the
     net beyond its transitions. `problems` tells what of a broken chart is missing here; a transition with a source that
     does not exist is left out, for it can never be enabled.
@@ -247,7 +247,7 @@ class _Place:
 
 @dataclass(frozen=True)
 class _Ends:
-    """The steps that stand for a step of the model: where tokens enter it, and where they leave it; None: nowhere."""
+    """The steps of the net for a step of the model: where tokens enter it, and where they leave it; None: nowhere."""
 
     entry: int | None
     exit: int | None

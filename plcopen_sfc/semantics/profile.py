@@ -1,8 +1,8 @@
 """Execution profiles: what tools silently disagree on when they run the same chart.
 
-A profile is a record of choices; every field says what it means and where it is known from. `PROFILES` holds those of
+A profile is a record of choices; every field documents its meaning and its source. `PROFILES` holds those of
 the standards and tools. For one of your own, change the fields that differ: ``dataclasses.replace(PROFILES["iec"],
-name="ours", final_scan=False)``.
+name="mine", final_scan=False)``.
 
 Sources, by the short names used below:
 
@@ -55,7 +55,7 @@ class ScanOrder(StrEnum):
 
 
 class ActionControl(StrEnum):
-    """Who decides whether an action is executed.
+    """The rule that decides if an action is executed.
 
     PER_ACTION: one control for each action, its inputs are the OR over all its associations (IEC). SEQUENTIAL: the
     associations act one after the other in the order of the steps, each by the elapsed time and the edges of its own
@@ -71,7 +71,7 @@ class ActionOrder(StrEnum):
     """The order in which actions are executed in a scan.
 
     FIRST_USE: that in which the chart first uses them. ALPHABETIC: that of their names (CODESYS). DECLARED: that of
-    their declarations in the POU; bodies that stand at an association come before them, in the order of the chart.
+    their declarations in the POU; bodies of associations come before them, in the order of the chart.
     """
 
     FIRST_USE = "first_use"
@@ -220,7 +220,7 @@ class Profile:
     declared: matiec, which writes the bodies of actions one after the other as the text has them. IEC does not say."""
 
     action_control: ActionControl = ActionControl.PER_ACTION
-    """Who decides whether an action is executed. IEC 6.7.4.6; matiec."""
+    """The rule that decides if an action is executed. IEC 6.7.4.6; matiec."""
 
     reset_cancels_delays: bool = True
     """True if R also ends the pending times of SD and SL (IEC 6.7.4.6: R1 of their flip-flops; the time of DS is that
@@ -273,7 +273,7 @@ class Profile:
     profile without them refuses them with an `UnknownBehaviourError`."""
 
     flags: frozenset[SfcFlag] = frozenset()
-    """The SFC flags that a chart obeys or sets where they are in use (its settings say so, or declared). CODESYS."""
+    """The SFC flags that a chart obeys or sets where they are in use (by its settings, or declared). CODESYS."""
 
     init_ends_actions: bool = True
     """True if SFCInit also ends stored and timed actions: "steps, actions and other flags are reset" (CODESYS)."""
@@ -425,7 +425,7 @@ def default_profile(project: Project) -> Profile:
     """The profile of the tool that a project is for.
 
     The format it was read from decides, of a converted file that keeps its charts that of its origin; then the dialect
-    of its texts. A TC6 file of Beremiz or OpenPLC Editor is one of `_is_of_beremiz`. What is left is ``iec``, but for
+    of its texts. A TC6 file of Beremiz or OpenPLC Editor is one of `_is_of_beremiz`. All others are ``iec``, but for
     projects whose charts have partial charts or actions of IEC 60848: those are ``grafcet``.
     """
     found = profile_as(project, project.tool_format)

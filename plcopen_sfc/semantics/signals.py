@@ -141,7 +141,7 @@ class Signal:
         return str(value)
 
     def _calendar(self, value: int) -> str:
-        """Return a date or time as a literal, or where none can say it as its number."""
+        """Return a date or time as a literal, or as its number where no literal has it."""
         kind = _CALENDAR[self.type]
         try:
             said = _EPOCH + timedelta(value // _DAY) if kind is LiteralKind.DATE else value
@@ -150,7 +150,7 @@ class Signal:
             return str(value)
 
     def parse(self, text: str) -> Value:
-        """The value that `text` says: what `text()` gives, a literal, or a plain number. Raises `ModelError`."""
+        """The value in `text`: a result of `text()`, a literal, or a plain number. Raises `ModelError`."""
         if self.kind is SignalKind.STRING:
             return _unquoted(text)
         word = text.strip()

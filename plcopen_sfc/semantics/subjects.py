@@ -1,6 +1,6 @@
 """Subjects of a run: a chart, a POU or a project with a name, as a POU in its project.
 
-What of a running instance can be set, recorded and compared: its variables as signals, and its steps.
+The variables of a running instance as signals, and its steps: all that can be set, recorded and compared.
 """
 
 from __future__ import annotations

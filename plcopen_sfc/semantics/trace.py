@@ -57,11 +57,11 @@ class _Runs(Sequence[_Item]):
         self._scans[0] += 1
 
     def share(self, scans: list[int]) -> None:
-        """Let somebody else count the scans."""
+        """Take the scans from another counter."""
         self._scans = scans
 
     def runs(self) -> Iterator[tuple[int, _Item]]:
-        """Every value with the scan from which on it stands."""
+        """Every value with the scan from which on it holds."""
         return zip(self._starts, self._values, strict=True)
 
     def __len__(self) -> int:
@@ -87,7 +87,7 @@ class _Runs(Sequence[_Item]):
                 yield value
 
     def __eq__(self, other: object) -> bool:
-        """Equal values, scan by scan; a list or tuple may stand on the other side."""
+        """Equal values, scan by scan; the other side may be a list or tuple."""
         if isinstance(other, _Runs):
             return (self._length, self._starts, self._values) == (other._length, other._starts, other._values)
         return isinstance(other, list | tuple) and list(self) == list(other)

@@ -105,7 +105,7 @@ ACT02 = Rule(
 
 ACT03 = Rule(
     code="ACT03",
-    title="What is set is reset",
+    title="Every action and variable that is set is reset",
     why="A stored action stays active when its step is left, until an R of the same action. Without one it never "
     "ends; initialising the chart does not end it in all tools. Code anywhere in the project that writes the variable "
     "counts as a reset.",
@@ -117,7 +117,7 @@ ACT03 = Rule(
 
 ACT10 = Rule(
     code="ACT10",
-    title="What is reset is set",
+    title="Every action and variable that is reset is set",
     why="R ends a stored action of the same name. Where there is none, R does nothing, or the variable is set "
     "elsewhere: then two places fight for it.",
     hint="Look where it is set; correct the name if it is another.",
@@ -232,7 +232,7 @@ def _together(chart: CheckedChart, first: _Write, second: _Write) -> str:
     if first.kind in moment and second.kind in moment:
         return _at_once(chart, first, second)
     if first.step is second.step:
-        return ""  # in the order in which they stand
+        return ""  # in the order of the text
     if chart.graph.complete and chart.graph.concurrent(first.step, second.step):
         return "and both can be active together"
     return ""
@@ -304,7 +304,7 @@ ACT19 = Rule(
     code="ACT19",
     title="Code does not assign what a stored action keeps",
     why="A stored action stays active when its step is left, and writes its variable TRUE in every scan until an R of "
-    "the same action (IEC 61131-3 ed. 3, 6.7.4.6; CODESYS V3 does the same). What code assigns in between is lost, "
+    "the same action (IEC 61131-3 ed. 3, 6.7.4.6; CODESYS V3 does the same). Assignments of code in between are lost, "
     "also FALSE. In S7-GRAPH S is a coil: there the assignment counts.",
     hint="End it with an R, or set it in code too: a P1 action with an assignment.",
     example="""

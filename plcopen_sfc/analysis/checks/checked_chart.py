@@ -42,7 +42,7 @@ FAMILIES = tuple(PROFILES)
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A breach of a rule: where, and what is wrong there. `hint` replaces that of the rule where more can be said."""
+    """A breach of a rule: where, and what is wrong there. `hint`: a more exact one than that of the rule."""
 
     place: FindingPlace
     message: str
@@ -53,9 +53,9 @@ class Finding:
 class Rule:
     """A numbered rule on charts.
 
-    `why` says what goes wrong with charts that break it, and where that is known from; `hint` what to do. `severity` is
+    `why` tells what goes wrong with charts that break it, and its source; `hint` what to do. `severity` is
     that of a breach, but for the profiles in `severities`; None: the rule is not for them. `example` is a chart that
-    breaks it: in textual SFC, or a GRAFCET as text, where these can say it.
+    breaks it: in textual SFC, or a GRAFCET as text, where these can express it.
     """
 
     code: str
@@ -82,7 +82,7 @@ _MOST_FIRINGS = 2_000_000
 class FindingPlace:
     """Place of a finding.
 
-    `path` names it for people; `elements` are the object itself and those that it stands in, the innermost first.
+    `path` names it for people; `elements` are the object itself and those around it, the innermost first.
     """
 
     path: str
@@ -90,7 +90,7 @@ class FindingPlace:
 
     @property
     def excluded(self) -> bool:
-        """True if it is left out of the program, by itself or with what it stands in."""
+        """True if it is excluded from the program, by itself or with an object around it."""
         return any(getattr(element, "exclude", False) for element in self.elements)
 
 
@@ -225,7 +225,7 @@ class CheckedProject:
 
     @cached_property
     def misfits(self) -> tuple[Misfit, ...]:
-        """What is assigned or compared in structured text and does not fit."""
+        """Assignments and comparisons in structured text whose types do not fit."""
         return tuple(self._misfits())
 
     def _misfits(self) -> Iterator[Misfit]:
@@ -394,7 +394,7 @@ class CheckedChart:
         return self._terms.shown(text)
 
     def truth(self, sheet: CheckedSheet, transition: Transition) -> Truth:
-        """Return whether a condition is always or never true."""
+        """Return the answer to whether a condition is always or never true."""
         found = self._truths.get(id(transition))
         if found is None:
             condition = self.condition(sheet, transition)
@@ -420,7 +420,7 @@ class CheckedChart:
         return sheet.at(element.step if isinstance(element, NetStep) else element.transition)
 
     def sheet_of(self, element: NetStep | NetTransition) -> CheckedSheet:
-        """The network that a step or transition of the net stands in."""
+        """The network that has a step or transition of the net."""
         return self._sheet_of[id(element.chart)]
 
     @cached_property

@@ -513,7 +513,7 @@ def _crossing(chart: CheckedChart) -> Iterator[Finding]:
 STR13 = Rule(
     code="STR13",
     title="Simultaneous branches are nested, and nothing leads into them or out of them",
-    why="What is forked together is joined together. A jump out of a branch leaves the others active, one into a "
+    why="Branches that begin together end together. A jump out of a branch leaves the others active, one into a "
     "branch starts it without the others (IEC 61131-3 ed. 3, 6.7.5). CODESYS and S7-GRAPH draw branches in each other "
     "only, but CODESYS lets jumps cross their borders.",
     hint="Let the branches meet in one convergence; where one shall end early, let its last step wait for the others.",

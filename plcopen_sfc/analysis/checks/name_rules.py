@@ -54,7 +54,7 @@ def _place(chart: CheckedChart, found: _InText) -> FindingPlace:
 
 
 def _own(chart: CheckedChart, found: Iterable[_T]) -> Iterator[_T]:
-    """What was found in a chart; in the first chart of a POU also those in code of the POU that is in no chart."""
+    """Findings in a chart; in the first chart of a POU also those in code of the POU that is in no chart."""
     if chart.pou is None or not chart.pou.name:
         return
     charts = {id(sheet.chart) for sheet in chart.sheets}
@@ -152,7 +152,7 @@ VAR01 = Rule(
 
 VAR02 = Rule(
     code="VAR02",
-    title="What a partial export names is declared elsewhere",
+    title="Undeclared names of a partial export are declared elsewhere",
     why="An export of some blocks lacks the global variables, tags and data blocks that these name. One finding lists "
     "them for each chart: the names that must be there where the file is imported.",
     hint="Export them too, where names shall be checked and renamed with the chart.",
@@ -165,7 +165,7 @@ VAR02 = Rule(
 VAR03 = Rule(
     code="VAR03",
     title="Actions, named conditions and local variables are used",
-    why="What nothing names is left over, or was meant to be used. Not found are variables with an address, and those "
+    why="An unused object is left over, or was meant to be used. Not found are variables with an address, and those "
     "that tools use themselves: SFC flags, and data of S7-GRAPH; nor actions in a file without tasks, which is a part "
     "of a project that may call them.",
     hint="Remove it: `project.edit().remove_unused()` removes all of them.",

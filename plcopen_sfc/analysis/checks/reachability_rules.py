@@ -81,7 +81,7 @@ _SAID = frozenset({Truth.ALWAYS})
 
 
 def _implies(condition: NetworkExpression, others: Sequence[NetworkExpression], chart: CheckedChart) -> bool:
-    """Return True if one of the others is true with it. What is called before conditions may change between them."""
+    """Return True if one of the others is true with it. Calls before conditions may change values between them."""
     if condition.before or condition.tree is None:
         return False
     read = reads(condition.tree)
@@ -194,12 +194,12 @@ def unreachable(chart: CheckedChart) -> tuple[NetStep, ...]:
 
 
 def _started(chart: CheckedChart) -> bool:
-    """Return True if there is a start to reach anything from; else there is another rule that says so."""
+    """Return True if there is a start to reach anything from; a missing one is found by another rule."""
     return bool(chart.net.initial)
 
 
 def _plain(chart: CheckedChart) -> bool:
-    """Return True if the marking graph says it all: nothing but transitions moves tokens, all of them from steps.
+    """Return True if the marking graph is exact: nothing but transitions moves tokens, all of them from steps.
 
     A net takes a transition without a step before it for always enabled, as GRAFCET does; elsewhere it never fires.
     """

@@ -1,6 +1,6 @@
 """Every rule, the catalogue of them for people, their selection, and their application to charts.
 
-Findings that somebody has looked at are let be: ``plcopen-sfc: ignore STR09`` in a comment.
+A comment ``plcopen-sfc: ignore STR09`` suppresses a finding that somebody has accepted.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _CODES = re.compile(r"[ \t]*([A-Za-z]{2,4}\d{0,2})\b[ \t]*,?")
 
 
 def suppressed(place: FindingPlace, code: str) -> bool:
-    """Return True if a comment at `place`, or at something that it stands in, lets findings of this code be."""
+    """Return True if a comment at `place`, or at something around it, suppresses findings of this code."""
     return any(code.startswith(listed) for element in place.elements for listed in codes_in(element))
 
 
@@ -67,7 +67,7 @@ def codes_in(element: Element) -> Iterator[str]:
 
 
 def comments_of(element: Element) -> Iterator[str]:
-    """The comments of an object as plain text; of a chart also those that stand in its drawing."""
+    """The comments of an object as plain text; of a chart also those in its drawing."""
     yield from _plain(element.comment)
     if isinstance(element, SfcNetwork):
         for node in element.logic:
@@ -105,14 +105,14 @@ def rule_on(codes: Iterable[str]) -> Rule:
             listed = list(codes_in(element))
             for code in listed:
                 if not any(each.startswith(code) for each in known):
-                    yield Finding(place, f"the comment lets {code} be, and there is no such rule")
+                    yield Finding(place, f"the comment suppresses {code}, and there is no such rule")
             if marks_in(element) and not listed:
-                yield Finding(place, "the comment lets nothing be: it names no rule")
+                yield Finding(place, "the comment suppresses nothing: it names no rule")
 
     return Rule(
         code="CHK01",
-        title="Comments that let findings be name rules",
-        why="A misspelt code lets nothing be.",
+        title="Comments that suppress findings name rules",
+        why="A misspelt code suppresses nothing.",
         hint="Write plcopen-sfc: ignore and the codes behind it, with commas between.",
         example="the comment plcopen-sfc: ignore STR99",
         check=check,

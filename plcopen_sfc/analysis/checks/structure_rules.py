@@ -84,7 +84,7 @@ def _label(sheet: CheckedSheet, symbol: Symbol) -> str:
 
 
 def _place(sheet: CheckedSheet, symbol: Symbol) -> FindingPlace:
-    """The place of the step or transition that a symbol stands for; else that of its chart."""
+    """The place of the step or transition of a symbol; else that of its chart."""
     elements: list[Step | Transition] = [*sheet.chart.steps, *sheet.chart.transitions]
     found = next((element for element in elements if element.id == symbol.id), None)
     return sheet.at(found) if found is not None else sheet.place
@@ -118,12 +118,12 @@ def _bars(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _sides(bar: Symbol, above: list[Symbol], below: list[Symbol]) -> Iterator[tuple[str, list[Symbol], bool]]:
-    """Return what is above and below a bar, and whether steps belong there (else transitions)."""
+    """Yield the symbols above and those below a bar, with True if steps belong there (else transitions)."""
     if bar.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE or bar.kind is SymbolKind.SIMULTANEOUS_CONVERGENCE:
         steps_above = bar.kind is SymbolKind.SIMULTANEOUS_CONVERGENCE
         yield "above", above, steps_above
     else:
-        # CODESYS ends a selection whose other legs jump in a convergence between a step and its transition
+        # CODESYS ends a selection whose other branches jump in a convergence between a step and its transition
         steps_above = bool(above) and above[0].kind is not SymbolKind.TRANSITION
         yield "above", above, steps_above
     yield "below", below, not steps_above

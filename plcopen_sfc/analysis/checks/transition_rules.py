@@ -34,7 +34,7 @@ def _selections(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, list[
 
 
 def _competing(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, Transition, Transition, Answer, str]]:
-    """Pairs of competing transitions that only their conditions keep apart, and whether these exclude each other."""
+    """Pairs of competing transitions that only their conditions keep apart, and if these exclude each other."""
     seen: set[tuple[int, int]] = set()
     for sheet, step, leaving in _selections(chart):
         for first, second in ((leaving[one], leaving[other]) for one, other in chart.overlaps(sheet, leaving)):
@@ -498,7 +498,7 @@ CND09 = Rule(
     code="CND09",
     title="The conditions of a GRAFCET can be read",
     why="A condition is a Boolean term with edges, times and predicates (IEC 60848:2013, 4.6), in one of the notations "
-    "that people use for it. What is none cannot be simulated, lowered or converted.",
+    "that people use for it. Other text cannot be simulated, lowered or converted.",
     hint="Write a * b, a + b, /a, ↑a, [C1>3] or 3s/X2; a AND b, a OR b, NOT a mean the same.",
     example="""
 GRAFCET Example

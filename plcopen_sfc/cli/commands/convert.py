@@ -53,8 +53,8 @@ def limit_in_seconds(limit: str) -> float:
 def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | None = None) -> int:
     """Convert files to the last one that is named (none: next to each, ``-``: standard output).
 
-    From standard input (``-``) none is standard output. Several files are written into a folder. What is written
-    where no name says so is a folder for tools that import one object a file.
+    From standard input (``-``) none is standard output. Several files are written into a folder. Output
+    without a name is a folder for tools that import one object a file.
     """
     if how.page is not None:
         refuse_unwritable(how.page)

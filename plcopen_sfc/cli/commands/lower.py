@@ -25,7 +25,7 @@ _FINDINGS = 1
 
 @dataclass(frozen=True)
 class LowerOptions:
-    """Options of the command: those of `lower_to_file`, and whether what could be read of a wrong file is written."""
+    """Options of the command: those of `lower_to_file`, and if the readable part of a wrong file is written."""
 
     to: str
     tia: str = ""

@@ -291,7 +291,7 @@ def _own_run(src: TextSource, start: int, end: int) -> tuple[int, int]:
 def _parts(
     src: TextSource, part: TextPart, start: int, thing: Pou | Action | Method | NamedTransition
 ) -> Iterator[Found]:
-    """Yield the pieces of a POU, an action or a method."""
+    """Yield the parts of a POU, an action or a method."""
     bodies = thing.bodies if isinstance(thing, Pou) else [thing.body]
     chart = next((body.chart for body in bodies if isinstance(body, SfcBody)), None)
     steps = iter(chart.steps if chart is not None else ())
@@ -372,7 +372,7 @@ def _matched(
     *,
     inside: dict[int, Pou],
 ) -> BlockSpan:
-    """Slice for each piece of `before`: where it was found, or an empty one behind that of the piece before it."""
+    """Slice for each part of `before`: where it was found, or an empty one behind that of the part before it."""
     keys = numbered([keys[0] for keys, _, _ in found if keys])
     places = dict(zip(keys, [(place, part) for keys_, place, part in found if keys_], strict=True))
     slices: list[BlockSpan] = []

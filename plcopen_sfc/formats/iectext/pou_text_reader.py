@@ -347,7 +347,7 @@ def _finished(src: TextSource, container: UnitText) -> Fields:
 
 
 def _place_in_head(data: Fields) -> int:
-    """Return the rank of what is kept of a unit: pragmas stand before its words, and these before its parts."""
+    """Return the rank of what is kept of a unit: pragmas are before its words, and these before its parts."""
     kept = unwrapped(data.get("content", ""))
     return _IN_HEAD.get(kept[0], len(_IN_HEAD)) if kept is not None else len(_IN_HEAD)
 

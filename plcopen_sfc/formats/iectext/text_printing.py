@@ -1,6 +1,6 @@
 """Printing of texts: the blocks that they are made of, names, pragmas, and the outcome of each item.
 
-Conditions and bodies that are drawn, FBD and LD, stand beside structured text with the same meaning. Other tools and
+Conditions and bodies that are drawn, FBD and LD, are beside structured text with the same meaning. Other tools and
 people read the text; the drawing is in pragmas at the end of the unit, and counts as long as the text is the one it was
 written with.
 """
@@ -130,7 +130,7 @@ class TextPrinter:
         return all(part.kind is PartKind.LOOSE for part in found.parts[0].parts)
 
     def code(self, text: str) -> tuple[TextBlock, bool]:
-        """Return the lines of a body, and whether they come back as they are from between a header and its END."""
+        """Return the lines of a body, and True if a reader gets them back unchanged between a header and its END."""
         lines = block(text)
         if "\r" in text or "\x00" in text:
             return lines, False

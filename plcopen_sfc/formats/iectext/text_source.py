@@ -116,7 +116,7 @@ def taken_comment(raw: str) -> str:
 
 OWN_PRAGMA = re.compile(r"\{\s*plcopen_sfc\b")
 TEXT_DATA = "urn:plcopen-sfc:iec-text"
-"""Name of foreign data that holds a piece of text which the model has no place for."""
+"""Name of foreign data that holds text which the model has no place for."""
 _MANY = 20
 """Findings of one body that are reported; the rest mostly follows from these."""
 _SOLID = re.compile(r"\S+")
@@ -124,7 +124,7 @@ _WRAPPED = re.compile(rf'<text xmlns="{TEXT_DATA}" place="([^"]*)">(.*)</text>',
 
 
 def wrapped(place: str, text: str) -> Fields:
-    """Foreign data that holds `text`, which stood at `place`: ``pragma``, ``from``, ``property`` ..."""
+    """Foreign data that holds `text` from `place`: ``pragma``, ``from``, ``property`` ..."""
     content = f'<text xmlns="{TEXT_DATA}" place="{escape(place)}">{escape(text)}</text>'
     return {"name": TEXT_DATA, "content": content}
 

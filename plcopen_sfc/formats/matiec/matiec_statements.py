@@ -125,7 +125,7 @@ def without_for(text: str, dialect: Dialect) -> tuple[str, list[str]]:
 
 
 def note_loops(project: Project, report: ConversionReport, tool: str) -> None:
-    """Report the FOR loops of a project for matiec that `tool` executes as IEC 61131-3 says: with the last turn."""
+    """Report the FOR loops of a project for matiec that `tool` executes as IEC 61131-3 defines: with the last turn."""
     for text_site in text_sites(project):
         if not (text_site.is_program_text and text_site.reading is SiteKind.STATEMENTS):
             continue
@@ -450,7 +450,7 @@ _TIMES = frozenset({"TIME"})
 class _TypeCheck:
     """Finds operations, assignments and calls of standard functions with types that matiec does not take.
 
-    What has an unknown type is left alone: the values of enumerations, generic parameters, parts of structures.
+    Unknown types are never errors: the values of enumerations, generic parameters, parts of structures.
     """
 
     def __init__(self, types: ExpressionTypes) -> None:

@@ -6,5 +6,5 @@ Public: `tc6_codec.CODEC`, `tc6_versions.validate_tc6`.
   and writers, extension data among them.
 * `tc6_codec`: the entry in the table of formats, and whole projects. Elements, read and written: `tc6_configurations`,
   `tc6_declarations`, `tc6_bodies` (POUs too), `tc6_networks`, `tc6_pins`. Charts: `tc6_charts`; `tc6_chart_meaning`.
-* What was written in other terms than the source (`conversion.adaptation`) keeps that beside it: `source_marks`.
+* Charts that `conversion.adaptation` wrote in other terms keep those of the source beside them: `source_marks`.
 """

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 REWRITTEN_FIELD = "rewritten"
 """At a step or transition: the fields of the source, and the digest of what was written for them."""
 OF_FLAGS, OF_ENDS = "flags", "ends"
-"""In the mark of an added step or transition: it stands for SFC flags, or for ends of sequences."""
+"""In the mark of an added step or transition: it replaces SFC flags, or ends of sequences."""
 DRAWING_FIELD = "source_drawing"
 """Field beside a chart with added steps or transitions: the drawing without them."""
 ADDED_FIELD = "added"
@@ -107,7 +107,7 @@ def added_element(
     """Return the mark of a step or transition that the source does not have; `uses` as in `rewritten_step`.
 
     `instead_of`: transitions and initial steps of the source that the chart lacks, as `replaced_sequences` gives them.
-    `of`: what it stands for, other than operating inputs of S7-GRAPH: `OF_FLAGS` of CODESYS, or `OF_ENDS`.
+    `of`: what it replaces, other than operating inputs of S7-GRAPH: `OF_FLAGS` of CODESYS, or `OF_ENDS`.
     """
     digest = _of_step(added) if isinstance(added, Step) else _of_condition(added.condition)
     names = sorted({name.casefold() for name in uses})
@@ -240,14 +240,14 @@ def restore_chart(
     if any(not (marks[number].keys() & {OF_FLAGS, OF_ENDS}) for number in added) and chart.graph_settings is None:
         chart.graph_settings = GraphSettings()  # by which a writer adds them again
     if any(marks[number].get(OF_FLAGS) for number in outdated):
-        # transitions obey an edge of SFCTip now, which would fire those that stand for flags too
+        # transitions obey an edge of SFCTip now, which would fire those that replace flags too
         stated = chart.settings.flags if chart.settings is not None else {}
         none = dict.fromkeys((SfcFlag.TIP, SfcFlag.TIP_MODE), FlagUse(use=False, declare=False))
         chart.settings = (chart.settings or SfcSettings()).model_copy(update={"flags": {**stated, **none}})
     if any(marks[number].get("added") and not marks[number].keys() & {OF_FLAGS, OF_ENDS} for number in outdated):
         if chart.graph_settings not in (None, GraphSettings()):
             warn("the settings of the sequencer of S7-GRAPH")
-        chart.graph_settings = None  # what stands for its operating inputs counts now
+        chart.graph_settings = None  # the replacement of its operating inputs counts now
     for step in chart.steps:
         mark = marks.get(step.id)
         if step.id in outdated:
@@ -341,7 +341,7 @@ def _counterparts(written: Sequence[int], source: Sequence[int]) -> dict[int, in
 
 
 def _draw_source(chart: SfcNetwork, rows: Mapping[int, int]) -> None:
-    """Let the drawing of written rows be that of the rows of the source."""
+    """Give written rows the drawing of the rows of the source."""
     for symbol in chart.drawing.symbols if chart.drawing is not None else ():
         for entry in symbol.entries or ():
             if entry.association in rows and rows[entry.association] != entry.association:

@@ -395,7 +395,7 @@ def write_lists(ctx: Tc6WriteContext, parent: etree._Element, sections: Iterable
 
 
 def write_section(ctx: Tc6WriteContext, parent: etree._Element, section: VariableSection) -> None:
-    """Write a list of variables. A kind that TC6 does not have is written as local variables, and carried."""
+    """Write a list of variables. A kind that TC6 does not have is written as local variables, with extension data."""
     name = _SECTION_ELEMENTS.get(section.kind)
     native = frozenset({"name", "variables", *_FLAGS})
     attributes = {"name": section.name} if section.name is not None else {}

@@ -20,5 +20,5 @@ Programs:
 * `lad_fbd_networks` with `flgnet_reader`: LAD and FBD, with `network_operands`, `network_boxes` and
   `coils_and_contacts`
 * `scl_tokens`: SCL
-* `program_comparison`: whether two programs mean the same, and the numbers of their elements
+* `program_comparison`: equal meaning of two programs, and the numbers of their elements
 """

@@ -78,7 +78,7 @@ def action_controls(
 ) -> ActionControls:
     """Return the action controls that the chart of a block needs.
 
-    `alone`: whether each association of an action acts for its step alone already, as rows do. `more`:
+    `alone`: True if each association of an action acts for its step alone already, as rows do. `more`:
     statements for SFC flags. `ends`: the flags that end what is stored or delayed.
     """
     return _Planner(project, pou, chart, functions, alone).plan(more, ends)

@@ -180,8 +180,8 @@ class ActionFunctions:
     def kept_inside(self, pou: Pou) -> frozenset[str]:
         """Return the inputs of a block that no call passes, and that are instances or written by the block itself.
 
-        CODESYS has such inputs. In S7 they are static variables, which others write and read as well. What no instance
-        in the project shows may be passed elsewhere.
+        CODESYS has such inputs. In S7 they are static variables, which others write and read as well. One that no
+        instance in the project connects may be passed elsewhere.
         """
         around = self.charts.get(pou.name.casefold())
         pou = around.owner if around is not None else pou
@@ -375,7 +375,7 @@ class ActionFunctions:
         return function
 
     def _with_step_data(self, pou: Pou, text: str, tree: n.Statements) -> tuple[str, list[tuple[Variable, str]]]:
-        """Return a text with variables in place of data of steps, and each of them with the data that it stands for."""
+        """Return a text with variables in place of data of steps, and each of them with the data that it replaces."""
         charts = [body.chart for body in pou.bodies if isinstance(body, SfcBody)]
         steps = {step.name.casefold(): step.name for chart in charts for step in chart.steps}
         taken = {variable.name.casefold() for variable in pou.variables()} | steps.keys()

@@ -86,7 +86,7 @@ class _ChartReader:
         self._networks: dict[int, Fields] = {}
         """Conditions of the networks, for the transitions whose source is kept instead."""
         self._sourced: set[int] = set()
-        """Transitions of which a comment of this package keeps the condition, whether it counts or not."""
+        """Transitions with a condition in a comment of this package, valid or outdated."""
         self._excluded: dict[int, Fields] = {}
         """Steps that a comment of this package excludes, as the file has them."""
         self._unwritten: set[int] = set()
@@ -453,7 +453,7 @@ def _text(fields: Fields, element: etree._Element, name: str, field: str) -> boo
 def _replace_condition(ctx: DocumentReading, element: etree._Element, fields: Fields) -> bool:
     """Put back the fields that comments keep; a kept condition replaces the network drawn for it.
 
-    True if a comment of this package keeps one, whether it counts or not.
+    True if a comment of this package keeps one, valid or outdated.
     """
     kept: Fields = {}
     read_comments(ctx, element, kept)

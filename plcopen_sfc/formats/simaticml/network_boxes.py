@@ -296,7 +296,7 @@ def mark_calls(project: Project) -> None:
 
 
 def put_standard_blocks(project: Project) -> None:
-    """Let standard blocks of other tools be parts, with the pins of IEC 61131-3: CODESYS has them as calls."""
+    """Make standard blocks of other tools parts, with the pins of IEC 61131-3: CODESYS has them as calls."""
     own = {pou.name.casefold() for pou in project.pous}
     for _, _, body in project.bodies():
         for network in body.networks if isinstance(body, FbdBody | LdBody) else ():

@@ -1,6 +1,6 @@
 """Operands of networks: ``Access`` elements, the same as text in SCL (``#a.b[1]``, ``"DB".x``, ``T#5s``), and hints.
 
-Hints hold what the text of an operand does not tell: the type of a literal, whether a name is one of a constant, and
+Hints hold what the text of an operand does not tell: the type of a literal, if a name is one of a constant, and
 information such as how a literal is shown or where a symbol lies. They are extension attributes of the network; a hint
 holds for all operands of a text, and where those differ, for the one at a pin.
 """

@@ -1,4 +1,4 @@
-"""Documents of TIA Portal against our own schemas: whether one is valid, and which version it needs.
+"""Validation of documents of TIA Portal by the schemas of this package, and the version that a document needs.
 
 A document is validated in parts: its frame, and each part by its namespace. The schemas also decide what a version can
 express: content that one of them objects to and a later one accepts needs that later version.

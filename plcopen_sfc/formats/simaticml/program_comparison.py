@@ -48,7 +48,7 @@ UID = "UId"
 FIRST = 21
 """First number that TIA Portal gives."""
 NUMBERS = "UId numbers"
-"""Extension attribute: the numbers of the file, in the order in which we give ours."""
+"""Extension attribute: the numbers of the file, in the order in which this package numbers them."""
 
 
 def shortened(numbers: list[str], usual: list[str]) -> str:

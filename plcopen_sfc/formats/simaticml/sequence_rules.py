@@ -237,7 +237,7 @@ def with_competing_transitions_joined(links: list[SequenceLink], types: Mapping[
 def _joined_once(
     links: list[SequenceLink], waiting: tuple[ElementRef, ...], ends: list[int], begins: set[int]
 ) -> list[SequenceLink]:
-    """Let the steps `waiting` meet in the first of `ends`, and the ways behind the `ends` part there."""
+    """Join the steps `waiting` in the first of `ends`, and divide the ways behind the `ends` there."""
     first = next(link.target.number for link in links if link.source == waiting[0] and link.target is not None)
     ranks = {
         link.target.number: link.source.path or 0

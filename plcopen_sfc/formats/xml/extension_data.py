@@ -2,7 +2,7 @@
 
 The model does not interpret what an object carries: markup of TC6 or of SimaticML, never both as they are. The product
 in the header of their project, which files of both formats keep, tells whose markup it is. Where the other format is
-read or written, its own markup changes places with that: markup that does not belong there is kept as one piece of data
+read or written, its own markup changes places with that: markup that does not belong there is kept as one data element
 at the object, and restored on the way back.
 """
 

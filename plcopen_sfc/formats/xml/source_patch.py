@@ -513,7 +513,7 @@ class SourceMerge:
     def _mixed_runs(
         self, node: SourceNode, before: etree._Element, after: etree._Element, places: list[SourceNode]
     ) -> None:
-        """The children are the same ones: change the text between them, piece by piece."""
+        """The children are the same ones: change the texts between them, one by one."""
         runs = self._runs(node, set(places))
         starts = [node.open_end, *(place.end for place in places)]
         for run, start, old, new in zip(runs, starts, _texts(before), _texts(after), strict=True):

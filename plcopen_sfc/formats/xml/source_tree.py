@@ -72,7 +72,7 @@ class SourceAttribute:
 
 @dataclass(frozen=True, slots=True)
 class TextSegment:
-    """A piece of character data: `text[start:end]`; in a CDATA section, `outer_*` include its marks."""
+    """A run of character data: `text[start:end]`; in a CDATA section, `outer_*` include its marks."""
 
     cdata: bool
     start: int
@@ -131,7 +131,7 @@ class SourceTree:
         root.parent = None
         return root
 
-    # What is in a tag
+    # Parts of a tag
 
     def attributes(self, node: SourceNode) -> list[SourceAttribute]:
         """Return attributes in the order written, namespace declarations among them."""
@@ -212,7 +212,7 @@ class SourceTree:
         """SourceAttribute values by the name that lxml gives them."""
         return {name: self.value(attribute) for name, attribute in self.named_attributes(node).items()}
 
-    # What is between tags
+    # Parts between tags
 
     def segments(self, start: int, end: int) -> list[TextSegment]:
         """Character data between two positions that have no tags between them."""

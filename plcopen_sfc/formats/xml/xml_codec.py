@@ -1,6 +1,6 @@
 """Codecs of XML formats: from a tree to bytes in the style of a tool, and a file as its tool sees it.
 
-libxml2 does the work (indentation and escaping in C). What it cannot do is put right in its text afterwards: `<a />`
+libxml2 does the work (indentation and escaping in C). Its text is corrected afterwards where needed: `<a />`
 instead of `<a/>`, CRLF, a declaration in single quotes, characters that a code page does not have.
 """
 

@@ -237,7 +237,7 @@ def _check_depth(plain: bytes, file: str | None) -> None:
 
 
 _PROLOG = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s++|<\?.*?\?>|<!--.*?-->)*+(?:(<!DOCTYPE)|)", re.DOTALL)
-# What is not closed runs to the end, so that no part of the file is looked at twice.
+# An unclosed part runs to the end, so that no part of the file is looked at twice.
 _DOCTYPE_PART = re.compile(
     rb"""<!--.*?(?:-->|\Z)|<\?.*?(?:\?>|\Z)|"[^"]*(?:"|\Z)|'[^']*(?:'|\Z)|\[|\]|>|<!ENTITY|%|\b(?:SYSTEM|PUBLIC)\b""",
     re.DOTALL,

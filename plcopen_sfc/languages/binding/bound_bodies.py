@@ -186,7 +186,7 @@ def actions_by_name(pou: Pou | None) -> dict[str, Action]:
 def step_effects(step: Step, actions: Mapping[str, Action], dialect: Dialect) -> Effects:
     """Effects of all that a step does, and of the `actions` of its POU that it names or that these call.
 
-    What an association names is written, but for actions of the POU, which are called.
+    The name in an association is written; an action of the POU is called.
     """
     chart, body = _blank()
     alone = body.model_copy(update={"chart": chart.model_copy(update={"steps": [step]})})

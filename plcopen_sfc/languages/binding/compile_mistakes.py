@@ -1,7 +1,7 @@
 """Mistakes that no compiler takes: types of another kind, blocks without such a parameter, what cannot be read.
 
-Kinds of types are compared, not types: whether INT fits into DINT is a matter of each tool. What has an unknown type,
-such as a value of a library, is left alone.
+Kinds of types are compared, not types: whether INT fits into DINT is a matter of each tool. An unknown type,
+such as that of a library, is never an error.
 """
 
 from __future__ import annotations

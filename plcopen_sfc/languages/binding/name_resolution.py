@@ -83,7 +83,7 @@ class Resolver:
         return meaning
 
     def _expected(self, reference: Reference, text_site: TextSite) -> Binding | None:
-        """The value of the enumeration that is expected where the name stands."""
+        """The value of the enumeration that is expected at the place of the name."""
         if reference.expected is not None:
             type_ = self.type_of(reference.expected, text_site.site)
         elif isinstance(text_site.owner, ValueOf) and not reference.access:
@@ -319,7 +319,7 @@ class Resolver:
         return Untyped.FOREIGN
 
     def settled(self, type_: t.DataType, place: str) -> Type:
-        """A type, or what the name of one stands for."""
+        """A type, or the type that its name is an alias of."""
         for _ in range(_MOST_ALIASES):
             if not isinstance(type_, t.DerivedType):
                 return type_

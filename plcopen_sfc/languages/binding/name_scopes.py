@@ -103,7 +103,7 @@ class Scopes:
         return tuple(levels)
 
     def base(self, pou: Pou) -> Pou | None:
-        """The POU that this one extends, as the text of its declaration says."""
+        """The POU that this one extends, as the text of its declaration names it."""
         names = [name.rpartition(".")[2] for name in inheritance(pou.interface).extends]
         found = [d.holder for level in self.outer(pou.place) for name in names for d in level.named(name)]
         return next((holder for holder in found if isinstance(holder, Pou)), None)
@@ -186,7 +186,7 @@ class Scopes:
                     yield declaration
 
     def is_external(self, declaration: Declaration) -> bool:
-        """True if a variable stands in VAR_EXTERNAL: it is the global variable of its name."""
+        """True if a variable is declared in VAR_EXTERNAL: it is the global variable of its name."""
         return id(declaration.holder) in self._externals
 
     def _of_pou(self, pou: Pou) -> Iterator[Declaration]:

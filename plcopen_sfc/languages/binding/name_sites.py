@@ -65,7 +65,7 @@ _ASKING = re.compile(r"\{\s*(?:ELS)?IF\b", re.IGNORECASE)
 
 
 def moved(found: Iterator[Reference], start: int) -> Iterator[Reference]:
-    """References from a text that stands at `start` in another."""
+    """References from a text that begins at `start` of another."""
     for reference in found:
         yield replace(reference, span=(reference.span[0] + start, reference.span[1] + start))
 
@@ -203,7 +203,7 @@ def in_networks(text: str, dialect: Dialect) -> Iterator[Reference]:
 
 
 def unread(text: str, start: int, reason: str, dialect: Dialect | None = None) -> Iterator[Reference]:
-    """The words of a text that cannot be read; in program text those that stand in no comment and no string."""
+    """The words of a text that cannot be read; in program text those outside of comments and strings."""
     if dialect is None:
         for word in re.finditer(r"[^\W\d]\w*", text):
             yield Reference(word.group(), (start + word.start(), start + word.end()), unread=reason)

@@ -113,7 +113,7 @@ class Names:
         return anew
 
     def occurrences(self, *words: str, of: Collection[Declaration] = ()) -> Iterator[Occurrence]:
-        """Every place where one of `words` stands as a name, in upper or lower case, with what it means there.
+        """Every name site of one of `words`, in upper or lower case, with its meaning.
 
         `of`: only places matter that may mean one of these. Steps and transitions are not looked for where another
         POU has the same word on its own, or nearly every chart would be read for ``Init``.
@@ -138,7 +138,7 @@ class Names:
         ]
 
     def undeclared(self, pou: Pou | None = None) -> Iterator[Occurrence]:
-        """The names in program text, of all POUs or of `pou`, that stand on their own and that nothing declares.
+        """The names in program text, of all POUs or of `pou`, that are no members and that nothing declares.
 
         Each where it is first.
         """
@@ -317,6 +317,6 @@ def unique_declaration(names: Names, path: str) -> Declaration:
 def dialect_of(project: Project) -> Dialect:
     """The dialect in which the texts of a project are read.
 
-    That of CODESYS says all that IEC 61131-3 does, and more; only SCL reads the same signs in another way.
+    CODESYS has all signs of IEC 61131-3, and more; only SCL reads the same signs in another way.
     """
     return Dialect.SCL if project.dialect is Dialect.SCL else Dialect.CODESYS

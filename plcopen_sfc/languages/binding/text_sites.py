@@ -1,6 +1,6 @@
 """Text sites: every place of the model in which program text can name something.
 
-The walk knows no format and no grammar: a table says of each field of the model how it is read. Fields that are not in
+The walk knows no format and no grammar: a table maps each field of the model to its reading. Fields that are not in
 it hold no names; a test holds that every text of the model is in one of the two tables.
 """
 
@@ -92,7 +92,7 @@ class ValueOf:
 class TextSite:
     """A text of the model: field or item `key` of `holder`.
 
-    `path` says where it is, the way a person would; `language` is that of the body or ``declaration``.
+    `path` is its place in words; `language` is that of the body or ``declaration``.
     `report_path` is the path in the words of messages and reports: ``POU Main / action Fill`` for ``Main.Fill``.
     """
 

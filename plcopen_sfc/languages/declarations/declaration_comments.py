@@ -1,4 +1,4 @@
-"""Comments of declarations: which belongs to what, what they say, and how they are written."""
+"""Comments of declarations: the declaration of each, its text, and how it is written."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def _inside(comment: Comment) -> str:
 
 
 def comment_lines(text: str, dialect: Dialect) -> list[str]:
-    """Comments that say `text`, one for each of its lines; none if there are only spaces in it."""
+    """Comments with `text`, one for each of its lines; none if there are only spaces in it."""
     if not text.strip():
         return []
     lines = LINE_END.split(text)

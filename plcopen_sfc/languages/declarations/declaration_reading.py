@@ -49,8 +49,8 @@ _SCL_WORDS = _WORDS | {"BEGIN", "STRUCT", "END_STRUCT", "TITLE"}
 class DeclaredUnit:
     """A unit of a source text. All places are offsets into it.
 
-    `head` is what declares: from the keyword up to the body; of what has no body (types) all of it. `body` is what
-    stands between it and the end; `end` is the place of ``END_FUNCTION_BLOCK``, None if it is missing. Lists of global
+    `head` declares: from the keyword up to the body; a unit without a body (a type) is all head. `body` is the text
+    between it and the end; `end` is the place of ``END_FUNCTION_BLOCK``, None if it is missing. Lists of global
     variables are units with the keyword ``VAR_GLOBAL``.
     """
 
@@ -305,7 +305,7 @@ class _Reader:
     # -- places and comments
 
     def _slice(self, node: Node) -> str:
-        """The text of `node` as it stands, the comments in it too."""
+        """The text of `node` unchanged, the comments in it too."""
         start, end = _span(node)
         self._comments.take(start, end)
         return self._text[start:end]

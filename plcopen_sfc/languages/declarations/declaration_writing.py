@@ -1,6 +1,6 @@
 """From the model to the text of declarations; `declaration_reading` is the way back.
 
-What a text has no words for (a comment in two languages, an invalid name) is left out or written in another way: a
+Text cannot express some things (a comment in two languages, an invalid name), which are left out or changed: a
 caller that must not lose it reads the text back and compares.
 """
 
@@ -170,7 +170,7 @@ def _address(address: str, dialect: Dialect) -> str:
 
 
 def _pragmas(texts: dict[str, str], dialect: Dialect) -> list[str]:
-    """The lines before a declaration that stand in braces."""
+    """The pragmas before a declaration, a line each."""
     return texts.get("attributes" if dialect is Dialect.SCL else "pragmas", "").splitlines()
 
 
@@ -217,7 +217,7 @@ def _kept_lines(texts: dict[str, str], indent: str) -> list[str]:
 
 
 def write_interface(interface: Interface, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
-    """All sections, each on lines of its own. The type of the result stands in the head, which is not written."""
+    """All sections, each on lines of its own. The type of the result is in the head, which is not written."""
     return "\n".join(write_section(section, dialect, indent) for section in interface.sections)
 
 

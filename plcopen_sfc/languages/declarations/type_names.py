@@ -71,7 +71,7 @@ _NUMBERS = re.compile(r"(?:FB|FC|DB|OB|UDT)\d+", re.IGNORECASE)
 
 
 def is_identifier(name: str) -> bool:
-    """True if `name` can stand as a name without quotes."""
+    """True if `name` needs no quotes."""
     return _IDENTIFIER.fullmatch(name) is not None and name.upper() not in _RESERVED
 
 
@@ -91,7 +91,7 @@ def bare_name(text: str) -> str:
 
 
 def written_name(name: str, dialect: Dialect) -> str:
-    """`name` as it can stand in a declaration: in quotes in SCL; elsewhere what is no name is made one."""
+    """`name` as a declaration can have it: in quotes in SCL; elsewhere an invalid name is made valid."""
     if is_identifier(name) or (name.upper() in _BETWEEN and dialect is not Dialect.SCL):
         return name
     if dialect is Dialect.SCL:

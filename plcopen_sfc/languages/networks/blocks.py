@@ -177,7 +177,7 @@ class BlockReader:
             self._wires.problem(f"its input {variable.name!r} is not connected", block.id)
 
     def _give(self, block: Block, variable: BlockVariable, value: Expression | None) -> None:
-        """Give an output its value, and write it to the variable that stands at the pin."""
+        """Give an output its value, and write it to the variable at the pin."""
         source = (block.id, variable.name)
         if value is not None:
             value = self._wires.edge(variable.edge, inverted(value) if variable.negated else value, (block.id, None))
@@ -188,7 +188,7 @@ class BlockReader:
         self._wires.store(source, (Factor(source, value),) if value is not None else None)
 
     def _write_at_pin(self, block: Block, variable: BlockVariable, value: Expression) -> Expression:
-        """Write an output to the variable that stands at its pin; returns what has its value from now on."""
+        """Write an output to the variable at its pin; return the variable that has its value from now on."""
         target = self._wires.expression(_target(variable), block.id)
         if variable.storage is not Storage.NONE and self._graph.uses[block.id, variable.name]:
             value = self._kept(block, value, "BOOL")
@@ -215,7 +215,7 @@ class BlockReader:
                 self._wires.problem(f"the block {block.type_name!r} is neither of the project nor standard", block.id)
 
     def _check_pins(self, block: Block, standard: StandardBlock | None, arguments: list[_Argument]) -> None:
-        """A pin that a standard block does not have would be said wrongly, or not at all."""
+        """Report pins that a standard block does not have: text would lose them or get them wrong."""
         for variable in [a.variable for a in arguments if standard is not None and a.variable.name]:
             known = standard is not None and standard.input_name(variable.name) is not None
             if not known and not _is(variable, "pre") and not is_memory_pin(block, variable):
@@ -445,7 +445,7 @@ def _is(variable: BlockVariable, name: str) -> bool:
 
 
 def _target(variable: BlockVariable) -> str:
-    """The variable that stands at an output pin."""
+    """The variable at an output pin."""
     return (variable.output.expression or "").strip() if variable.output is not None else ""
 
 

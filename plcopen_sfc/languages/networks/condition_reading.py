@@ -72,8 +72,8 @@ def condition_expression(
     """The condition of a transition as an expression, whatever it is given as.
 
     `transitions` are the transition objects of the POU (`Pou.transitions`): the expression of one that the condition
-    names is taken; one that is not among them stands in the expression by its name. What must be executed before the
-    expression (function blocks, edges) stands in `NetworkExpression.before`. `taken` as in `body_statements`.
+    names is taken; one that is not among them is in the expression by its name. `NetworkExpression.before` has what
+    must be executed before the expression (function blocks, edges). `taken` as in `body_statements`.
     """
     if transition.condition is None:
         return _failed("the transition has no condition")
@@ -132,8 +132,8 @@ def kept_conditions(
 ) -> tuple[NetworkStatements, dict[int, n.Expression]]:
     """The boxes that are drawn before conditions as statements, and each such condition by the id of its transition.
 
-    What boxes give is kept in variables, so that the statements can be executed at another time than the conditions
-    are evaluated; contacts and variables that are wired directly stand in the conditions. A box that feeds several
+    Outputs of boxes are kept in variables, so that the statements can be executed at another time than the conditions
+    are evaluated; contacts and variables that are wired directly are part of the conditions. A box that feeds several
     conditions is executed once. Conditions that cannot be read completely are left out.
     """
     names = {each.name.casefold(): each for each in transitions}

@@ -1,7 +1,7 @@
 """Places of the elements of a network and of their wires, and networks below each other on one sheet.
 
-TC6 has sheets: it does not divide a body into networks. Everything flows from left to right. What feeds an element
-stands left of it, one feeding element below the other; so the row of each is free up to the element that it feeds, and
+TC6 has sheets: it does not divide a body into networks. Everything flows from left to right. An element that feeds
+another is left of it, one feeding element below the other; so the row of each is free up to the fed element, and
 wires run in the gap before that. Units are those of TC6 editors: about a pixel.
 """
 
@@ -115,7 +115,7 @@ def placed(
 ) -> DrawnItem:
     """The item of an element and of all that feeds it. The places of `outputs` are relative to the element.
 
-    The element stands as low as its first input needs to be on the line of what feeds it.
+    The element is as low as its first input needs to be level with the element that feeds it.
     """
     drop = max(0, slots[0].item.line - slots[0].row) if slots else 0
 
@@ -141,7 +141,7 @@ def placed(
 class BlockDraft:
     """A block while its pins are collected. Inputs without an item are drawn and lead nowhere.
 
-    `operand`: a pin below all others, and the variable that stands at it.
+    `operand`: a pin below all others, and the variable at it.
     """
 
     type_name: str

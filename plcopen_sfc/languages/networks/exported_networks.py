@@ -1,7 +1,7 @@
 """Networks in exports of CoDeSys 2.3 (``_LD_BODY``, ``_FBD_BODY``) as structured text.
 
 A network is a list of words, one in a line, in prefix notation: each expression is followed by ``_EXPRESSION`` and by
-its polarity. No export at hand has one. What is read here is what three programs by others write, two for LD and one
+its polarity. No export at hand has one. This reads what three programs by others write, two for LD and one
 for FBD: contacts in series and in parallel, coils that assign, set and reset, function blocks with operands. A body
 with anything else, such as a jump, is not understood, and kept as it is.
 
@@ -170,7 +170,7 @@ class _Networks:
         read = _names(value)
         for output in outputs:
             if output is not outputs[-1] and _names(output.target) & read:
-                raise _UnknownWordError  # all outputs get the same value, and the next would be computed anew
+                raise _UnknownWordError  # all outputs get the same value, and the next would compute it again
             if output.is_set:
                 stored = n.Assignment(output.target, n.Literal("FALSE" if output.negated else "TRUE"))
                 self._done.append(n.If((n.Branch(value, (stored,)),)))

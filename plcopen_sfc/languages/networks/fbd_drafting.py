@@ -398,7 +398,7 @@ class Drafter:
         return None
 
     def _action(self, call: n.Call, enable: Expression | None) -> DrawnItem:
-        """A call of an action: a box without pins, which says what it is."""
+        """A call of an action: a box without pins that is marked as one."""
         draft = BlockDraft(self._text(call.callee), call=BlockCall.ACTION)
         draft.inputs.append(("EN", self.power(enable) if enable is not None else None))
         draft.outputs.append("ENO")
@@ -482,7 +482,7 @@ class Drafter:
         return block.tool_pin(pin, self.rules.tool) if self.rules.tool is not None else pin
 
     def _call_kind(self, kind: BlockCall) -> BlockCall | None:
-        """CODESYS says at each block what it calls."""
+        """The kind of a call, which only CODESYS writes at each block."""
         return kind if self.rules.tool is Tool.CODESYS else None
 
     def _text(self, expression: Expression) -> str:

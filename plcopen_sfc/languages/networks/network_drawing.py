@@ -331,7 +331,7 @@ def draw_fbd(
 ) -> DrawnFbd:
     """Statements as a function block diagram.
 
-    `divided`: each rung is a network of its own, as in most tools; else all stand on one sheet, as in TC6. The ids of
+    `divided`: each rung is a network of its own, as in most tools; else all are on one sheet, as in TC6. The ids of
     elements count from `first_id` and are unique in the body.
     """
     drafter = Drafter(rules or DrawingRules(), first_id)
@@ -384,7 +384,7 @@ def draw_ld_expression(
 
 
 def _sheets(rungs: list[Rung], *, divided: bool) -> list[list[Rung]]:
-    """The rungs of each network: a label stands in that of the rung behind it, to which jumps lead."""
+    """The rungs of each network: a label belongs to the network of the rung behind it, to which jumps lead."""
     if not divided:
         return [rungs]
     found: list[list[Rung]] = []

@@ -51,7 +51,7 @@ def is_enable(variable: BlockVariable) -> bool:
 
 
 def is_fed(pin: InputPin | None) -> bool:
-    """True if something stands at an input: a wire or an expression."""
+    """True if an input has a wire or an expression."""
     return pin is not None and bool(pin.connections or pin.expression)
 
 
@@ -94,7 +94,7 @@ class Graph:
         return []
 
     def sources(self, node: Node) -> list[list[Source]]:
-        """Return where the wires at each of `pins` start; those that start nowhere are left out (and a problem)."""
+        """Return where the wires at each of `pins` start; one that starts nowhere is a problem and left out."""
         return self._sources[node.id]
 
     def resolve(self, holder: Node | None, pin: InputPin) -> list[Source]:
@@ -182,8 +182,8 @@ class Graph:
         """Every element once, in the order of execution.
 
         Networks one after another; in a network first the elements with an order of execution, then the others from
-        top to bottom and from left to right (in the order of the file where nothing has a place). What feeds an
-        element comes before it, but for feedback.
+        top to bottom and from left to right (in the order of the file where nothing has a place). An element that feeds
+        another comes before it, but for feedback.
         """
         done: set[int] = set()
         for network in self.networks:
@@ -253,11 +253,11 @@ EDGE_CONTACTS = {"PCONTACT": True, "NCONTACT": False}
 EDGE_COILS = {"PCOIL": True, "NCOIL": False}
 """Coils of S7 that are TRUE while the value before them has an edge."""
 MEMORY_PINS = dict.fromkeys(("RS", "SR"), "operand") | dict.fromkeys((*EDGES, *EDGE_CONTACTS, *EDGE_COILS), "bit")
-"""The pin of a block of S7 at which the variable stands that it keeps its state in."""
+"""The pin of a block of S7 for the variable that holds its state."""
 
 
 def is_memory_pin(block: Block, variable: BlockVariable) -> bool:
-    """True if the variable in which a block of S7 keeps its state stands at this pin."""
+    """True if this pin has the variable that holds the state of a block of S7."""
     return not block.instance and variable.name.casefold() == MEMORY_PINS.get(block.type_name.upper())
 
 
@@ -297,7 +297,7 @@ def wires_of(node: Node) -> Iterator[Connection]:
 def apart(networks: Sequence[LogicNetwork]) -> tuple[list[LogicNetwork], dict[int, int]]:
     """The networks with ids that no two of them share, and the old id of each new one.
 
-    Networks that share none are given back as they are. An id that stands twice in one network stays twice.
+    Networks that share none are returned unchanged. An id that a single network has twice stays.
     """
     used = [{node.id for node in network.nodes} for network in networks]
     if len(set(chain.from_iterable(used))) == sum(len(ids) for ids in used):

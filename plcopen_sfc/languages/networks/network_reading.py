@@ -310,7 +310,7 @@ class NetworkReader:
     def _assign(
         self, node: Node, target: str, *, negated: bool, edge: Edge, storage: Storage, passes_on: Source | None = None
     ) -> None:
-        """Write what comes to an element to its variable. What comes to a coil also leaves it, at `passes_on`."""
+        """Write the input of an element to its variable. The input of a coil is also its output, at `passes_on`."""
         variable = self.wires.expression(target, node.id)
         written = frozenset({path_of(variable)})
         self.wires.prepare(written, self.graph.sources(node)[0])

@@ -53,7 +53,7 @@ class NetworkText:
 
     @property
     def complete(self) -> bool:
-        """True if everything in the network is said: no problem is an error."""
+        """True if the result expresses all of the network: no problem is an error."""
         return all(problem.severity is not Severity.ERROR for problem in self.problems)
 
     @property
@@ -78,7 +78,7 @@ class NetworkStatements(NetworkText):
 class NetworkExpression(NetworkText):
     """A network as an expression, None where there is none; `before` must be executed right before it is evaluated.
 
-    An expression cannot call function blocks: their calls, edges included, stand in `before`.
+    An expression cannot call function blocks: their calls, edges included, are in `before`.
     """
 
     tree: Expression | None = None

@@ -273,14 +273,14 @@ class Wires:
     # -- texts
 
     def expression(self, text: str, node: int) -> Expression:
-        """The expression that stands in an element."""
+        """The expression in an element."""
         parsed = parse_expression(text, self.dialect)
         for problem in parsed.problems:
             self.problem(f"{text!r}: {problem.message}", node)
         return parsed.tree
 
     def code(self, text: str, node: int) -> tuple[Statement, ...]:
-        """The statements that stand in an element."""
+        """The statements in an element."""
         parsed = parse_statements(text, self.dialect)
         for problem in parsed.problems:
             line, column = parsed.place(problem.span[0])
@@ -288,7 +288,7 @@ class Wires:
         return parsed.tree.statements
 
     def problem(self, message: str, node: int | None, severity: Severity = Severity.ERROR) -> None:
-        """Note something that cannot be said."""
+        """Note something that text cannot express."""
         self.problems.append(NetworkProblem(message, node, severity))
 
     # -- statements
@@ -299,7 +299,7 @@ class Wires:
         self.statements.append(statement)
 
     def prepare(self, written: frozenset[Path], using: Collection[Source] = ()) -> None:
-        """Let values that are still needed go to helpers if writing `written` may change them.
+        """Move values that are still needed to helpers if writing `written` may change them.
 
         Of the outputs in `using` one use does not count: it is that of the statement that will write.
         """
@@ -399,7 +399,7 @@ class Wires:
         return source in self._values
 
     def keep(self, source: Source) -> None:
-        """Let an output have its value in a variable from here on, also in the next cycle."""
+        """Keep the value of an output in a variable from here on, also in the next cycle."""
         product = self._values.get(source)
         if product and not (len(product) == 1 and is_variable(n.bare(product[0].expression))):
             left = self._left.pop(source, 0)
@@ -420,7 +420,7 @@ class Wires:
         return (Factor(("last", source), n.Name(helper.name, self._quoting)),)
 
     def _kept(self, source: Source, product: Product, *, retained: bool = False) -> Statement:
-        """Let a value go through a variable from here on; the statement that gives it its value."""
+        """Keep a value in a variable from here on; return the statement that assigns it."""
         value = expression_of(product)
         type_name = self._graph.type_of(source)
         if type_name is None and self._types.value(value).type == "BOOL":

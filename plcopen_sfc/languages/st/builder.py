@@ -243,7 +243,7 @@ class Builder(Transformer[Token, Any]):
 
     def empty(self, items: Items) -> Any:
         span: Span = items[0].span
-        return n.Empty(span=span) if span[0] < span[1] else None  # no semicolon stands there: see `parsing`
+        return n.Empty(span=span) if span[0] < span[1] else None  # no semicolon is there: see `parsing`
 
     def embedded_code(self, items: Items) -> Any:
         return n.EmbeddedCode(items[0].value, span=items[0].span)

@@ -98,7 +98,7 @@ TypeNode: TypeAlias = (
 
 @dataclass(frozen=True, slots=True)
 class Repetition(Node):
-    """``3(0)`` in the value of an array. `value` None: nothing stands in the parentheses."""
+    """``3(0)`` in the value of an array. `value` None: nothing is in the parentheses."""
 
     count: Expression
     value: InitialValue | None
@@ -274,12 +274,12 @@ Declaration: TypeAlias = (
     "PouHead | Section | AccessSectionNode | ConfigSectionNode | TypeSection | TaskNode | ProgramInstance"
     " | StructBody | EndNode | Unreadable"
 )
-"""Whatever stands at the outermost level of a declaration."""
+"""The kinds of node at the outermost level of declarations."""
 
 
 @dataclass(frozen=True, slots=True)
 class Declarations(Node):
-    """A text of declarations, in its order. Heads and what follows them stand side by side."""
+    """A text of declarations, in its order. A head and what follows it are separate items."""
 
     items: tuple[Declaration, ...]
 

@@ -234,7 +234,7 @@ def tokenize(
 
 
 _UP_TO_LINE_END = {"REGION": re.compile(r"(?!\s*:)"), "TITLE": re.compile(r"\s*=")}
-"""Words behind which free text stands, and what follows them if they are no names."""
+"""Words before free text, and the token that follows them if they are no names."""
 
 
 def _line_end(text: str, position: int) -> int:

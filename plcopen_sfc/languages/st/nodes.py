@@ -1,8 +1,8 @@
 """The syntax tree of structured text: expressions and statements (IEC 61131-3 ed. 3, 7.3).
 
 Nodes cannot be changed; an edited tree is made of new nodes (`dataclasses.replace`) and of those that stay. `span` is
-where a node stands in the text it was read from, None for one that was made; it does not count in comparisons, so two
-trees are equal when they say the same, whatever their layout.
+the place of a node in the text it was read from, None for one that was made; it does not count in comparisons, so two
+trees are equal when they mean the same, whatever their layout.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class Argument(Node):
     """An argument of a call.
 
     By position (`name` None), by name (``IN := x``), or an output (``Q => x``, ``NOT Q => x``). `value` None: nothing
-    stands there (``IN := ,``), which CODESYS writes for parameters that keep their value.
+    is there (``IN := ,``), which CODESYS writes for parameters that keep their value.
     """
 
     value: Expression | None
@@ -148,7 +148,7 @@ class Unary(Node):
 class Operation(Node):
     """Operands joined by one operator.
 
-    AND, OR, XOR, + and * hold as many operands as stand in a row without parentheses; all others exactly two, the left
+    AND, OR, XOR, + and * hold all operands of a row without parentheses; all others exactly two, the left
     one first.
     """
 
@@ -352,7 +352,7 @@ class EmbeddedCode(Node):
 
 @dataclass(frozen=True, slots=True)
 class Unreadable(Node):
-    """Text that does not parse, kept as it stands. A problem tells why."""
+    """Text that does not parse, kept unchanged. A problem tells why."""
 
     text: str
 

@@ -1,4 +1,4 @@
-"""Parsing structured text: every text gets a tree, and what does not parse stays in it as it stands.
+"""Parsing structured text: every text gets a tree; a part that does not parse stays in it as text.
 
 After an error the parser is taken back to the statements that were being read, what cannot be read up to the next
 semicolon becomes one `Unreadable` statement, and reading goes on behind it. A missing semicolon is put in.
@@ -91,7 +91,7 @@ class Reading:
                 return self._builder.whole(result, len(self._text)) if self._is_list else result
 
     def _feed_semicolon(self, offset: int) -> None:
-        """Feed a semicolon that does not stand in the text; an empty statement that it makes is left out."""
+        """Feed a semicolon that is not in the text; an empty statement that it makes is left out."""
         self._feed(Token("SEMICOLON", ";", (offset, offset)))
 
     def _tell(self, position: int) -> None:
@@ -108,8 +108,8 @@ class Reading:
         self._builder.problems.append(Problem(message, token.span))
 
     def _accepted(self) -> set[str]:
-        """The types of the tokens that could stand next."""
-        return set(self._parser.accepts())  # type: ignore[no-untyped-call]  # lark does not say
+        """The types of the tokens that could come next."""
+        return set(self._parser.accepts())  # type: ignore[no-untyped-call]  # lark has no type for it
 
     def _opening(self) -> Token | None:
         """The keyword of the innermost block that is open."""
@@ -157,7 +157,7 @@ class Reading:
         return position
 
     def _give_up(self, position: int) -> int:
-        """Leave everything from the outermost unfinished statement on as it stands."""
+        """Keep everything from the outermost unfinished statement on as text."""
         start, _ = self._unwind(self._tokens[position].span[0], outermost=True)
         self._keep(start, len(self._text))
         return len(self._tokens) - 1
@@ -184,7 +184,7 @@ class Reading:
         return True
 
     def _drop_block(self, position: int) -> int:
-        """Leave the innermost block, which ends at `position` but lacks a part (REPEAT without UNTIL), as it stands."""
+        """Keep as text the innermost block, which ends at `position` but lacks a part (REPEAT without UNTIL)."""
         opening, start = self._opening(), self._tokens[position].span[0]
         while self._opening() is opening or not isinstance(self._values[-1], StatementList):
             start = self._pop(start)

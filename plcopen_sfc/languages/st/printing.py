@@ -23,7 +23,7 @@ _UNARY = {Operator.NOT: "NOT ", Operator.NEGATE: "-", Operator.PLUS: "+"}
 
 
 def print_node(node: Node, *, newline: str = "\n") -> str:
-    """The text of an expression or of statements. Puts parentheses where the tree needs them to mean what it says."""
+    """The text of an expression or of statements. Parentheses are put where the tree needs them."""
     if type(node) is n.Name and node.quoting is n.Quoting.NONE:  # most of what drawings and code print
         return node.identifier
     return Printer(newline=newline).text(node)
@@ -39,7 +39,7 @@ def operands(node: n.Operation | n.Unary) -> tuple[n.Expression, ...]:
 
 
 def needs_parentheses(node: n.Operation | n.Unary, index: int) -> bool:
-    """True if the operand at `index` has to stand in parentheses, so that the text means what the tree says."""
+    """True if the operand at `index` needs parentheses, so that the text means the same as the tree."""
     operand = operands(node)[index]
     if isinstance(operand, n.AssignmentExpression):
         return True
@@ -342,7 +342,7 @@ class _Comparison:
         return found.group() if found is not None else ""
 
     def _list_edits(self, old: tuple[Any, ...], new: tuple[Any, ...], *, separate: bool) -> list[Edit] | None:
-        """The edits between two lists of nodes; None where the list has to be written anew with its node.
+        """The edits between two lists of nodes; None where the list has to be written again with its node.
 
         `separate`: see `_are_separate`.
         """
@@ -365,7 +365,7 @@ class _Comparison:
         return found
 
     def _removed(self, node: Node) -> Edit:
-        """Takes a statement out, with its line where nothing else stands in it."""
+        """Takes a statement out, with its line where nothing else is in it."""
         start, end = node.span or (0, 0)
         before = re.compile(r"(?:^|(?<=[\r\n]))[ \t]*\Z").search(self._text[:start])
         after = re.compile(r"[ \t]*(\r\n|\r|\n|\Z)").match(self._text, end)

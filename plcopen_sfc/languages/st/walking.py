@@ -15,7 +15,7 @@ _PARTS: dict[type[Node], tuple[str, ...]] = {}
 
 
 def parts(kind: type[Node]) -> tuple[str, ...]:
-    """The names of the fields that hold what a node says: all but its span."""
+    """The names of the fields that hold the content of a node: all but its span."""
     names = _PARTS.get(kind)
     if names is None:
         names = _PARTS[kind] = tuple(field.name for field in fields(kind) if field.name != "span")
@@ -70,5 +70,5 @@ def with_children(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
 
 
 def without_parentheses(node: AnyNode) -> AnyNode:
-    """The tree without the parentheses that people have set. It means the same: the tree itself says what binds."""
+    """The tree without written parentheses. It means the same: its structure already has the precedence."""
     return transform(node, lambda found: found.inner if isinstance(found, Parenthesized) else found)

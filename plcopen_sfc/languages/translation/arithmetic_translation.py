@@ -1,7 +1,7 @@
 """Arithmetic that does the same in a tool which calculates in other types.
 
 CODESYS does not cut off ``x * y`` of two INT before it is compared, divided or assigned to a DINT; S7 and IEC 61131-3
-do. What is stored in the narrow type at once is the same in all of them, for sums, differences and products are the
+do. A result that is stored in the narrow type at once is the same in all, for sums, differences and products are the
 same modulo a power of two whenever they are cut off. Elsewhere operands become wider, or the result is cut off. SCL has
 neither arithmetic on bit strings nor logic of integers: their operands are converted.
 """

@@ -110,7 +110,7 @@ def _is_legal(name: str, target: Dialect) -> bool:
 
 
 def is_identifier(name: str) -> bool:
-    """True if a name is an identifier of IEC 61131-3 (6.1.2): letters, digits, and underscores that stand alone."""
+    """True if a name is an identifier of IEC 61131-3 (6.1.2): letters, digits, and single underscores."""
     return re.fullmatch(r"(?!.*__)[A-Za-z_][A-Za-z0-9_]*", name) is not None
 
 

@@ -40,7 +40,7 @@ def translated_comment(kind: CommentKind, text: str, source: Dialect, target: Di
     """A comment or a pragma of `source` in `target`, both families.
 
     ``//`` and ``(* *)`` are known to all, ``/* */`` to IEC 61131-3, ``(/* */)`` to SCL, pragmas to all but SCL: there
-    they stand in a comment that becomes a pragma again on the way back. `regions`: pragmas of regions become REGION.
+    they are in a comment that becomes a pragma again on the way back. `regions`: pragmas of regions become REGION.
     """
     if source is target or kind is CommentKind.LINE:
         return PartText(text)
@@ -161,7 +161,7 @@ def translate_text(
     target: Dialect,
     context: TranslationContext | None = None,
 ) -> Translated:
-    """A text in another dialect. Never raises: text that does not parse is left as it stands, with a note for why."""
+    """A text in another dialect. Never raises: text that does not parse stays unchanged, with a note for why."""
     return translate(_PARSERS[kind](text, source), target, context)
 
 
@@ -176,7 +176,7 @@ def translate_tree(
 def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext | None = None) -> Translated:
     """A parsed text in another dialect.
 
-    What has no counterpart is left as it stands and noted; so is all of a text that does not parse. Within a dialect,
+    A part without a counterpart stays unchanged, with a note; so does a text that does not parse. Within a dialect,
     and between CODESYS and TwinCAT, nothing but references to steps changes. See `TranslationContext` for what the
     translation has to know of names.
     """

@@ -34,7 +34,7 @@ class StepReferences:
     """The steps that a text may refer to, and how it does.
 
     `names`: from the name in the source text (its number in GRAFCET) to that in the target. `source_block`,
-    `target_block`: the instance or POU that has the steps, where the text stands outside of it. `disturbed`: the steps
+    `target_block`: the instance or POU that has the steps, where the text is outside of it. `disturbed`: the steps
     with an interlock or a supervision, by their names in lower case; None: any may have one.
     """
 
@@ -100,9 +100,9 @@ TITLES = {
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """A place in the source text, and what is to say about it.
+    """A note on a place in the source text.
 
-    `severity`: ERROR: it has no counterpart in the target dialect and was left as it stands. WARNING: it was
+    `severity`: ERROR: it has no counterpart in the target dialect and stays unchanged. WARNING: it was
     translated, or left, but may mean something else there. INFO: it means the same but is worth knowing, such as a new
     name. `span`: offsets into the source text; `line` and `column` of its start, from 1.
     """
@@ -116,7 +116,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class PartText:
-    """The text of something in the target dialect. `severity` None: it means the same, and there is nothing to say."""
+    """The text of something in the target dialect. `severity` None: it means the same, and there is no note."""
 
     text: str
     severity: Severity | None = None
@@ -139,7 +139,7 @@ class Notes:
         self._found[Note(severity, reason, (start, end), line, column)] = None
 
     def take(self, outcome: PartText, place: Node | Span) -> str:
-        """The text of an outcome, after noting what it has to say."""
+        """The text of an outcome, after its note is added."""
         if outcome.severity is not None:
             self.add(outcome.severity, outcome.reason, place)
         return outcome.text

@@ -64,7 +64,7 @@ class StepTranslator:
         return step == new and self._references.source_block == self._references.target_block
 
     def _read(self, node: n.Name | n.Member) -> tuple[str, str] | None:
-        """Name of the step and what is asked of it: ``X`` whether it is active, ``T`` its time, or a tool's own."""
+        """Name of a step and of its variable: ``X`` (active), ``T`` (elapsed time), or a tool's own."""
         notation = self._references.source
         if notation is StepNotation.GRAFCET:
             number = node.identifier[1:] if isinstance(node, n.Name) and node.identifier[:1] in "Xx" else ""
@@ -131,7 +131,7 @@ _JUMPS = {Dialect.SCL: "GOTO", Dialect.CODESYS: "JMP"}
 
 
 class TreeTranslator:
-    """Makes the tree of the target dialect. `source` and `target` are families; nodes that say the same stay."""
+    """Makes the tree of the target dialect. `source` and `target` are families; nodes equal in both stay."""
 
     def __init__(self, tree: Node, source: Dialect, target: Dialect, context: TranslationContext, notes: Notes) -> None:
         self._tree = tree
@@ -335,7 +335,7 @@ class TreeTranslator:
         if node.kind in _ARITHMETIC and not isinstance(node.value, n.AssignmentExpression):
             if any(isinstance(part, n.Call) for part in walk(node.target)):
                 self._notes.add(Severity.WARNING, f"{node.kind.value} was written out: the target is read twice", node)
-            read = transform(new.target, lambda part: replace(part, span=None))  # its comments stand at the target
+            read = transform(new.target, lambda part: replace(part, span=None))  # its comments are those of the target
             operation = n.Operation(_ARITHMETIC[node.kind], (read, _grouped(new.value)))
             return n.Assignment(new.target, operation, span=node.span)
         self._lacks(f"assignments with {node.kind.value}", node)
@@ -354,7 +354,7 @@ class TreeTranslator:
 
 
 def _in_one_row(node: n.Operation) -> n.Operation:
-    """``(a AND b) AND c`` where the first AND was another operator: all operands stand in a row."""
+    """``(a AND b) AND c`` where the first AND was another operator, as one row of operands."""
     first = node.operands[0]
     if isinstance(first, n.Operation) and first.operator is node.operator and node.operator in _BOTH_SIDES.values():
         return replace(node, operands=(*first.operands, *node.operands[1:]))
@@ -401,7 +401,7 @@ def _may_fail(node: Expression) -> bool:
 
 
 def split_chains(statements: Iterable[Statement]) -> tuple[Statement, ...]:
-    """``a := b := c`` as ``b := c; a := b``, which says the same (IEC 61131-3 has no chains)."""
+    """``a := b := c`` as ``b := c; a := b``, which does the same (IEC 61131-3 has no chains)."""
     found: list[Statement] = []
     for statement in statements:
         links = [statement.target] if isinstance(statement, n.Assignment) else []

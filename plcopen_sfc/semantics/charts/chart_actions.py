@@ -53,7 +53,7 @@ class ExecutedAction:
     """An action: a body to run or a Boolean variable to write, and the control that decides on it.
 
     `name` orders actions of CODESYS. `bit` is its place in the set of actions with a memory, `noted` that in what the
-    chart has reached, `out` the slot with what its control said in the scan before, `memory` are all private slots with
+    chart has reached, `out` the slot of its control's last result, `memory` are all private slots with
     what they hold at the start.
     """
 

@@ -122,7 +122,7 @@ class ChartProgram:
     # -- preparing
 
     def translate(self) -> None:
-        """Prepare conditions and bodies. What the profile does not know is an error of the first scan."""
+        """Prepare conditions and bodies. Anything unknown to the profile is an error of the first scan."""
         if self._refused is not None:
             return
         self._actions.translate()
@@ -328,7 +328,7 @@ class ChartProgram:
         return self._choose(frame, moves)
 
     def _move_on(self, frame: Frame, now: int, situation: int, cleared: Cleared) -> int:
-        """The next situation. A step that is left and entered at once stays active, and its time starts anew."""
+        """The next situation. A step that is left and entered at once stays active, and its time starts again."""
         after: int = situation & ~cleared.left | cleared.entered
         if self._grafcet is not None:
             after = self._grafcet.rule(situation, after, cleared)
@@ -391,7 +391,7 @@ class ChartProgram:
         return True
 
     def _stop_time(self, frame: Frame, now: int, *, stopped: bool) -> None:
-        """Let the time between the first scan that stands still and the one that goes on not count."""
+        """Leave out of all times the span from the first stopped scan to the one that goes on."""
         v = frame.v
         if stopped:
             if v[self._paused] is None:

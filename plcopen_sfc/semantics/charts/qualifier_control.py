@@ -171,7 +171,7 @@ class _Timer:
         return v[self._start] is not None or v[self._done]
 
     def over(self, v: list[Any], now: int, time: int) -> bool:
-        """Start it if it does not run, and tell whether its time is over."""
+        """Start it if it does not run; return True if its time is over."""
         if v[self._done]:
             return True
         if v[self._start] is None:

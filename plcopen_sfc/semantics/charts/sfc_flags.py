@@ -37,7 +37,7 @@ COMMANDS = frozenset(
 
 
 class FlagEffect(Enum):
-    """Effect of the flags in a scan: go on, stand still, or go back to the initial step."""
+    """Effect of the flags in a scan: go on, stop, or go back to the initial step."""
 
     RUN = "run"
     STOP = "stop"
@@ -56,7 +56,7 @@ class Tip(Enum):
 class Flags:
     """The flags that a chart uses.
 
-    A flag is used where the settings of the chart say so. Where they do not mention it, or leave it to the settings of
+    A flag is used where the settings of the chart use it. Where they do not mention it, or leave it to the settings of
     the project, it is used if the POU or a list of global variables declares it, as in CoDeSys V2.3.
     """
 
@@ -98,10 +98,10 @@ class Flags:
             write(frame, value)
 
     def order(self, frame: Frame) -> tuple[FlagEffect, bool]:
-        """Effect in this scan, and whether it was not wanted in the one before.
+        """Effect in this scan, and True if it was not wanted in the one before.
 
         Whatever SFCInit finds it sets back, so that is new in every scan. Going on after SFCQuitError is new too: the
-        times of active steps start anew.
+        times of active steps start again.
         """
         v = frame.v
         reset = self.is_on(SfcFlag.RESET, frame)
@@ -173,12 +173,12 @@ class Flags:
 
 
 def flags_in_use(chart: SfcNetwork, profile: Profile, declared: Callable[[str], bool]) -> frozenset[SfcFlag]:
-    """The flags that a chart uses; `declared` tells whether the POU or its project declare a variable."""
+    """The flags that a chart uses; `declared` is True for a variable that the POU or its project declares."""
     return profile.flags & chart.flags_in_use(declared) if profile.flags else frozenset()
 
 
 def _declare_table(scope: Scope) -> int:
-    """``ARRAY [0..15] OF ExpressionResult`` of the library Analyzation, whatever the POU says of that type."""
+    """``ARRAY [0..15] OF ExpressionResult`` of the library Analyzation, whatever the POU declares of that type."""
     string = ELEMENTARY["STRING"]
     row = scope.structure("ExpressionResult", {"name": string, "address": string, "comment": string, "value": BOOL})
     return override(scope, SfcFlag.ERROR_ANALYZATION_TABLE.variable, ArrayOf("ARRAY", row, ((0, 15),)))

@@ -41,7 +41,7 @@ class Reached:
         self.origins: list[tuple[ActionOrigin, ...]] = []
 
     def action(self, label: str, origins: Iterable[ActionOrigin]) -> int:
-        """Note that there is an action; the bit that stands for it."""
+        """Note that there is an action; return its bit."""
         self.labels.append(label)
         self.origins.append(tuple(origins))
         return 1 << len(self.labels) - 1
@@ -149,7 +149,7 @@ class Steps:
         return tuple(found)
 
     def change(self, frame: Frame, before: int, situation: int, entered: int, now: int) -> None:
-        """Another situation. `entered`: the steps whose time starts anew."""
+        """Another situation. `entered`: the steps whose time starts again."""
         v = frame.v
         since = self.since
         for index in indexes(before & ~situation):
@@ -196,7 +196,7 @@ class Steps:
                     frame.v[name.slot].v[NEXT] = following & name.steps != 0
 
     def restart(self, frame: Frame, situation: int, now: int) -> None:
-        """Let the times of all active steps begin anew."""
+        """Restart the times of all active steps."""
         self.change(frame, situation, situation, situation, now)
 
 

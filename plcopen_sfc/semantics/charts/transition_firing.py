@@ -160,7 +160,7 @@ def testing_order(net: Net) -> tuple[int, ...]:
     """The places of the transitions of a net, by their index, in the list in which matiec tests them.
 
     It puts one after the other into the list: one with a number before the first that has a greater one, one without
-    at the end. So one without a number comes before, or behind, one with a number as they stand in the text.
+    at the end. So one without a number comes before, or behind, one with a number as in the text.
     """
     charts = {id(transition.chart): transition.chart for transition in net.transitions}
     written = {id(each): number for chart in charts.values() for number, each in enumerate(chart.transitions)}

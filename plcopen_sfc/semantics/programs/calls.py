@@ -462,7 +462,7 @@ def _check_bare(name: str, arguments: Sequence[n.Argument]) -> None:
 
 
 def _can_refer(parameter: t.Type, type_: t.Type) -> bool:
-    """True if a variable of a type can stand for a VAR_IN_OUT: it has the same values, or more members."""
+    """True if a variable of a type can be passed to a VAR_IN_OUT: it has the same values, or more members."""
     if isinstance(parameter, t.OpaqueType) or isinstance(type_, t.OpaqueType):
         return True
     if isinstance(parameter, t.ScalarType):

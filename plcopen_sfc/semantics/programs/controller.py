@@ -1,7 +1,7 @@
 """A controller that runs a project, and the instances of its POUs: scans, variables by path, snapshots.
 
 A search stores what a frame holds and puts it back, millions of times: by functions made for its layout. Their source
-holds numbers only (decision 0018). What is stored is one flat tuple.
+holds numbers only (decision 0018). It stores one flat tuple.
 """
 
 from __future__ import annotations
@@ -202,10 +202,10 @@ class Controller:
     `profile` is for charts and their compiler; None: that of the tool that the project is for. `functions` are those
     that the project calls but does not have, by name; they get the arguments of the call. `read_input(path)` gives the
     value of a free input the first time that a scan reads it: of an input of the instance, a global variable or an
-    undeclared name that nothing writes and no declaration gives a value. `unknown_calls` says what calls come to that
+    undeclared name that nothing writes and no declaration gives a value. `unknown_calls` has results for calls that
     the project has nothing for; without it they are errors. `max_steps`: turns of loops and calls of
     functions in a scan before it counts as endless. `free_inputs`: variables that nothing writes
-    and that count as inputs though no declaration says so, or ``all`` of them, but never
+    and that count as inputs though no declaration makes them one, or ``all`` of them, but never
     `not_free`. `marking`: note which assignments are
     reached (`library.marks`).
     """

@@ -204,7 +204,7 @@ def is_valid_bcd(value: int) -> bool:
 
 
 def is_valid(value: float) -> bool:
-    """IS_VALID: whether it is a finite number."""
+    """IS_VALID: True if it is a finite number."""
     return math.isfinite(value)
 
 
@@ -318,7 +318,7 @@ def _real_text(value: float, type_: ScalarType) -> str:
 
 
 def of_text(text: str, type_: ScalarType) -> Any:
-    """The value that a string says; 0 where it says none (CODESYS, STRING_TO_INT)."""
+    """The number in a string; 0 where it has none (CODESYS, STRING_TO_INT)."""
     try:
         found = literal_value(text.strip())
     except LiteralError:

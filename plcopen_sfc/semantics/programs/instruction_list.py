@@ -1,6 +1,6 @@
 """Translation of instruction list (ed. 3, 7.2): the current result is kept in a variable of Python.
 
-Its type is known wherever an instruction stands: behind a label it is that which it has where jumps to it stand before
+Its type is known at each instruction: behind a label it is that which it has at the jumps to it that come before
 it, and at the end of the instructions before it.
 """
 
@@ -26,7 +26,7 @@ _COMBINING = {*LOGIC, *ARITHMETIC, *COMPARISONS}
 
 @dataclass(frozen=True, slots=True)
 class _Open:
-    """An operation whose operand stands in parentheses over several lines: ``AND(``."""
+    """An operation whose operand is in parentheses over several lines: ``AND(``."""
 
     operator: str
     negated: bool
@@ -47,7 +47,7 @@ class InstructionTranslator:
         self._at_labels: dict[str, list[Code]] = {}
 
     def body(self, text: str) -> None:
-        """Write all instructions. What cannot be translated becomes an error where the body is executed."""
+        """Write all instructions. An untranslatable one becomes an error when the body is executed."""
         self._statements.enter("")
         mark = self._writer.mark()
         try:

@@ -117,7 +117,7 @@ class Operators:
     # -- logic
 
     def logic(self, operator: Operator, codes: list[Code]) -> Code:
-        """AND, OR, XOR of BOOLs and bit strings. What calls nothing is evaluated as far as the result needs it."""
+        """AND, OR, XOR of BOOLs and bit strings. Operands without calls are evaluated only while needed."""
         word, sign = _LOGIC[operator]
         acts = any(code.acts for code in codes)
         if all(_is_truth(code) for code in codes):

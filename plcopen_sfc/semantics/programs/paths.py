@@ -284,7 +284,7 @@ class PathTranslator(ABC):
             )
 
     def followed(self, place: Place, expected: t.Type | None) -> Place:
-        """A reference of CODESYS stands for what it refers to, but where a reference is wanted."""
+        """The target of a reference of CODESYS, or the reference where one is expected."""
         if isinstance(place.type, t.ReferenceType) and place.type.automatic:
             if isinstance(expected, t.ReferenceType):
                 return place

@@ -202,7 +202,7 @@ def _write_entry(callee: Callee, parameters: str, run: str) -> None:
 
 
 def write_temporary_starts(layout: Layout, writer: Writer) -> None:
-    """Let the variables of VAR_TEMP start with their initial values, as at each call of their POU."""
+    """Set the variables of VAR_TEMP to their initial values, as at each call of their POU."""
     for field in layout.fields:
         if field.direction is Direction.TEMP:
             writer.write(f"v[{field.slot}] = {field.initial}")
@@ -218,7 +218,7 @@ class Routines:
         self._parameters = "f, this" if scope.around is not None else "f"
 
     def body(self, body: Body, path: str, function: Callable[..., Any] | None = None) -> Callable[..., None]:
-        """Return a body in any language. What cannot be translated raises a `SimulationError` when it is executed."""
+        """Return a body in any language. An untranslatable part raises a `SimulationError` when executed."""
         writer = self._writer()
         try:
             statements, text, instances = self._statements(body) if not isinstance(body, IlBody) else ((), None, {})

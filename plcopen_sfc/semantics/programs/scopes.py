@@ -147,7 +147,7 @@ class TranslatedProject(ABC):
         return found.type if found is not None else None
 
     def _members_of(self, path: str) -> Iterator[tuple[str, int, t.ScalarType, bool]]:
-        """Members that programs use of an instance of an unknown type: name, slot, type, and whether they write it."""
+        """Members that programs use of an instance of an unknown type: name, slot, type, and True if they write it."""
         start = f"{path.casefold()}."
         for key, place in sorted(self.implicits.items()):
             if key.startswith(start) and isinstance(place.type, t.ScalarType) and place.field is not None:

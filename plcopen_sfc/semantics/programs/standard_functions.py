@@ -1,6 +1,6 @@
 """Translation of the standard functions (ed. 3, 6.6.2.5) and of those that CODESYS and S7 have besides.
 
-Arguments stand in the order of `languages.standard_blocks`; what a function does is in `function_runtime`.
+Arguments are in the order of `languages.standard_blocks`; `function_runtime` has the functions themselves.
 """
 
 from __future__ import annotations

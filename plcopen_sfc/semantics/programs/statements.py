@@ -1,4 +1,4 @@
-"""Translation of statements (ed. 3, 7.3.3), and which conditions are TRUE where a statement stands."""
+"""Translation of statements (ed. 3, 7.3.3), and the conditions that are TRUE at each statement."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _LEAVING = (n.ReturnStatement, n.Exit, n.Continue, n.Goto)
 class Guards:
     """The conditions that hold at the statement which is being translated.
 
-    A condition is forgotten behind a statement that may write one of its variables. What a statement may write is
+    A condition is forgotten behind a statement that may write one of its variables. What a statement writes is
     known of assignments and of calls of standard blocks; any other call may write everything. Where they are not
     `wanted`, there are none.
     """
@@ -39,7 +39,7 @@ class Guards:
         self.holding: tuple[Expression, ...] = ()
 
     def enter(self, conditions: Sequence[Expression]) -> tuple[Expression, ...]:
-        """Have conditions hold from here on, evaluated in this order. What is TRUE at first.
+        """Assume conditions from here on, evaluated in this order; return those that are TRUE at first.
 
         A condition that may write something is TRUE at first, but may be FALSE as soon as it is evaluated again.
         """
@@ -176,7 +176,7 @@ _SHOWN = 60
 
 
 class StatementTranslator:
-    """Writes the statements of a body. What cannot be translated becomes an error where it is reached."""
+    """Writes the statements of a body. An untranslatable one becomes an error where it is reached."""
 
     def __init__(self, translator: Translator, path: str, text: str | None = None) -> None:
         self._translator = translator
@@ -193,7 +193,7 @@ class StatementTranslator:
         self._guards = Guards(translator, wanted=self._marks is not None)
 
     def body(self, statements: Sequence[Statement], *, returns: str = "return") -> None:
-        """A whole body: labels may stand between its statements. `returns` is what RETURN becomes."""
+        """A whole body: labels may be between its statements. `returns` is what RETURN becomes."""
         self._returns = returns
         if statements:
             self.enter("")
@@ -207,7 +207,7 @@ class StatementTranslator:
         self.parts(labels, [partial(self.all, part) for part in parts])
 
     def parts(self, labels: Sequence[str], parts: Sequence[Callable[[], None]]) -> None:
-        """Parts of a body, between which labels stand."""
+        """Parts of a body between its labels."""
         if not labels:
             parts[0]()
             return
@@ -419,7 +419,7 @@ class StatementTranslator:
             yield print_node(each), [(print_node(tree), True, tree) for tree in equal]
 
     def _watch_selector(self, node: n.Case) -> None:
-        """Look at the labels of CASE, where several lead to a branch; and whether none fits, unless it is a state."""
+        """Watch the labels of CASE, where several lead to a branch; and if no label fits, unless it selects a state."""
         conditions = [case_condition(node.selector, branch) for branch in node.branches]
         found: list[tuple[str, Iterable[Decision]]] = []
         if len(conditions) <= _MOST_LABELS:
@@ -468,7 +468,7 @@ class StatementTranslator:
             self._marks.branches[self._branch].assignments.append(assignment)
 
     def _if(self, branches: Sequence[n.Branch], otherwise: Sequence[Statement] | None) -> None:
-        """IF. What a condition needs before it is part of the expression, so ELSIF stays a chain."""
+        """IF. Preparations of a condition are part of the expression, so ELSIF stays one statement."""
         others: list[n.Expression] = []
         self._watch_conditions([each.condition for each in branches], [each.statements for each in branches])
         for index, branch in enumerate(branches):

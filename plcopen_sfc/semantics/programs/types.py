@@ -124,7 +124,7 @@ class Direction(StrEnum):
 
 
 class Frame:
-    """The values of a structure, of an instance or of a call. `v` are its slots, as `layout` says."""
+    """The values of a structure, of an instance or of a call. `v` are its slots, by `layout`."""
 
     __slots__ = ("layout", "v")
 

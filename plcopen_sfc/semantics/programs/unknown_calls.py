@@ -1,7 +1,7 @@
 """Calls of functions and blocks that a project does not have: unknown functions of what they are given.
 
 A function gives equal results for equal arguments. A block also depends on the calls before: equal calls at equal
-intervals give equal results. What a call writes is known of its outputs and of members of the instance only.
+intervals give equal results. A call writes its outputs and members of the instance, as far as is known.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class UnknownBlocks:
     """The instances of blocks that a project does not have: their members, and what they keep of their calls.
 
     The state is in global variables: `globals_` is their layout, `frame` their values. `members_of` gives the members
-    of an instance that programs use: name, slot, type, and whether they write it.
+    of an instance that programs use: name, slot, type, and True if they write it.
     """
 
     def __init__(

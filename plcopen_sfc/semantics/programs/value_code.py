@@ -28,7 +28,7 @@ _DAY = 86_400 * SECOND
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """An expression as Python source, which is an atom or stands in parentheses.
+    """An expression as Python source, which is an atom or in parentheses.
 
     `low` and `high` bound an integer value; they may go beyond its type until it is settled: sums and products wrap
     the same whether at once or later. `constant`: its value is known, `value` is it. `loose`: a literal without a type,

@@ -21,8 +21,8 @@ _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 class VariableUse:
     """Reads and writes of variables, noted by their keys while texts are translated (see `Place.key`).
 
-    `globals_` are the global variables. Where `asks`, free inputs are asked for when a scan reads them. `owned` tells
-    of an undeclared path whether it is a member of an unknown block, which gives it its value.
+    `globals_` are the global variables. Where `asks`, free inputs are asked for when a scan reads them. `owned` is True
+    of an undeclared path that is a member of an unknown block, which gives it its value.
     """
 
     def __init__(

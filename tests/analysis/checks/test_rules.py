@@ -804,7 +804,7 @@ def remark(comment: str) -> Callable[[], Subject]:
     return made(lambda chart: setattr(chart.step("S2"), "comment", comment))
 
 
-case("CHK01", remark("plcopen-sfc: ignore STR99"), remark("plcopen-sfc: ignore STR09, ACT"), "lets STR99 be")
+case("CHK01", remark("plcopen-sfc: ignore STR99"), remark("plcopen-sfc: ignore STR09, ACT"), "suppresses STR99")
 case("CHK01", remark("plcopen-sfc: ignore"), remark("nothing to say"), "names no rule")
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class EdgeTerm:
-    """``↑operand``, or ``↓operand`` where it is not `rising`. In the texts that were read `name` stands for it."""
+    """``↑operand``, or ``↓operand`` where it is not `rising`. `name` replaces it in the texts."""
 
     name: str
     operand: str
@@ -42,7 +42,7 @@ class TimeTerm:
 
 
 class TermTexts:
-    """Takes the terms out of texts. `edges` and `timers` stand in an order in which each needs only those before it."""
+    """Takes the terms out of texts. `edges` and `timers` are sorted: each needs only those before it."""
 
     def __init__(self) -> None:
         self._names: dict[tuple[str | bool | None, ...], str] = {}
@@ -52,7 +52,7 @@ class TermTexts:
     def read(self, text: str) -> str:
         """Return a condition as structured text, a name in place of each term, the same for the same term.
 
-        What is no condition of a GRAFCET is returned as it is, for the parser of program text to refuse.
+        A text that is no condition of a GRAFCET is returned unchanged, for the parser of program text to refuse.
         """
         try:
             return to_structured_text(text, self)
@@ -90,7 +90,7 @@ def _operand(text: str) -> str:
 
 
 def is_term(name: str) -> bool:
-    """True if a name stands for a term in a text that was read."""
+    """True if a name replaces a term in a text that was read."""
     return name.startswith(("GRAFCET_EDGE_", "GRAFCET_TIME_"))
 
 

@@ -401,7 +401,7 @@ class GraphProgram:
     # -- preparing
 
     def translate(self) -> None:
-        """Prepare conditions, bodies and parameters. What the profile does not know is an error of the first scan."""
+        """Prepare conditions, bodies and parameters. Anything unknown to the profile is an error of the first scan."""
         if self._refused is not None or self._actions is None:
             return
         # drawn operations first: they tell the types of instances that others only name
