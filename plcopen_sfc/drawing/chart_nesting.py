@@ -12,100 +12,16 @@ handed to the divergence outside; everything else becomes a jump. (After Ramsey:
 
 Charts nest as deep as they like: walks call each other as generators that `_run` drives, so that Python's stack stays
 flat.
-
-A chart as a graph of steps and transitions, ready to be cut into branches.
-
-A drawing runs downwards, so the edges of the chart are first told apart: *forward* edges are drawn as wires where they
-fit, edges that close a loop or lead into what another start has drawn already become jumps. On the forward edges, which
-have no loops, the immediate dominator of a node is the node above it at which all paths to it part: there the
-divergence opens that has to be closed before the node. (Dominators after Cooper, Harvey, Kennedy: A Simple, Fast
-Dominance Algorithm.)
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable, Mapping, Sequence
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field
 
 from plcopen_sfc.drawing.drawing_style import same_drawn
+from plcopen_sfc.drawing.forward_edges import ForwardEdges, without_entries
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
-
-ROOT = -1
-"""Node above all starts."""
-
-
-class ForwardEdges:
-    """Forward edges, ranks and dominators of a directed graph, from one depth-first walk.
-
-    An edge is *forward* where it neither closes a loop nor leads into what an earlier start has reached. `rank` numbers
-    the nodes so that forward edges run upwards, `dominator` is the node through which all forward paths to a node pass
-    last, `forward_inputs` counts the forward edges into a node, `merges` lists for a node what it dominates immediately
-    and several forward edges lead to, by rank.
-    """
-
-    def __init__(self, successors: Mapping[int, Sequence[int]], candidates: Iterable[int]) -> None:
-        self.successors = successors
-        self.starts: list[int] = []
-        self.rank: dict[int, int] = {}
-        self.dominator: dict[int, int] = {}
-        self.forward_inputs: dict[int, int] = {}
-        self.merges: dict[int, list[int]] = {}
-        self._tree: dict[int, int] = {}
-        self._finished: list[int] = []
-        self._inputs: dict[int, list[int]] = {}
-        for start in (*candidates, *successors):
-            if start not in self._tree:
-                self._visit(start)
-        nodes = self._finished[::-1]
-        self.rank = {node: rank for rank, node in enumerate(nodes)}
-        for node in nodes:
-            self._dominate(node)
-
-    def is_forward(self, source: int, target: int) -> bool:
-        """True if there is a forward edge between two nodes."""
-        return source in self._inputs[target]
-
-    def _visit(self, start: int) -> None:
-        """Depth first from `start`. Later starts get smaller ranks, which does no harm: no forward edge joins them."""
-        tree = self._tree
-        self.starts.append(start)
-        tree[start] = start
-        open_nodes = {start}
-        self._inputs[start] = []
-        stack = [(start, iter(self.successors[start]))]
-        while stack:
-            node, successors = stack[-1]
-            for target in successors:
-                if target not in tree:
-                    tree[target] = start
-                    self._inputs[target] = [node]
-                    open_nodes.add(target)
-                    stack.append((target, iter(self.successors[target])))
-                    break
-                if tree[target] == start and target not in open_nodes:
-                    self._inputs[target].append(node)
-            else:
-                open_nodes.discard(node)
-                self._finished.append(node)
-                stack.pop()
-
-    def _dominate(self, node: int) -> None:
-        rank, inputs = self.rank, self._inputs[node]
-        self.forward_inputs[node] = len(inputs)
-        if not inputs:
-            self.dominator[node] = ROOT
-            return
-        found = inputs[0]
-        for other in inputs[1:]:
-            one = other
-            while one != found:
-                if rank[one] > rank[found]:
-                    one = self.dominator[one]
-                else:
-                    found = self.dominator[found]
-        self.dominator[node] = found
-        if len(inputs) > 1:
-            self.merges.setdefault(found, []).append(node)
 
 
 @dataclass(slots=True)
@@ -154,7 +70,8 @@ def flow_of(chart: SfcNetwork, together: Mapping[int, int], *, split: frozenset[
     entered = {target for targets in successors.values() for target in targets}
     candidates = [i for i, step in steps.items() if step.initial]
     candidates += [i for i in (*steps, *joints) if i not in entered]
-    return ChartGraph(steps, joints, successors, ForwardEdges(successors, candidates))
+    waiting = {i: joint.sources for i, joint in joints.items() if len(joint.alternatives) == 1}
+    return ChartGraph(steps, joints, successors, without_entries(successors, candidates, waiting))
 
 
 def alike(chart: SfcNetwork) -> dict[int, int]:
@@ -353,7 +270,10 @@ class _Builder:
             if not group:
                 continue
             later = {other for other in inner[position + 1 :] if other not in self.placed}
-            alone = not any(branch.end is not None and branch.end.target in later for branch in divergence.branches)
+            ends = [branch.end.target for branch in divergence.branches if branch.end is not None]
+            alone = later.isdisjoint(ends) and (
+                divergence.parallel or not any(self.is_convergence(end) for end in ends if end != target)
+            )
             meets = self.meets(divergence, group, target)
             if alone and meets:
                 self.join(segment, divergence, target)
@@ -381,8 +301,8 @@ class _Builder:
         main = long[0]
         if inner and not any(isinstance(item, NestedDivergence) for item in main.items):
             return False
-        exits = [branch.end.target for branch in divergence.branches if branch is not main and branch.end is not None]
-        if any(target not in self.placed and target not in inner for target in exits):
+        exits = [branch.end for branch in divergence.branches if branch is not main and branch.end is not None]
+        if any(not self.is_jump(end) and end.target not in inner for end in exits):
             return False
         below = main.items[1]
         if not isinstance(below, NestedNode) or below.node not in self.flow.steps:
@@ -429,6 +349,16 @@ class _Builder:
             if end.target in self.flow.steps:
                 segment.items.append(NestedJump(end.target))
 
+    def is_convergence(self, node: int) -> bool:
+        """True if a node is a transition that waits for several steps: nothing but their wires can lead there."""
+        joint = self.flow.joints.get(node)
+        return joint is not None and len(joint.alternatives) == 1 and len(joint.sources) > 1
+
+    def is_jump(self, end: SegmentEnd) -> bool:
+        """True if only a jump can lead to where a segment ends: back, or into a simultaneous branch from outside."""
+        jumps = self.flow.edges.jumps
+        return end.target in self.placed or all((node, end.target) in jumps for node in end.waiting)
+
     def meets(self, divergence: NestedDivergence, group: list[int], target: int) -> bool:
         """True if the branches of `group` may meet in a convergence before `target`."""
         joint = self.flow.joints.get(target)
@@ -457,15 +387,16 @@ class _Builder:
             joint = self.flow.joints.get(target) if target is not None else None
             return target if whole and joint is not None and len(joint.alternatives) == 1 else None
         rank = self.flow.edges.rank
-        best: tuple[bool, int, int] | None = None
+        best: tuple[bool, bool, int, int] | None = None
         found: int | None = None
         for target, group in groups.items():
             joint = self.flow.joints.get(target)
             if joint is not None and len(joint.alternatives) == 1 and len(group) > 1:
                 continue
-            # the nearest target ahead; without one, the target behind to which most branches go back
-            behind = target in self.placed
-            key = (behind, -len(group) if behind else rank[target], -group[-1])
+            # a convergence that waits for this branch, else the nearest target ahead; without one, the target behind to
+            # which most branches go back
+            behind = all(end is not None and self.is_jump(end) for end in (divergence.branches[i].end for i in group))
+            key = (behind, not self.is_convergence(target), -len(group) if behind else rank[target], -group[-1])
             if best is None or key < best:
                 best, found = key, target
         return found

@@ -15,8 +15,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from plcopen_sfc.drawing.attached_symbols import block_owner
-from plcopen_sfc.drawing.chart_nesting import ROOT, ForwardEdges
 from plcopen_sfc.drawing.document_order import feeding, input_pins_of
+from plcopen_sfc.drawing.forward_edges import ROOT, ForwardEdges
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.drawing import BARS, STEPS, ActionEntry, Drawing, Symbol, SymbolKind

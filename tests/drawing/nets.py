@@ -102,3 +102,16 @@ def nested_net(draw: st.DrawFn, *, jumps: bool = True) -> SfcNetwork:
     end = sequence(new(), 3)
     edges.append(([end], [0]))
     return make(len(steps), edges)
+
+
+@st.composite
+def entered_net(draw: st.DrawFn) -> SfcNetwork:
+    """A chart of nested branches with up to three jumps, from any place to any, also into branches from outside."""
+    chart = draw(nested_net(jumps=False))
+    edges = [(t.sources, t.targets) for t in chart.transitions]
+    waited_for = {source for sources, _ in edges if len(sources) > 1 for source in sources}
+    places = st.sampled_from([step.id for step in chart.steps if step.id not in waited_for])
+    for _ in range(draw(st.integers(1, 3))):
+        jump = ([draw(places)], [draw(st.integers(0, len(chart.steps) - 1))])
+        edges.insert(draw(st.integers(0, len(edges))), jump)
+    return make(len(chart.steps), edges)
