@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.lowering.code.lowered_code import names_of
+from plcopen_sfc.lowering.code.lowered_code import names_of, without_marks
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import IlBody, SfcBody, StBody
@@ -26,8 +26,6 @@ from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.subjects import Subject
 
 _TEXTS = ("title", "comment", "content", "alternative_text", "alarm")
-# a comment is the same caption with or without its marks
-_MARKS = re.compile(r"^\s*//+|\(\*+|\*+\)|/\*+|\*+/", re.MULTILINE)
 
 
 class Caption(NamedTuple):
@@ -107,7 +105,7 @@ class CodeCaptions:
 
 def _bare(text: str) -> str:
     """Return a text without the marks of comments, its words divided by one space each."""
-    return " ".join(_MARKS.sub(" ", text).split())
+    return " ".join(without_marks(text).split())
 
 
 _SHOWN = 60

@@ -18,7 +18,6 @@ from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.compile_mistakes import compile_mistakes
 from plcopen_sfc.lowering.chart_lowering import LoweredPou
-from plcopen_sfc.lowering.code.code_bodies import comment_lines
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import Construction, Style, tool_of
 from plcopen_sfc.lowering.proof import prove
@@ -208,7 +207,7 @@ def _body(lowered: LoweredPou, pou: Pou) -> Body | None:
 
 def _header(lowered: LoweredPou, project: Project) -> str:
     lines = (part for line in _lines(lowered) for part in wrap(line, _WIDTH, break_long_words=False))
-    text = "\n".join(comment_lines("\n".join(lines)))
+    text = "\n".join(f"// {line}" for line in lines)
     target = lowered.rules.target
     # edition 2 of IEC 61131-3 has no other comments
     portable = target is not None and tool_of(target, project.dialect) is None

@@ -231,13 +231,13 @@ def test_actions_of_single_steps_are_one_case_behind_the_transitions() -> None:
     bodies = ["ACTION One: n := n + 1; END_ACTION", "ACTION Two: n := n + 2; // twice\nEND_ACTION"]
     bodies += ["ACTION Both: n := n * 2; END_ACTION", "ACTION Once: n := 0; END_ACTION"]
     text = lowered(first="One(N);", second="Two(N); Both(N);", third="Once(P1); Both(N);", actions="\n".join(bodies))
-    assert "CASE step_number OF\n    1:\n        // Action One\n        n := n + 1;" in text
-    assert "\n    2:\n        // Action Two\n        n := n + 2; // twice\nEND_CASE;" in text
+    assert "CASE step_number OF\n    1: // Step 1 – initial step\n        // Action One\n        n := n + 1;" in text
+    assert "\n    2: // Step 2\n        // Action Two\n        n := n + 2; // twice\nEND_CASE;" in text
     assert "IF step_number = 2 OR step_number = 3 THEN" in text
     assert text.count("CASE step_number OF") == 2
     apart = lowered(first="One(N);", second="Both(N);", third="Once(P1);", actions="\n".join(bodies))
     assert apart.count("IF step_number") == 1
-    assert "    3:\n        // Action Once\n        IF step_number <> last_step_number THEN" in apart
+    assert "    3: // Step 3\n        // Action Once\n        IF step_number <> last_step_number THEN" in apart
 
 
 def test_a_branch_does_not_ask_for_its_own_step() -> None:

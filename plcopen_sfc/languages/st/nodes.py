@@ -344,6 +344,18 @@ class Empty(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class Remark(Node):
+    """A comment of statements that are made; of a text that is read comments are no part of the tree.
+
+    `beside`: at the end of the line before it. At the beginning of a branch of an IF it is printed above the condition.
+    Without text it is an empty line.
+    """
+
+    text: str
+    beside: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class EmbeddedCode(Node):
     """Code in C among statements, ``{{ .. }}`` with its braces (Beremiz, OpenPLC): the compiler passes it on."""
 
@@ -359,7 +371,7 @@ class Unreadable(Node):
 
 Statement: TypeAlias = (
     "Assignment | CallStatement | If | Case | For | While | Repeat | RegionBlock | Try | Exit | Continue"
-    " | ReturnStatement | Goto | LabelStatement | Empty | EmbeddedCode | Unreadable"
+    " | ReturnStatement | Goto | LabelStatement | Empty | Remark | EmbeddedCode | Unreadable"
 )
 """Any statement."""
 

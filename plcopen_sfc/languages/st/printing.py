@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import islice
 from typing import Any
 
@@ -69,7 +69,7 @@ class Printer:
             return known
         match node:
             case n.Statements(statements):
-                return self._newline.join(indent + self.text(statement, indent) for statement in statements)
+                return self.lines(statements, indent).removeprefix(self._newline)
             case n.Argument():
                 return self._argument(node)
             case n.Range(lower, upper):
@@ -169,6 +169,8 @@ class Printer:
                 return f"{self.text(label)}:"
             case n.Empty():
                 return ";"
+            case n.Remark(text):
+                return f"{self._newline}{indent}".join(f"// {line}".rstrip() for line in text.splitlines())
             case n.EmbeddedCode(text):
                 return text
             case n.Unreadable(text):
@@ -176,12 +178,18 @@ class Printer:
             case _:
                 raise TypeError(f"{type(node).__name__} is no node that can be printed")
 
-    def _below(self, statements: Iterable[Statement], indent: str) -> str:
-        deeper = indent + INDENT
-        return "".join(f"{deeper}{self.text(statement, deeper)}{self._newline}" for statement in statements)
+    def lines(self, statements: Iterable[Statement], indent: str) -> str:
+        """The lines of statements, each behind a line end."""
+        text = ""
+        for each in statements:
+            if isinstance(each, n.Remark) and (each.beside or not each.text):
+                text += f" // {each.text}" if each.beside else self._newline
+            else:
+                text += self._newline + indent + self.text(each, indent)
+        return text
 
     def _block(self, head: str, statements: Iterable[Statement], end: str, indent: str) -> str:
-        return f"{head}{self._newline}{self._below(statements, indent)}{indent}{end}"
+        return f"{head}{self.lines(statements, indent + INDENT)}{self._newline}{indent}{end}"
 
     def _if(self, node: n.If, indent: str) -> str:
         text = ""
@@ -195,7 +203,10 @@ class Printer:
         return text + self._otherwise(node.otherwise, indent) + f"{indent}END_IF;"
 
     def _branch(self, word: str, node: n.Branch, indent: str) -> str:
-        return f"{word} {self.text(node.condition)} THEN{self._newline}{self._below(node.statements, indent)}"
+        above, below = _remarks_above(node.statements)
+        head = self.lines((*above,), indent).removeprefix(self._newline + indent)
+        head += f"{self._newline}{indent}" if above else ""
+        return f"{head}{word} {self.text(node.condition)} THEN{self.lines(below, indent + INDENT)}{self._newline}"
 
     def _case(self, node: n.Case, indent: str) -> str:
         text = f"CASE {self.text(node.selector)} OF{self._newline}"
@@ -205,20 +216,32 @@ class Printer:
         return text + self._otherwise(node.otherwise, indent) + f"{indent}END_CASE;"
 
     def _case_branch(self, node: n.CaseBranch, indent: str) -> str:
-        labels = f"{self._listed(node.labels)}:"
-        return self._newline.join([labels, *self._below(node.statements, indent).split(self._newline)[:-1]])
+        return f"{self._listed(node.labels)}:{self.lines(node.statements, indent + INDENT)}"
 
     def _otherwise(self, statements: tuple[Statement, ...] | None, indent: str) -> str:
-        return "" if statements is None else f"{indent}ELSE{self._newline}{self._below(statements, indent)}"
+        if statements is None:
+            return ""
+        above, below = _remarks_above(statements)
+        head = self.lines((*above,), indent).removeprefix(self._newline)
+        head += self._newline if above else ""
+        return f"{head}{indent}ELSE{self.lines(below, indent + INDENT)}{self._newline}"
 
     def _try(self, node: n.Try, indent: str) -> str:
-        text = f"__TRY{self._newline}{self._below(node.statements, indent)}"
+        deeper = indent + INDENT
+        text = f"__TRY{self.lines(node.statements, deeper)}{self._newline}"
         if node.handler is not None:
             error = "" if node.error is None else f"({self.text(node.error)})"
-            text += f"{indent}__CATCH{error}{self._newline}{self._below(node.handler, indent)}"
+            text += f"{indent}__CATCH{error}{self.lines(node.handler, deeper)}{self._newline}"
         if node.finally_ is not None:
-            text += f"{indent}__FINALLY{self._newline}{self._below(node.finally_, indent)}"
+            text += f"{indent}__FINALLY{self.lines(node.finally_, deeper)}{self._newline}"
         return f"{text}{indent}__ENDTRY"
+
+
+def _remarks_above(statements: Sequence[Statement]) -> tuple[Sequence[Statement], Sequence[Statement]]:
+    """The comments that are printed above the condition of a branch, and its statements without them."""
+    below = (place for place, each in enumerate(statements) if not isinstance(each, n.Remark) or each.beside)
+    start = next(below, len(statements))
+    return statements[:start], statements[start:]
 
 
 def render(parsed: Parsed[Any], tree: Node) -> str:

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from textwrap import dedent
 from typing import NamedTuple, Protocol
 
 from plcopen_sfc.languages.effects import path_of, reads
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_control import ActionControlCode, SequentialControlCode
 from plcopen_sfc.lowering.actions.variable_access import Effect, OwnVariables, UntouchedVariables, WrittenPaths
@@ -25,11 +24,11 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     is_constant,
     negation,
     not_all,
+    remark,
     when,
 )
-from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import BOOL, GuardedText, LoweredCode, StepValue, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode, StepValue, without_marks
 from plcopen_sfc.lowering.code_texts import Suffix, Texts
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
@@ -107,6 +106,8 @@ class _Execution:
         self._final_scan = rules.profile.final_scan
         self._always = rules.profile.boolean_targets is BooleanTargets.ALWAYS
         self._owned = OwnVariables(source)
+        for action in source.actions:
+            code.keep_text(action.statements, action.text)
 
     # -- one after the other
 
@@ -300,26 +301,15 @@ class _Execution:
         behind: Sequence[Statement] = (),
     ) -> None:
         """Append a network that executes an action, with its comments where its text is written as it was."""
-        title = self._texts.action(action.name)
-        # a syntax tree has no comments: a text with comments is kept as it was written, if nothing in it was replaced
-        if not self._verbatim or not action.statements or not has_comments(action.text):
-            acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
-            self._code.add(title, [*before, *acting, *behind], self._captions(action))
-            return
-        lines = print_node(n.Statements(tuple(before))).splitlines()
-        lines.append(f"IF {print_node(executed)} THEN")
-        own = dedent(action.text).strip("\n")
-        lines += [f"    {line}".rstrip() for line in own.splitlines()]
-        lines += ["END_IF;", *print_node(n.Statements(tuple(behind))).splitlines()]
-        guarded = GuardedText(executed, own, action.statements) if not (before or behind) else None
-        self._code.networks.append(TextNetwork(title, "\n".join(lines), self._captions(action), guarded))
+        acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
+        self._code.add(self._texts.action(action.name), [*before, *acting, *behind], self._captions(action))
 
     def explain(self, action: ActionSource) -> None:
         """Append the comments of an action that does nothing."""
-        lines = comment_lines(self._captions(action))
-        lines += dedent(action.text).strip("\n").splitlines() if has_comments(action.text) else []
-        if self._verbatim and lines:
-            self._code.networks.append(TextNetwork(self._texts.action(action.name), "\n".join(lines)))
+        comments = tokenize(action.text, self._source.dialect).comments
+        captions = [self._captions(action), *(without_marks(each.text).strip() for each in comments)]
+        if self._verbatim:
+            self._code.add(self._texts.action(action.name), remark("\n".join(captions)))
 
     def _captions(self, action: ActionSource) -> str:
         """Return the comments of an action and of its associations."""
@@ -365,11 +355,6 @@ def _operands_of(expression: Expression) -> tuple[Expression, ...]:
     return inner.operands if isinstance(inner, n.Operation) else ()
 
 
-def has_comments(text: str) -> bool:
-    """Return True if there may be comments in structured text."""
-    return any(start in text for start in ("//", "(*", "/*"))
-
-
 class StepCode(NamedTuple):
     """Statements of a step, given by its index in the net; `name` is that of the step, for variables."""
 
@@ -400,22 +385,10 @@ def add_changes(source: ChartSource, code: LoweredCode, steps: StepSelection, te
 
 def add_main_actions(source: ChartSource, code: LoweredCode, steps: StepSelection, texts: Texts) -> None:
     """Append the code that active steps execute in every scan."""
-    together: list[StepCode] = []
-
-    def end() -> None:
-        code.add(texts.main_actions, steps.while_active(together, "main"))
-        together.clear()
-
+    parts = [_part(source, each.step, each.main) for each in source.step_code if each.main]
     for each in source.step_code:
-        if each.main and not code.drawn and has_comments(each.main_text):  # a syntax tree has no comments
-            end()
-            own, active = dedent(each.main_text).strip("\n"), steps.active(each.step)
-            lines = [f"IF {print_node(active)} THEN", *indented(own.splitlines()), "END_IF;"]
-            guarded = GuardedText(active, own, each.main)
-            code.networks.append(TextNetwork(texts.main_actions, "\n".join(lines), guarded=guarded))
-        elif each.main:
-            together.append(_part(source, each.step, each.main))
-    end()
+        code.keep_text(each.main, each.main_text)
+    code.add(texts.main_actions, steps.while_active(parts, "main"))
 
 
 def _part(source: ChartSource, step: int, statements: Sequence[Statement]) -> StepCode:

@@ -17,7 +17,7 @@ from plcopen_sfc.lowering.code.boolean_logic import negation
 from plcopen_sfc.lowering.code.code_bodies import body_of
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.flat_statements import flatten
-from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode, free_name
+from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode, free_name
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.dialect import Dialect
@@ -116,9 +116,8 @@ class DriveBlock:
             return node
 
         for place, network in enumerate(self.code.networks):
-            if isinstance(network, CodeNetwork):
-                statements = tuple(transform(statement, replaced) for statement in network.statements)
-                self.code.networks[place] = replace(network, statements=statements)
+            statements = tuple(transform(statement, replaced) for statement in network.statements)
+            self.code.networks[place] = replace(network, statements=statements)
 
     def _input(self, given: Expression, wanted: str, comment: str, kind: DataType = BOOL) -> n.Name:
         if given not in self._given:
@@ -174,9 +173,7 @@ class DriveBlock:
             yield from (each for each in nodes if isinstance(each, n.Name) and id(each) not in others)
 
     def _statements(self) -> Iterator[Statement]:
-        for network in self.code.networks:
-            if isinstance(network, CodeNetwork):
-                yield from network.statements
+        return (statement for network in self.code.networks for statement in network.statements)
 
     def _refuse(self, message: str) -> NoReturn:
         raise LoweringError(message, location=Location(path=self._source.pou.name), hint="Leave actions inline.")

@@ -139,7 +139,8 @@ def with_distinct(tree: Statement, alternative: Alternative) -> Statement:
                 return FALSE if known[excluded[0]] == excluded[1] else TRUE
             return operand
 
-        return conjunction(map(decided, node.operands)) if known else node
+        found = conjunction(map(decided, node.operands)) if known else node
+        return found if found != node else node  # the same object: it keeps the text that it has
 
     return transform(tree, simpler)
 
@@ -164,6 +165,17 @@ def call(instance: Expression, **inputs: Expression) -> n.CallStatement:
 def when(condition: Expression, *statements: n.Statement) -> n.If:
     """Return ``IF condition THEN .. END_IF;``."""
     return n.If((n.Branch(condition, statements),))
+
+
+def remark(text: str) -> tuple[n.Remark, ...]:
+    """Return a comment without its empty lines; nothing where it has no text."""
+    shown = "\n".join(line.rstrip() for line in text.splitlines() if line.strip())
+    return (n.Remark(shown),) if shown else ()
+
+
+def beside(text: str) -> n.Remark:
+    """Return a comment at the end of the line before it; a line break in a name would end it."""
+    return n.Remark(" ".join(text.split()), beside=True)
 
 
 def _joined(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from itertools import count, pairwise
+from itertools import count
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, LoweringError
@@ -15,9 +15,11 @@ from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
+from plcopen_sfc.languages.st.printing import INDENT, Printer
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, Tool
 from plcopen_sfc.languages.translation.text_translation import region_marks
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, TextNetwork
+from plcopen_sfc.lowering.code.boolean_logic import remark
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
@@ -29,7 +31,8 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 def structured_text(code: LoweredCode, dialect: Dialect) -> StBody:
     """Return a paragraph for each network, its title and comment before it, or a region if it is long."""
-    text = "\n\n".join(_section(network, dialect, regions=code.has_regions) for network in code.networks)
+    printer = _CodePrinter(code, dialect)
+    text = "\n\n".join(printer.paragraph(network) for network in code.networks)
     has_pragmas = any(comment.kind is CommentKind.PRAGMA for comment in tokenize(text, dialect).comments)
     return StBody(text=compilable_comments(text, dialect) if code.is_portable and not has_pragmas else text)
 
@@ -50,11 +53,7 @@ def instruction_list(code: LoweredCode, pou: str) -> IlBody:
     parts = []
     for network in code.networks:
         place = Location(path=f"{pou} / network {network.title}")
-        remarks = [network.title, network.comment]
-        if isinstance(network, TextNetwork):
-            raise LoweringError("structured text is no instruction list", location=place)
-        remarks += [text for _, text in sorted(network.remarks.items())]
-        lines = [line.strip() for text in remarks for line in text.splitlines() if line.strip()]
+        lines = [line.strip() for line in f"{network.title}\n{network.comment}".splitlines() if line.strip()]
         try:
             text = statement_instructions(network.statements, labels)
         except NoInstructionError as error:
@@ -75,53 +74,54 @@ def _rules(code: LoweredCode, dialect: Dialect, declared: list[Variable]) -> Dra
 
 _SHORT = 3
 """Lines that a reader sees at a glance: what is longer is a region, and apart from what is beside it."""
-INDENT = "    "
 
 
-def _section(network: CodeNetwork | TextNetwork, dialect: Dialect, *, regions: bool) -> str:
-    text = paragraph(network)
-    title = comment_lines(" ".join(network.title.split()))
-    lines = text.splitlines()
-    if not regions or not title or len(lines) <= _SHORT + 1:
+class _CodePrinter(Printer):
+    """Printer of lowered code: with texts of the chart as they were written, long branches apart, and regions."""
+
+    def __init__(self, code: LoweredCode, dialect: Dialect) -> None:
+        super().__init__()
+        self._code, self._dialect = code, dialect
+
+    def paragraph(self, network: CodeNetwork) -> str:
+        """Return the text of a network."""
+        text = self.text(n.Statements(titled(network)))
+        if not self._code.has_regions or not network.title or text.count("\n") <= _SHORT:
+            return text
+        return self.text(n.RegionBlock(network.title, (*remark(network.comment), *network.statements)))
+
+    def lines(self, statements: Iterable[n.Statement], indent: str) -> str:
+        """Return the lines of statements, with their text where they have one."""
+        left, text = [*statements], ""
+        while left:
+            count, written = self._code.text_of(left)
+            if count:
+                text += "".join(f"\n{indent}{line}".rstrip(" ") for line in written.split("\n"))
+            else:
+                text += super().lines(left[:1], indent)
+            del left[: count or 1]
         return text
-    return "\n".join(region(network.title, lines[1:], dialect))
+
+    def _case(self, node: n.Case, indent: str) -> str:
+        # textbooks have an empty line behind each branch, and labels right below their CASE
+        is_listing = any(branch.statements[-1:] == (n.Remark(""),) for branch in node.branches)
+        deeper = indent if is_listing else indent + INDENT
+        texts = [self.text(branch, deeper) for branch in node.branches]
+        apart = not is_listing and any(text.count("\n") > _SHORT for text in texts)
+        branches = ("\n\n" if apart else "\n").join(deeper + text for text in texts)
+        end = f"\n{self._otherwise(node.otherwise, indent)}{indent}END_CASE;"
+        return f"CASE {self.text(node.selector)} OF\n{branches}{end}"
+
+    def _statement(self, node: n.Node, indent: str) -> str:
+        if isinstance(node, n.RegionBlock):
+            start, end = region_marks(" ".join(node.title.split()), self._dialect)
+            return self._block(start, node.statements, end, indent)
+        return super()._statement(node, indent)
 
 
-def region(title: str, lines: Sequence[str], dialect: Dialect) -> list[str]:
-    """Return lines as a region, which the editor of TIA Portal folds and lists."""
-    start, end = region_marks(" ".join(title.split()), dialect)
-    return [start, *indented(lines), end]
-
-
-def indented(lines: Iterable[str]) -> list[str]:
-    """Return lines further to the right; empty ones stay empty."""
-    return [(INDENT + line).rstrip() for line in lines]
-
-
-def spaced(parts: Sequence[Sequence[str]]) -> list[str]:
-    """Return the lines of all parts, with empty lines between them where one of them is long."""
-    if all(len(part) <= _SHORT + 1 for part in parts):
-        return [line for part in parts for line in part]
-    return [line for place, part in enumerate(parts) for line in ([""] * (place > 0) + list(part))]
-
-
-def paragraph(network: CodeNetwork | TextNetwork) -> str:
-    """Return the text of a network, with its title and comment before it."""
-    title = " ".join(network.title.split())  # a line break in a name would end the comment
-    heading = [*comment_lines(title), *comment_lines(network.comment)]
-    if isinstance(network, TextNetwork):
-        return "\n".join([*heading, network.text])
-    starts = sorted({0, *network.remarks})
-    parts = pairwise([*starts, len(network.statements)])
-    for start, end in parts:
-        heading += comment_lines(network.remarks.get(start, ""))
-        heading.append(print_node(n.Statements(network.statements[start:end])))
-    return "\n".join(heading)
-
-
-def comment_lines(text: str) -> list[str]:
-    """Return a text as comments, a line each."""
-    return [f"// {line}".rstrip() for line in text.splitlines() if line.strip()]
+def titled(network: CodeNetwork) -> tuple[n.Statement, ...]:
+    """Return the statements of a network behind its title and comment; a line break in a name would end the title."""
+    return (*remark(" ".join(network.title.split())), *remark(network.comment), *network.statements)
 
 
 def _drawn(
@@ -131,8 +131,6 @@ def _drawn(
     free = 1
     for network in code.networks:
         place = Location(path=f"{pou} / network {network.title}")
-        if isinstance(network, TextNetwork):
-            raise LoweringError("structured text is no network", location=place)
         # ids go on through all networks: formats with one sheet need them different
         drawn = draw(network.statements, rules, first_id=free, divided=code.tool is not None)
         for problem in drawn.problems:

@@ -20,7 +20,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Variable
@@ -50,9 +50,8 @@ def flatten(code: LoweredCode, declared: Iterable[Variable] = ()) -> None:
     variables = [*declared, *code.variables, *code.inputs]
     flags = {variable.name.casefold() for variable in variables if variable.type == BOOL}
     for place, network in enumerate(code.networks):
-        if isinstance(network, CodeNetwork):
-            flat = _Flattener(lambda: code.declare(code.texts.condition), flags).statements(network.statements, TRUE)
-            code.networks[place] = CodeNetwork(network.title, tuple(flat), network.comment)
+        flat = _Flattener(lambda: code.declare(code.texts.condition), flags).statements(network.statements, TRUE)
+        code.networks[place] = replace(network, statements=tuple(flat))
 
 
 def name_inputs(code: LoweredCode, project: Project) -> None:
@@ -69,9 +68,8 @@ def name_inputs(code: LoweredCode, project: Project) -> None:
         return node
 
     for place, network in enumerate(code.networks):
-        if isinstance(network, CodeNetwork):
-            statements = tuple(transform(each, named) for each in network.statements)
-            code.networks[place] = replace(network, statements=statements)
+        statements = tuple(transform(each, named) for each in network.statements)
+        code.networks[place] = replace(network, statements=statements)
 
 
 class _Flattener:

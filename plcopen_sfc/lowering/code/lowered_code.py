@@ -6,6 +6,9 @@ import re
 import unicodedata
 from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
+from operator import is_
+from textwrap import dedent
 from typing import NoReturn, TypeAlias
 
 from plcopen_sfc.errors import Location, LoweringError, nearest
@@ -283,34 +286,11 @@ StepValue: TypeAlias = Callable[[int], n.Expression]
 
 @dataclass(frozen=True)
 class CodeNetwork:
-    """Statements that belong together: a network of FBD and LD, a paragraph of ST.
-
-    `remarks` are comments inside a paragraph, by the index of the statement behind them.
-    """
+    """Statements that belong together: a network of FBD and LD, a paragraph of ST."""
 
     title: str
     statements: tuple[n.Statement, ...]
     comment: str = ""
-    remarks: Mapping[int, str] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class TextNetwork:
-    """Structured text with comments inside, which statements do not have. Only a body in ST can hold it."""
-
-    title: str
-    text: str
-    comment: str = ""
-    guarded: GuardedText | None = None
-
-
-@dataclass(frozen=True)
-class GuardedText:
-    """Text of a `TextNetwork` without its IF: it is executed under a condition, and does what the statements do."""
-
-    condition: n.Expression
-    text: str
-    statements: tuple[n.Statement, ...]
 
 
 @dataclass
@@ -328,7 +308,7 @@ class LoweredCode:
     """
 
     naming: Naming
-    networks: list[CodeNetwork | TextNetwork] = field(default_factory=list)
+    networks: list[CodeNetwork] = field(default_factory=list)
     variables: list[Variable] = field(default_factory=list)
     inputs: list[Variable] = field(default_factory=list)
     outputs: list[Variable] = field(default_factory=list)
@@ -348,6 +328,18 @@ class LoweredCode:
     first_scan: n.Name | None = None
     texts: Texts = field(default_factory=Texts)
     known_types: Collection[str] = ()
+    _written: dict[int, tuple[tuple[n.Statement, ...], str]] = field(default_factory=dict)
+
+    def keep_text(self, statements: tuple[n.Statement, ...], text: str) -> None:
+        """Keep the text of statements, whose comments a tree does not have: it is written while they stay the same."""
+        if statements and has_comments(text):
+            self._written[id(statements[0])] = statements, dedent(text).strip("\n")
+
+    def text_of(self, statements: Sequence[n.Statement]) -> tuple[int, str]:
+        """Return how many of these statements have a text, and that text."""
+        kept, text = self._written.get(id(statements[0]), ((), ""))
+        same = len(kept) <= len(statements) and all(map(is_, kept, statements))
+        return (len(kept), text) if same else (0, "")
 
     def declare(self, wanted: str, kind: DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
         """Declare a local variable that is called `wanted`, if that is free, and return its name."""
@@ -449,11 +441,18 @@ class LoweredCode:
         if self.drawn:
             self.networks += [part for part in parts if part.statements]
             return
-        statements: list[n.Statement] = []
-        remarks: dict[int, str] = {}
-        for part in parts:
-            if part.comment:
-                remarks[len(statements)] = part.comment
-            statements += part.statements
-        if statements:
-            self.networks.append(CodeNetwork(title, tuple(statements), remarks=remarks))
+        remarked = (((n.Remark(part.comment),) if part.comment else ()) + part.statements for part in parts)
+        self.add(title, [*chain.from_iterable(remarked)])
+
+
+def has_comments(text: str) -> bool:
+    """Return True if there may be comments in structured text."""
+    return any(start in text for start in ("//", "(*", "/*"))
+
+
+_MARKS = re.compile(r"^\s*//+|\(\*+|\*+\)|/\*+|\*+/", re.MULTILINE)
+
+
+def without_marks(text: str) -> str:
+    """Return the text of comments without the marks that make them comments."""
+    return _MARKS.sub(" ", text)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Collection
 from dataclasses import replace
@@ -12,7 +11,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.boolean_logic import simplified
-from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode
 from plcopen_sfc.model.types import DerivedType, ElementaryType
 
 _TIMERS = ("TON", "TOF", "TON_TIME", "TOF_TIME")
@@ -30,10 +29,7 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
     helpers -= {name for expression in kept for name in _names(expression)}
     found: Counter[str] = Counter()
     for network in code.networks:
-        if isinstance(network, CodeNetwork):
-            found.update(name for statement in network.statements for name in _names(statement))
-        else:
-            found.update(re.findall(r"\w+", network.text.casefold()))
+        found.update(name for statement in network.statements for name in _names(statement))
     # once written and once read
     once = {name for name in helpers if found[name] == 2}
     private = code.own_names
@@ -42,10 +38,9 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
     }
     gone: set[str] = set()
     for place, network in enumerate(code.networks):
-        if isinstance(network, CodeNetwork) and not network.remarks:
-            inliner = _Inliner(network.statements, once, helpers, private, timers)
-            code.networks[place] = CodeNetwork(network.title, tuple(inliner.statements), network.comment)
-            gone |= inliner.gone
+        inliner = _Inliner(network.statements, once, helpers, private, timers)
+        code.networks[place] = replace(network, statements=tuple(inliner.statements))
+        gone |= inliner.gone
     code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in gone]
     while _without_unread(code, kept):
         pass
@@ -61,21 +56,15 @@ def _without_unread(code: LoweredCode, kept: Collection[Expression]) -> bool:
     }
     unread -= {name for expression in kept for name in _names(expression)}
     for network in code.networks:
-        if isinstance(network, TextNetwork):
-            unread -= set(re.findall(r"\w+", network.text.casefold()))
-            continue
         for statement in network.statements:
             target = _pure_target(statement)
             names = Counter(_names(statement))
             unread -= {name for name, count in names.items() if count > (name == target)}
     for place, network in enumerate(code.networks):
-        if isinstance(network, CodeNetwork) and not network.remarks:
-            statements = tuple(each for each in network.statements if _pure_target(each) not in unread)
-            code.networks[place] = replace(network, statements=statements)
-    code.networks[:] = [each for each in code.networks if isinstance(each, TextNetwork) or each.statements]
-    written = {
-        name for each in code.networks if isinstance(each, CodeNetwork) for s in each.statements for name in _names(s)
-    }
+        statements = tuple(each for each in network.statements if _pure_target(each) not in unread)
+        code.networks[place] = replace(network, statements=statements)
+    code.networks[:] = [each for each in code.networks if each.statements]
+    written = {name for each in code.networks for s in each.statements for name in _names(s)}
     gone = unread - written
     code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in gone]
     return bool(gone)

@@ -10,7 +10,7 @@ from itertools import groupby
 from plcopen_sfc.analysis.regions import ParallelBlock, Regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_execution import StepCode
 from plcopen_sfc.lowering.actions.variable_access import UntouchedVariables
@@ -19,16 +19,17 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     TRUE,
     Alternative,
     assignment,
+    beside,
     conjunction,
     disjunction,
     equal,
     is_constant,
     negation,
     one_of_values,
+    remark,
     when,
 )
-from plcopen_sfc.lowering.code.code_bodies import INDENT, comment_lines, indented, spaced
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.encodings.case_states import (
     RegionState,
@@ -39,7 +40,7 @@ from plcopen_sfc.lowering.encodings.case_states import (
     one_region,
     regions_of,
 )
-from plcopen_sfc.lowering.encodings.step_branches import BranchCode, StepBranches, branch_lines
+from plcopen_sfc.lowering.encodings.step_branches import BranchCode, StepBranches
 from plcopen_sfc.lowering.lowering_options import ActionPlace, OperatingMode, States
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource, step_numbers
 from plcopen_sfc.lowering.reading.step_variables import TimedPart
@@ -75,7 +76,7 @@ class RegionEncoding(ScanSchedule):
             self._regions = replace(off, regions=tuple(regions))
             off = replace(off, regions=tuple(replace(each, initial=None) for each in self._regions.regions))
         self.names = StateNames(source, off, self.code, self.rules, self.surroundings, merged=merged)
-        self.states = StateVariables(self._regions, self.names, self.texts, source.dialect, off=source.starts_off)
+        self.states = StateVariables(self._regions, self.names, self.texts, off=source.starts_off)
         self.machines = self.states.machines
         self._bits: dict[int, n.Name] = {}
         self._again: dict[int, n.Name] = {}
@@ -126,7 +127,8 @@ class RegionEncoding(ScanSchedule):
         """Return one CASE instead of several IFs of the same region."""
         found: list[Statement] = []
         for machine, these in self._by_region(parts):
-            found += self._selected(machine.state, these) if len(these) > 1 else super().while_active(these, suffix)
+            several = [self.states.selection(machine.state, these)] if len(these) > 1 else []
+            found += several or super().while_active(these, suffix)
         return found
 
     def on_change(self, exits: Sequence[StepCode], entries: Sequence[StepCode]) -> list[Statement]:
@@ -168,44 +170,32 @@ class RegionEncoding(ScanSchedule):
             (machine, list(these)) for machine, these in groupby(parts, lambda each: self.states.machine_of(each.step))
         ]
 
-    def _selected(self, state: n.Name, parts: Sequence[StepCode]) -> list[Statement]:
-        by_state: dict[Expression, list[Statement]] = {}
-        for part in parts:
-            by_state.setdefault(self.states.state_of(part.step), []).extend(part.statements)
-        return [n.Case(state, tuple(n.CaseBranch((label,), tuple(each)) for label, each in by_state.items()))]
-
     def _changed(self, state: n.Name, other: n.Name, parts: Sequence[StepCode]) -> list[Statement]:
         """Return the parts of the steps that `state` is, and that `other` is not."""
         if len(parts) == 1:
             (part,) = parts
             step = self.states.state_of(part.step)
             return [when(conjunction([equal(state, step), negation(equal(other, step))]), *part.statements)]
-        return [when(negation(equal(state, other)), *self._selected(state, parts))]
+        return [when(negation(equal(state, other)), self.states.selection(state, parts, other))]
 
     def gather(self, begin: int) -> None:
         """Write what single steps do, in one network behind the other, as one CASE."""
         if self.profile.order is ScanOrder.ACTIONS_FIRST:
             return  # what can moves to the transitions
         branches = [self._branches(machine, whole=True) for machine in self.machines]
-        found: list[CodeNetwork | TextNetwork] = []
+        found: list[CodeNetwork] = []
         groups = groupby(self.code.networks[begin:], lambda each: next((b for b in branches if b.can_take(each)), None))
         for taking, networks in groups:
             run = list(networks)
             if taking is not None and len(run) > 1:
-                run = taking.take(run)
-                cases = [indented([f"{state}:", *indented(lines)]) for state, lines in taking.lines(self.text)]
-                text = "\n".join([f"CASE {self.text(taking.state)} OF", *spaced(cases), "END_CASE;"])
-                run.append(TextNetwork(self.texts.main_actions, text))
+                run = [*taking.take(run), CodeNetwork(self.texts.main_actions, (taking.case(),))]
             found += run
         self.code.networks[begin:] = found
 
     def _branches(self, machine: RegionState, *, whole: bool) -> StepBranches:
         """Return empty branches of a CASE for the code of its steps."""
-        merged = (i for block in machine.blocks for i in block.branches if i in self.names.merged)
-        own = [*machine.region.steps, *(step for region in merged for step in self._regions.regions[region].steps)]
-        steps = {self.states.state_of(step): step for step in own}
         scope = UntouchedVariables(self.source, self.code.own_names)
-        return StepBranches(machine.state, self._last.get(machine.region.index), steps, scope, whole=whole)
+        return StepBranches(self.states, machine, self._last.get(machine.region.index), scope, whole=whole)
 
     def choose_transitions(self, shared: Sequence[Statement] = ()) -> None:
         """Append the CASE of each region with the transitions of each step."""
@@ -213,10 +203,7 @@ class RegionEncoding(ScanSchedule):
         self._declare_again()
         self.code.add("", [assignment(flag, FALSE) for flag in self._again.values()])
         for machine in sorted(self.machines, key=self._depth, reverse=True) if self._in_sequence else self.machines:
-            lines = self._guarded(machine, self._case(machine))
-            if not lines:
-                continue
-            self.code.networks.append(TextNetwork(self.states.title(machine), "\n".join(lines)))
+            self.code.add(self.states.title(machine), self._guarded(machine, self._case(machine)))
 
     def select(self) -> None:
         """Append the selection: the selected step becomes the state of its region, all other regions have none."""
@@ -285,10 +272,6 @@ class RegionEncoding(ScanSchedule):
     def reentered(self) -> Mapping[int, Expression]:
         """Return, for steps that a transition leaves and enters at once, a flag that it sets, if that is used."""
         return self._again
-
-    def text(self, node: n.Node) -> str:
-        """Return a node in the dialect of the code."""
-        return self.states.text(node)
 
     # -- structure
 
@@ -379,23 +362,17 @@ class RegionEncoding(ScanSchedule):
                         found.setdefault(node.identifier, set()).add(region)
         return found
 
-    def _guarded(self, machine: RegionState, case: list[str]) -> list[str]:
+    def _guarded(self, machine: RegionState, case: list[Statement]) -> list[Statement]:
         """Return a CASE that is not executed while no transition may fire, or whose transitions do nothing then."""
         if not self.blocking:
             idle = is_constant(self.may_fire, TRUE) or not case
-            return case if idle else [f"IF {self.text(self.may_fire)} THEN", *indented(case), "END_IF;"]
-        blocked = disjunction(self.blocking)
+            return case if idle else [when(self.may_fire, *case)]
+        blocked, back = disjunction(self.blocking), self.states.set_back(machine)
         if self._done:  # meanwhile the initial step is active
-            back = f"{INDENT}{self.text(self.states.set_back(machine))}"
-            return [*case, f"IF {self.text(blocked)} THEN // {self.texts.held}", back, "END_IF;"]
+            return [*case, when(blocked, beside(self.texts.held), back)]
         if self._is_announced or self.states.has_following(machine) or self.init is None:  # set back where it changes
-            head = [f"IF {self.text(negation(blocked))} THEN"] if case else []
-        else:
-            head = [f"IF {self.text(blocked)} THEN", INDENT + self.text(self.states.set_back(machine))]
-            head += ["ELSE"] if case else []
-        if not head:
-            return []
-        return [*head, *indented(case), "END_IF;"]
+            return [when(negation(blocked), *case)] if case else []
+        return [n.If((n.Branch(blocked, (back,)),), tuple(case) or None)]
 
     # -- transitions that compete with those of another CASE
 
@@ -446,17 +423,19 @@ class RegionEncoding(ScanSchedule):
 
     # -- the CASE of one region
 
-    def _case(self, machine: RegionState) -> list[str]:
-        def leaving(step: NetStep) -> list[str]:
+    def _case(self, machine: RegionState) -> list[Statement]:
+        def done(*steps: int) -> list[Statement]:
+            return [each for i in steps for code in self._done.get(i, ()) for each in code.written(self._entered)]
+
+        def leaving(step: NetStep) -> list[Statement]:
             transitions = [self.net.transitions[t] for t in self.net.leaving[step.index]]
             tried = self.states.tried([self._try(machine, t) for t in transitions if len(t.sources) == 1])
-            return [*branch_lines(self._done.get(step.index, ()), self._entered, self.text), *tried]
+            return [*done(step.index), *tried]
 
-        def joining(block: ParallelBlock) -> list[str]:
+        def joining(block: ParallelBlock) -> list[Statement]:
             firsts = (self._regions.first_step(self._regions.regions[i]) for i in block.branches)
-            done = [each for i in firsts if self.states.is_merged(i) for each in self._done.get(i, ())]
             tried = self.states.tried([self._try(machine, self.net.transitions[t]) for t in block.joins])
-            return [*branch_lines(done, self._entered, self.text), *tried]
+            return [*done(*filter(self.states.is_merged, firsts)), *tried]
 
         return self.states.case(machine, leaving, joining)
 
@@ -473,7 +452,7 @@ class RegionEncoding(ScanSchedule):
             self.source.conditions[transition.index],
             before,
             bit=self._bits.get(transition.index),
-            also=[f"{self.text(self._again[i])} := TRUE;" for i in loops],
+            also=[assignment(self._again[i], TRUE) for i in loops],
         )
 
 
@@ -529,64 +508,47 @@ class CaseEncoding(RegionEncoding):
         self.resolve_steps()
         self._check_classic()
         self.begin_classic()
-        self._initialise(*self._stored())
-        lines = [f"CASE {self.text(self.machines[0].state)} OF"]
-        for step in self.net.steps:
-            lines += self._classic_branch(step)
-        self.code.networks.append(TextNetwork(self.texts.chain, "\n".join([*lines, "END_CASE;"])))
+        if self.init is not None:
+            self.code.add(
+                self.texts.init, [when(self.init, self.states.entered(self.machines[0].first), *self._stored())]
+            )
+        branches = tuple(map(self._classic_branch, self.net.steps))
+        self.code.add(self.texts.chain, [n.Case(self.machines[0].state, branches)])
 
-    def _initialise(self, *ending: str) -> None:
-        if self.init is None:
-            return
-        lines = [f"IF {self.text(self.init)} THEN", INDENT + self.states.entered(self.machines[0].first)]
-        lines += indented(ending)
-        lines.append("END_IF;")
-        self.code.networks.append(TextNetwork(self.texts.init, "\n".join(lines)))
-
-    def _stored(self) -> list[str]:
+    def _stored(self) -> list[Statement]:
         """Return the resets of the actions that steps have stored, if a restart is to end them."""
         if not self.rules.reset_actions:
             return []
         stored = [a for a in self.source.actions if any(use.qualifier is Qualifier.S for use in a.uses)]
-        return [f"{self.text(a.target)} := false; // {self.texts.reset_action}" for a in stored if a.target is not None]
+        targets = [action.target for action in stored if action.target is not None]
+        return [each for target in targets for each in (assignment(target, _OFF), beside(self.texts.reset_action))]
 
-    def _classic_branch(self, step: NetStep) -> list[str]:
+    def _classic_branch(self, step: NetStep) -> n.CaseBranch:
         used = [(action, use) for action in self.source.actions for use in action.uses if step.index in use.steps]
-        acts = [self.text(each) for code in self.source.step_code if code.step == step.index for each in code.main]
-        done = [*acts]
-        lines = [f"{self.text(self.names.step(step.index))}: // {self.states.heading(step)}"]
-        lines += indented(self.states.remarks(step.step))
+        acts = [each for code in self.source.step_code if code.step == step.index for each in code.main]
         for action, use in used:
-            acting = self._acting(action, use)
-            acts += acting
-            done += [*comment_lines(self.texts.captions(action.comment, use.comment)), *acting]
-        if done:
-            lines.append(f"{INDENT}// {self.texts.actions}")
-            lines += indented(line for text in done for line in text.splitlines())
-            lines.append("")
-        ending = [line for action, use in used for line in self._ending(action, use)]
+            acts += [*remark(self.texts.captions(action.comment, use.comment)), *self._acting(action, use)]
+        ending = [each for action, use in used for each in self._ending(action, use)]
         transitions = self._classic_transitions(step, ending)
-        if not (acts or transitions):  # some tools want a statement in every branch
-            transitions = [";"]
-        lines += indented(transitions)
-        return [*lines, ""]
+        title = [*remark(self.texts.actions), *acts, n.Remark("")] if acts else []
+        if not (any(not isinstance(each, n.Remark) for each in acts) or transitions):
+            transitions = [n.Empty()]  # some tools want a statement in every branch
+        inside = (*self.states.remarks(step.step), *title, *transitions, n.Remark(""))
+        return n.CaseBranch((self.names.step(step.index),), (beside(self.states.heading(step)), *inside))
 
-    def _classic_transitions(self, step: NetStep, ending: list[str]) -> list[str]:
+    def _classic_transitions(self, step: NetStep, ending: Sequence[Statement]) -> list[Statement]:
         """Return the transitions behind a step in their order; each ends the actions of the step."""
         leaving = [self.net.transitions[i] for i in self.net.leaving[step.index]]
-        before = [self.text(each) for t in leaving for each in self.source.preparations[t.index]]
-        lines = [line for text in before for line in text.splitlines()]
-        word = "IF"
+        branches: list[n.Branch] = []
         for transition in leaving:
             target = self.net.steps[transition.targets[0]]
             initial = bool(self.net.initial & target.bit)
             jump = self.texts.jump(target.step, initial=initial, back=target.index <= step.index)
-            lines += [f"// {self.texts.transition}", *self.states.remarks(transition.transition)]
-            lines.append(f"{word} {self.text(self.source.conditions[transition.index])} THEN")
-            lines += indented(ending)
-            lines.append(f"{INDENT}{self.states.entered(target.index)} // {jump}")
-            word = "ELSIF"
-        return [*lines, "END_IF;"] if leaving else lines
+            above = (*remark(self.texts.transition), *self.states.remarks(transition.transition))
+            done = (*ending, self.states.entered(target.index), beside(jump))
+            branches.append(n.Branch(self.source.conditions[transition.index], (*above, *done)))
+        before = [each for t in leaving for each in self.source.preparations[t.index]]
+        return [*before, n.If(tuple(branches))] if branches else before
 
     def _check_classic(self) -> None:
         """Refuse what the branches of a textbook CASE cannot hold."""
@@ -608,25 +570,26 @@ class CaseEncoding(RegionEncoding):
                     what = "an action of all other steps" if use.inverted else f"qualifier {use.qualifier}"
                     refuse_classic(self.source, what, f"action {action.name}")
 
-    def _acting(self, action: ActionSource, use: ActionUse) -> list[str]:
+    def _acting(self, action: ActionSource, use: ActionUse) -> list[Statement]:
         conditional = not is_constant(use.condition, TRUE)
-        value = self.text(use.condition)
+        done: list[Statement]
         if action.target is None:
-            lines = [self.text(statement) for statement in action.statements]
-            if conditional:
-                return [f"IF {value} THEN", *indented(x for text in lines for x in text.splitlines()), "END_IF;"]
-            return lines
-        target = self.text(action.target)
-        if use.qualifier in _STORED:
-            new = f"{target} := {'true' if use.qualifier is Qualifier.S else 'false'};"
-            if use.qualifier is not Qualifier.S:
-                new += f" // {self.texts.reset_action}"
-            return [f"IF {value} THEN", INDENT + new, "END_IF;"] if conditional else [new]
-        if conditional:
-            return [f"{target} := {value}; // {self.texts.set_while(value)}"]
-        return [f"{target} := true; // {self.texts.set_action}"]
+            done = [*action.statements]
+        elif use.qualifier is Qualifier.S:
+            done = [assignment(action.target, _ON)]
+        elif use.qualifier in _STORED:
+            done = [assignment(action.target, _OFF), beside(self.texts.reset_action)]
+        elif conditional:
+            return [assignment(action.target, use.condition), beside(self.texts.set_while(print_node(use.condition)))]
+        else:
+            return [assignment(action.target, _ON), beside(self.texts.set_action)]
+        return [when(use.condition, *done)] if conditional else done
 
-    def _ending(self, action: ActionSource, use: ActionUse) -> list[str]:
+    def _ending(self, action: ActionSource, use: ActionUse) -> list[Statement]:
         if action.target is None or use.qualifier in _STORED:
             return []
-        return [f"{self.text(action.target)} := false; // {self.texts.reset_actions}"]
+        return [assignment(action.target, _OFF), beside(self.texts.reset_actions)]
+
+
+_ON, _OFF = n.Literal("true"), n.Literal("false")
+"""As textbooks write them."""

@@ -16,20 +16,25 @@ from typing import NamedTuple
 from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.st import print_node, transform
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import objection
+from plcopen_sfc.lowering.actions.action_execution import StepCode
 from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
     TRUE,
     assignment,
+    beside,
     conjunction,
     disjunction,
     equal,
     is_constant,
     negation,
+    remark,
+    simplified,
+    without_constant,
 )
-from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented, region, spaced
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, Naming, integer
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, States, tool_of
@@ -96,6 +101,7 @@ class StateNames:
             written = self._enumeration(states, source, surroundings)
             self._initial = [print_node(value) for value in written]
         self.all: frozenset[Expression] = frozenset(written)
+        self.numbers = self.all if rules.states is States.NUMBERS else frozenset()
         self._steps = written[: len(steps)]
         self._waiting = written[len(steps) : len(steps) + len(waiting)]
         self._none = written[-1]
@@ -283,21 +289,19 @@ class TriedTransition(NamedTuple):
 
     before: tuple[Statement, ...]
     condition: Expression
-    effect: list[str]
-    remarks: list[str]
+    effect: Sequence[Statement]
+    remarks: Sequence[Statement] = ()
 
 
 class StateVariables:
-    """State variables of all regions of a chart, and the text of their CASEs.
+    """State variables of all regions of a chart, and their CASEs.
 
     At the start their states are those of the initial steps, or with `off` those of no step.
     """
 
-    def __init__(
-        self, regions: Regions, names: StateNames, texts: Texts, dialect: Dialect, *, off: bool = False
-    ) -> None:
+    def __init__(self, regions: Regions, names: StateNames, texts: Texts, *, off: bool = False) -> None:
         self.regions, self.names = regions, names
-        self._net, self._texts, self._dialect, self._off = regions.net, texts, dialect, off
+        self._net, self._texts, self._off = regions.net, texts, off
         # no region is None: `regions_of` refuses steps that can never become active
         self._region_of = [region or 0 for region in regions.region_of]
         self._merged: dict[int, ParallelBlock] = {}
@@ -351,6 +355,10 @@ class StateVariables:
         """Return the state of `machine_of` in which a step is active."""
         return self.names.waiting(self._merged[step]) if step in self._merged else self.names.step(step)
 
+    def steps_of(self, machine: RegionState) -> list[int]:
+        """Return the steps whose states the variable of a region has."""
+        return [*machine.region.steps, *(step for step, block in self._merged.items() if block in machine.blocks)]
+
     def active(self, step: int) -> Expression:
         """Return an expression that is TRUE if a step is active: a comparison of the state of its region."""
         return equal(self.machine_of(step).state, self.state_of(step))
@@ -386,11 +394,7 @@ class StateVariables:
         """Return the assignments of the following states."""
         return [assignment(m.state, self.following(m)) for m in self.machines if self.has_following(m)]
 
-    # -- text
-
-    def text(self, node: n.Node) -> str:
-        """Return a node in the dialect of the code."""
-        return print_node(node)
+    # -- CASEs
 
     def title(self, machine: RegionState) -> str:
         """Return the title of the CASE of a region."""
@@ -402,62 +406,93 @@ class StateVariables:
         """Return the comment of a step's branch."""
         return self._texts.step(step.step, step.path, initial=bool(self._net.initial & step.bit))
 
-    def remarks(self, element: Step | Transition) -> list[str]:
+    def remarks(self, element: Step | Transition) -> tuple[Statement, ...]:
         """Return the captions of a step or transition as comments."""
-        return comment_lines(self._texts.remark(element))
+        return remark(self._texts.remark(element))
 
     def case(
         self,
         machine: RegionState,
-        leaving: Callable[[NetStep], list[str]],
-        joining: Callable[[ParallelBlock], list[str]],
-    ) -> list[str]:
-        """Return the lines of a CASE: the transitions of each step, the wait for each join; none if it does nothing."""
-        branches: list[list[str]] = []
+        leaving: Callable[[NetStep], list[Statement]],
+        joining: Callable[[ParallelBlock], list[Statement]],
+    ) -> list[Statement]:
+        """Return a CASE: the transitions of each step, the wait for each join; nothing if it does nothing."""
+        branches: list[n.CaseBranch] = []
         is_idle = True
         for i in machine.region.steps:
             step = self._net.steps[i]
             # an empty branch is no error: the region waits in it until the join is tried by the parent
             joined = any(len(self._net.transitions[t].sources) > 1 for t in self._net.leaving[i])
-            nothing = self._nothing(machine)
-            idle = f"{nothing} // {self._texts.until_joined}" if joined else nothing
-            content = leaving(step)
-            is_idle &= not (content or self.remarks(step.step))
-            content = content or [idle]
-            branches.append(self.branch(self.names.step(i), self.heading(step), [*self.remarks(step.step), *content]))
+            until = [beside(self._texts.until_joined)] if joined else []
+            content, remarks = leaving(step), self.remarks(step.step)
+            is_idle &= not (content or remarks)
+            done = [*remarks, *(content or [self._nothing(machine), *until])]
+            branches.append(self.branch(self.names.step(i), self.heading(step), done))
         for block in machine.blocks:
             firsts = [self._net.steps[self.regions.first_step(self.regions.regions[i])] for i in block.branches]
-            heading = self._texts.waiting(step.path for step in firsts)
-            remarks = [line for step in firsts if step.index in self._merged for line in self.remarks(step.step)]
+            remarks = tuple(each for s in firsts if s.index in self._merged for each in self.remarks(s.step))
             tried = joining(block)
             is_idle &= not (tried or remarks)
-            content = [*remarks, *(tried or [self._nothing(machine)])]
-            branches.append(self.branch(self.names.waiting(block), heading, content))
+            done = [*remarks, *(tried or [self._nothing(machine)])]
+            heading = self._texts.waiting(step.path for step in firsts)
+            branches.append(self.branch(self.names.waiting(block), heading, done))
         if is_idle and len(self.machines) > 1:  # a branch of one step waits for its end
             return []
-        return [f"CASE {self.text(machine.state)} OF", *spaced(branches), "END_CASE;"]
+        return [n.Case(machine.state, tuple(branches))]
 
-    def _nothing(self, machine: RegionState) -> str:
-        return self.text(assignment(machine.state, machine.state)) if self.names.no_empty_statements else ";"
+    def _nothing(self, machine: RegionState) -> Statement:
+        return assignment(machine.state, machine.state) if self.names.no_empty_statements else n.Empty()
 
-    def branch(self, label: Expression, heading: str, lines: list[str]) -> list[str]:
+    def branch(self, label: Expression, heading: str, statements: Sequence[Statement]) -> n.CaseBranch:
         """Return a branch of a CASE."""
         if self.names.has_regions:
-            return indented([f"{self.text(label)}:", *indented(region(heading, lines, self._dialect))])
-        comment = " ".join(heading.split())  # a line break in a name would end it
-        return indented([f"{self.text(label)}: // {comment}", *indented(lines)])
+            return n.CaseBranch((label,), (n.RegionBlock(heading, tuple(statements)),))
+        return n.CaseBranch((label,), (beside(heading), *statements))
 
-    def effect(self, machine: RegionState, transition: NetTransition) -> list[str]:
+    def selection(self, selector: n.Name, parts: Iterable[StepCode], other: n.Name | None = None) -> n.Case:
+        """Return a CASE with the code of single steps of a region. `other`: a state that is known to be another one."""
+        by_state: dict[Expression, list[StepCode]] = {}
+        for part in parts:
+            by_state.setdefault(self.state_of(part.step), []).append(part)
+        branches: list[n.CaseBranch] = []
+        for state, these in by_state.items():
+            found = [each for part in these for each in self.in_branch(selector, state, part.statements, other)]
+            # numbers tell nothing, names are those of the steps
+            title = [beside(self.heading(self._net.steps[these[0].step]))] if state in self.names.numbers else []
+            branches.append(n.CaseBranch((state,), (*title, *found)))
+        return n.Case(selector, tuple(branches))
+
+    def in_branch(
+        self, selector: Expression, state: Expression, statements: Iterable[Statement], other: Expression | None = None
+    ) -> list[Statement]:
+        """Return statements without what is known in the branch of a state."""
+
+        def known(node: n.Node) -> n.Node:
+            match node:
+                case n.Operation(Operator.EQUAL | Operator.UNEQUAL as operator, (compared, value)):
+                    if compared == selector and value in self.names.all:
+                        return TRUE if (value == state) is (operator is Operator.EQUAL) else FALSE
+                    if compared == other and value == state:
+                        return TRUE if operator is Operator.UNEQUAL else FALSE
+            return node
+
+        found: list[Statement] = []
+        for each in statements:
+            changed = transform(each, known)
+            found += [each] if changed is each else without_constant(simplified(changed))
+        return found
+
+    def effect(self, machine: RegionState, transition: NetTransition) -> list[Statement]:
         """Return the statements of a transition in the CASE of a region."""
         sources = [i for i in transition.sources if i not in self._merged] if len(transition.sources) > 1 else []
         joined = {self._region_of[i] for i in sources}
-        lines = [self.entered(i) for i in transition.targets if i not in self._merged]
+        found = [self.entered(i) for i in transition.targets if i not in self._merged]
         if len(transition.targets) > 1:
             block = self._forked[transition.index]
-            lines.insert(0, self._becoming(machine.region.index, self.names.waiting(block)))
+            found.insert(0, self._becoming(machine.region.index, self.names.waiting(block)))
         # the branches of a join end; a transition without a target ends its own region
         left = sorted(joined) if transition.targets else [machine.region.index]
-        return lines + [self._becoming(region, self.names.none) for region in left]
+        return found + [self._becoming(region, self.names.none) for region in left]
 
     def attempt(
         self,
@@ -467,7 +502,7 @@ class StateVariables:
         before: Sequence[Statement] = (),
         *,
         bit: Expression | None = None,
-        also: Sequence[str] = (),
+        also: Sequence[Statement] = (),
     ) -> TriedTransition:
         """Return a transition as the CASE of a region tries it.
 
@@ -489,29 +524,38 @@ class StateVariables:
         exits = ((block, self.regions.exit_competitors(block)) for block in self.regions.blocks)
         return {index for block, competing in exits if competing for index in (*block.joins, *competing)}
 
-    def entered(self, step: int) -> str:
+    def entered(self, step: int) -> Statement:
         """Return the assignment that activates a step."""
         return self._becoming(self._region_of[step], self.names.step(step))
 
-    def _becoming(self, region: int, state: Expression) -> str:
-        return self.text(assignment(self._next[region], state))
+    def _becoming(self, region: int, state: Expression) -> Statement:
+        return assignment(self._next[region], state)
 
-    def tried(self, choice: Sequence[TriedTransition]) -> list[str]:
+    def tried(self, choice: Sequence[TriedTransition]) -> list[Statement]:
         """Return IF and ELSIF in the order of the transitions; ELSE where something must be executed between them.
 
         The last one has ELSE, or no condition, if its condition is TRUE.
         """
-        lines: list[str] = []
+        ahead: list[Statement] = []
+        branches: list[n.Branch] = []
         for number, each in enumerate(choice):
             # ELSIF has no place for statements: they must be executed only if the transitions before were not satisfied
-            if lines and each.before:
-                return [*lines, "ELSE", *indented(self.tried(choice[number:])), "END_IF;"]
-            lines += each.remarks
+            if branches and each.before:
+                return [*ahead, n.If(tuple(branches), tuple(self.tried(choice[number:])))]
+            done = (*each.remarks, *each.effect)
             if each.before:
-                lines += self.text(n.Statements(each.before)).splitlines()
-            opened = number > 0
+                ahead, done = [*each.remarks, *each.before], (*each.effect,)
             if number == len(choice) - 1 and is_constant(each.condition, TRUE):
-                return [*lines, "ELSE", *indented(each.effect), "END_IF;"] if opened else lines + each.effect
-            lines.append(f"{'ELSIF' if opened else 'IF'} {self.text(each.condition)} THEN")
-            lines += indented(each.effect)
-        return [*lines, "END_IF;"] if lines else []
+                return [*ahead, n.If(tuple(branches), done)] if branches else [*ahead, *done]
+            branches.append(n.Branch(each.condition, done))
+        return [*ahead, n.If(tuple(branches))] if branches else []
+
+
+def branch_content(branch: n.CaseBranch) -> tuple[Statement, ...]:
+    """Return the statements of a branch that `StateVariables.branch` has made, without its heading."""
+    match branch.statements:
+        case (n.RegionBlock(_, statements),):
+            return statements
+        case (n.Remark(beside=True), *statements):
+            return tuple(statements)
+    return branch.statements

@@ -6,37 +6,42 @@ statement moves where it may be executed later: nothing that stays between reads
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from plcopen_sfc.languages.effects import ANYTHING, path_of
+from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.actions.action_execution import StepCode
 from plcopen_sfc.lowering.actions.variable_access import Effect, UntouchedVariables
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
     assignment,
     conjunction,
+    equal,
     is_constant,
     negation,
-    simplified,
+    remark,
     when,
-    without_constant,
 )
-from plcopen_sfc.lowering.code.code_bodies import comment_lines, indented
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
+from plcopen_sfc.lowering.encodings.case_states import RegionState, StateVariables, branch_content
 
 
 @dataclass(frozen=True)
 class BranchCode:
-    """Something that a step does: statements, or a text with comments instead. `entering`: when it becomes active."""
+    """Something that a step does, with its comment. `entering`: when it becomes active."""
 
     statements: tuple[Statement, ...]
     entering: bool = False
     comment: str = ""
-    text: str = ""
+
+    def written(self, entered: Expression | None) -> list[Statement]:
+        """Return the statements; `entered` is TRUE in the scan in which the step becomes active."""
+        done = self.statements
+        if self.entering and entered is not None:
+            done = (when(entered, *done),)
+        return [*remark(self.comment), *done]
 
 
 @dataclass(frozen=True)
@@ -50,91 +55,64 @@ class _Parts:
 class StepBranches:
     """Code of one region in the branches of its steps.
 
-    `state` is the variable of its CASE, `last` the one with the state of the last scan, `steps` give the steps by the
-    states that the code writes. `whole`: only statements move that do nothing without such a state, with their titles.
+    `last` is the variable with the state of the last scan. `whole`: only statements move that do nothing without a
+    state of these steps, with their titles.
     """
 
     def __init__(
         self,
-        state: Expression,
+        states: StateVariables,
+        machine: RegionState,
         last: Expression | None,
-        steps: Mapping[Expression, int],
         scope: UntouchedVariables,
         *,
         whole: bool,
     ) -> None:
-        self.state, self._last, self._steps, self._whole = state, last, steps, whole
+        self.state, self._states, self._last, self._whole = machine.state, states, last, whole
+        self._steps = {states.state_of(step): step for step in states.steps_of(machine)}
         self._scope, self._passed = scope, Effect(scope)
         self._memories = {(name,) for name in scope.own}
         if last is not None:
             self._passed.writing.add(path_of(last))  # it is brought up to date before the CASE
         self.code: dict[int, list[BranchCode]] = {}
 
-    def can_take(self, network: CodeNetwork | TextNetwork) -> bool:
+    def can_take(self, network: CodeNetwork) -> bool:
         """Return True if all of a network moves, if nothing is in between."""
-        if isinstance(network, TextNetwork):
-            step, rest = self._asked(network.guarded.condition) if network.guarded is not None else (None, TRUE)
-            return step is not None and is_constant(rest, TRUE)
         parts = [self._divided(statement) for statement in network.statements]
-        return not network.remarks and all(part is not None and not part.stays for part in parts)
+        return all(part is not None and not part.stays for part in parts)
 
-    def lines(self, text: Callable[[n.Node], str]) -> Iterator[tuple[str, list[str]]]:
-        """Yield the states with what their steps do, and forget that."""
-        entered = negation(n.Operation(Operator.EQUAL, (self.state, self._last))) if self._last is not None else None
-        states = {step: state for state, step in self._steps.items()}
-        for step, code in sorted(self.code.items()):
-            yield text(states[step]), branch_lines(code, entered, text)
+    def case(self) -> n.Case:
+        """Return what was taken as a CASE of its own, and forget it."""
+        entered = negation(equal(self.state, self._last)) if self._last is not None else None
+        parts = [
+            StepCode(step, "", [each for one in code for each in one.written(entered)])
+            for step, code in sorted(self.code.items())
+        ]
         self.code = {}
+        return self._states.selection(self.state, parts)
 
-    def take(self, networks: list[CodeNetwork | TextNetwork]) -> list[CodeNetwork | TextNetwork]:
+    def take(self, networks: list[CodeNetwork]) -> list[CodeNetwork]:
         """Take from `networks`, which stand before the CASE, what can move into it; return what stays."""
-        stay: list[CodeNetwork | TextNetwork] = []
+        stay: list[CodeNetwork] = []
         for network in reversed(networks):
-            kept = self._text_taken(network) if isinstance(network, TextNetwork) else self._taken(network)
-            if kept is not None:
-                stay.insert(0, kept)
+            kept = self._taken(network)
+            stay[:0] = [replace(network, statements=kept)] if kept else []
         for step, code in self.code.items():
-            self.code[step] = [self._while_active(step, each) for each in reversed(code)]
+            state = self._states.state_of(step)
+            self.code[step] = [
+                replace(each, statements=tuple(self._states.in_branch(self.state, state, each.statements)))
+                for each in reversed(code)
+            ]
         return stay
-
-    def _while_active(self, step: int, code: BranchCode) -> BranchCode:
-        """Return code of a step without asking for the state, which is known in its branch."""
-
-        def known(node: n.Node) -> n.Node:
-            match node:
-                case n.Operation(Operator.EQUAL | Operator.UNEQUAL as operator, (state, value)):
-                    if state == self.state and value in self._steps:
-                        return TRUE if (self._steps[value] == step) is (operator is Operator.EQUAL) else FALSE
-            return node
-
-        statements = (simplified(transform(each, known)) for each in code.statements)
-        return replace(code, statements=tuple(each for one in statements for each in without_constant(one)))
 
     @property
     def enters(self) -> bool:
         """True if something is done when a step becomes active."""
         return any(each.entering for code in self.code.values() for each in code)
 
-    def _text_taken(self, network: TextNetwork) -> TextNetwork | None:
-        guarded = network.guarded
-        if guarded is not None:
-            step, rest = self._asked(guarded.condition)
-            moving = Effect(self._scope)
-            moving.add([guarded.condition, *guarded.statements])
-            if step is not None and is_constant(rest, TRUE) and not moving.conflicts(self._passed):
-                self.code.setdefault(step, []).append(BranchCode((), comment=self._comment(network), text=guarded.text))
-                return None
-            self._passed.add([guarded.condition, *guarded.statements])
-        else:
-            self._passed.writing.add(ANYTHING)
-            self._passed.is_open = True
-        return network
-
-    def _taken(self, network: CodeNetwork) -> CodeNetwork | None:
-        if network.remarks:
-            self._passed.add(network.statements)
-            return network
+    def _taken(self, network: CodeNetwork) -> tuple[Statement, ...]:
         kept: list[Statement] = []
+        comment = "\n".join(filter(None, [network.title if self._whole else "", network.comment]))
         alone = len(network.statements) == 1
         for statement in reversed(network.statements):
             parts = self._divided(statement)
@@ -147,15 +125,12 @@ class StepBranches:
                     moving = []
                     stays = [statement]
                     break
-                moving.append((step, replace(code, comment=self._comment(network)) if alone else code))
+                moving.append((step, replace(code, comment=comment) if alone else code))
             for step, code in moving:
                 self.code.setdefault(step, []).append(code)
             self._passed.add(stays)
             kept[:0] = stays
-        return replace(network, statements=tuple(kept)) if kept else None
-
-    def _comment(self, network: CodeNetwork | TextNetwork) -> str:
-        return "\n".join(filter(None, [network.title if self._whole else "", network.comment]))
+        return tuple(kept)
 
     # -- what asks for a state
 
@@ -195,7 +170,7 @@ class StepBranches:
         for branch in branches:
             (label,) = branch.labels
             assert not isinstance(label, n.Range)  # noqa: S101  # our own code
-            found.append((self._steps[label], BranchCode(branch.statements, entering)))
+            found.append((self._steps[label], BranchCode(branch_content(branch), entering)))
         return _Parts((), tuple(found))
 
     def _if(self, branch: n.Branch) -> _Parts | None:
@@ -240,14 +215,3 @@ class StepBranches:
 def _operands(expression: Expression, operator: Operator) -> tuple[Expression, ...]:
     inner = n.bare(expression)
     return inner.operands if isinstance(inner, n.Operation) and inner.operator is operator else (inner,)
-
-
-def branch_lines(code: Iterable[BranchCode], entered: Expression | None, text: Callable[[n.Node], str]) -> list[str]:
-    """Return what a step does as lines; `entered` is TRUE in the scan in which it becomes active."""
-    lines: list[str] = []
-    for each in code:
-        done = (each.text or text(n.Statements(each.statements))).splitlines()
-        if each.entering and entered is not None:
-            done = [f"IF {text(entered)} THEN", *indented(done), "END_IF;"]
-        lines += [*comment_lines(each.comment), *done]
-    return lines

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, transform
+from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_execution import add_actions, add_changes, add_conditions, add_main_actions
 from plcopen_sfc.lowering.actions.drive_block import DriveBlock, DriveSignal, without_texts
@@ -22,8 +22,8 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.code_bodies import indented, paragraph
-from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.code.code_bodies import titled
+from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, CodeNetwork
 from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding, one_step_at_a_time
 from plcopen_sfc.lowering.encodings.case_states import StateVariables
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlagEncoding, StepFlags
@@ -365,13 +365,13 @@ class GrafcetScan:
             return []
         return self._stored.at_the_start(initial, self._starting())
 
-    def _recorded(self, make: Callable[[], None]) -> list[CodeNetwork | TextNetwork]:
+    def _recorded(self, make: Callable[[], None]) -> list[CodeNetwork]:
         kept, self._code.networks = self._code.networks, []
         make()
         made, self._code.networks = self._code.networks, kept
         return made
 
-    def _jump(self, evolution: Sequence[CodeNetwork | TextNetwork], moves: Expression) -> None:
+    def _jump(self, evolution: Sequence[CodeNetwork], moves: Expression) -> None:
         """Repeat an evolution by a jump back to its first network: networks have no other loops."""
         code, texts = self._code, self._texts
         moving = code.declare(texts.moving, comment=texts.moving_comment)
@@ -384,7 +384,6 @@ class GrafcetScan:
             again = conjunction([moving, n.Operation(n.Operator.LESS, (number, self._most))])
             last.append(counted)
         first, *others = evolution
-        assert isinstance(first, CodeNetwork)  # noqa: S101  # only code in ST has text networks
         code.networks += [replace(first, statements=(n.LabelStatement(label), *first.statements)), *others]
         code.add(texts.stability, last)
         code.add(texts.next_evolution_title, [when(again, n.Goto(label, "GOTO"))])
@@ -401,7 +400,7 @@ class GrafcetScan:
     def _most(self) -> Expression:
         return n.Literal(str(self._encoding.profile.max_evolutions))
 
-    def _loop(self, evolution: Sequence[CodeNetwork | TextNetwork], moves: Expression) -> None:
+    def _loop(self, evolution: Sequence[CodeNetwork], moves: Expression) -> None:
         """Repeat an evolution until no transition fires any more."""
         texts = self._texts
         moving = self._code.declare(texts.moving, comment=texts.moving_comment)
@@ -415,12 +414,8 @@ class GrafcetScan:
             inside.insert(0, CodeNetwork("", (counted,)))
             ends = disjunction([ends, n.Operation(n.Operator.GREATER_OR_EQUAL, (number, self._most))])
             ahead, behind = [assignment(number, n.Literal("0"))], [assignment(unstable, moving)]
-        lines = [print_node(statement) for statement in ahead] + ["REPEAT"]
-        texts_inside = "\n\n".join(paragraph(network) for network in inside)
-        lines += indented(texts_inside.splitlines())
-        lines += [f"UNTIL {print_node(ends)}", "END_REPEAT;"]
-        lines += [print_node(statement) for statement in behind]
-        self._code.networks.append(TextNetwork(texts.stability, "\n".join(lines)))
+        apart = [each for network in inside for each in (n.Remark(""), *titled(network))]
+        self._code.add(texts.stability, [*ahead, n.Repeat(tuple(apart[1:]), ends), *behind])
 
 
 def _bits(source: ChartSource) -> set[str]:

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 from plcopen_sfc.languages.effects import writes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.actions.action_execution import StepCode
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -97,13 +97,6 @@ class StepSignals:
     gone: StepValue
 
 
-class SequencerStepCode(NamedTuple):
-    """Statements that belong to a step, each under its own condition."""
-
-    step: NetStep
-    statements: tuple[Statement, ...]
-
-
 class SequencerActions:
     """Code of all actions of a sequencer."""
 
@@ -115,20 +108,20 @@ class SequencerActions:
         self._own = _only_written_by_coils(source)
         self._timers: dict[str, S5Timer] = {}
 
-    def leaving(self) -> list[SequencerStepCode]:
+    def leaving(self) -> list[StepCode]:
         """Return the code of steps that were left."""
-        found: list[SequencerStepCode] = []
+        found: list[StepCode] = []
         for step in self._source.net.steps:
             rows = [row for row in self._executed(step) if row.event is ActionEvent.S0 or _falls_off(row)]
-            found.append(SequencerStepCode(step, tuple(self._step(step, rows, left=True))))
+            found.append(StepCode(step.index, step.path, self._step(step, rows, left=True)))
         return [each for each in found if each.statements]
 
-    def acting(self) -> list[SequencerStepCode]:
+    def acting(self) -> list[StepCode]:
         """Return the code of active steps."""
-        found: list[SequencerStepCode] = []
+        found: list[StepCode] = []
         for step in self._source.net.steps:
             rows = [row for row in self._executed(step) if row.event is not ActionEvent.S0]
-            found.append(SequencerStepCode(step, tuple(self._step(step, rows))))
+            found.append(StepCode(step.index, step.path, self._step(step, rows)))
         return [each for each in found if each.statements]
 
     def add_timers(self) -> None:

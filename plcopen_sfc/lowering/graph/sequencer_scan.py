@@ -15,6 +15,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.actions.action_execution import StepCode
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -28,11 +29,10 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code_texts import GraphTexts
 from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding
-from plcopen_sfc.lowering.encodings.case_states import RegionState
+from plcopen_sfc.lowering.encodings.case_states import RegionState, StateVariables
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, Imposed, StepBitEncoding
 from plcopen_sfc.lowering.graph.block_parameters import BlockCommands, add_reports
-from plcopen_sfc.lowering.graph.sequencer_actions import SequencerActions, SequencerStepCode, StepSignals
-from plcopen_sfc.lowering.graph.sequencer_cases import StepCases
+from plcopen_sfc.lowering.graph.sequencer_actions import SequencerActions, StepSignals
 from plcopen_sfc.lowering.graph.sequencer_reading import show
 from plcopen_sfc.lowering.graph.sequencer_source import (
     ActionRow,
@@ -77,9 +77,9 @@ class GraphCycle:
         self._gone: dict[int, n.Name] = {}
         self._checks = [self._checks_of(step) for step in steps]
         # code of one step each is in the branches of a CASE where one step is active at a time
-        self._cases: StepCases | None = None
+        self._only: tuple[StateVariables, RegionState] | None = None
         if isinstance(encoding, RegionEncoding) and len(encoding.machines) == 1:
-            self._cases = StepCases(encoding.states, self._net)
+            self._only = encoding.states, encoding.machines[0]
 
     def _declare_wanted(self, step: int) -> n.Name:
         name = self._texts.with_suffix(self._signs[step].name, "next")
@@ -108,7 +108,7 @@ class GraphCycle:
 
     def _only_state(self) -> n.Name | None:
         """Return the number of the active step, 0 for none, if a variable has that; None where there can be several."""
-        if self._cases is None or not self._has_numbers(machine := self._cases.machine):
+        if self._only is None or not self._has_numbers(machine := self._only[1]):
             return None
         return machine.state if max(step_numbers(self._net)) <= _LARGEST_INT else None
 
@@ -246,7 +246,7 @@ class GraphCycle:
         # one IF around the CASE instead of the same condition in every transition; what must be executed before a
         # condition is executed where nothing switches, too
         guards = isinstance(encoding, RegionEncoding) and not any(self._source.preparations)
-        if not is_constant(permitted, TRUE) and not (guards and self._cases is not None):
+        if not is_constant(permitted, TRUE) and not (guards and self._only is not None):
             permitted = named(self._own_texts.permitted, permitted, shared)
         if not is_constant(pushed, FALSE):
             pushed = named(self._own_texts.pushed, pushed, shared)
@@ -327,10 +327,7 @@ class GraphCycle:
         cleared = [s for each in self._checks for s in each.cleared()]
         checked = self._of_steps(each.before(self._resolve, acknowledge) for each in self._checks)
         alarms = "" if self._checked_late else self._alarms()
-        if self._cases is not None and len(checked) > 1:
-            self._cases.add(self._code, self._own_texts.checks, cleared, self._cases.while_active(checked), alarms)
-        else:
-            self._code.add(self._own_texts.checks, [*cleared, *_all(checked)], alarms)
+        self._code.add(self._own_texts.checks, [*cleared, *self._of_active(checked)], alarms)
         self._code.add(self._own_texts.undisturbed, self._clock.counted(self._checks))
 
     def _evolves(self) -> Expression:
@@ -404,36 +401,55 @@ class GraphCycle:
         behind = [each.behind(self._resolve, signal(i, ActionEvent.S1)) for i, each in enumerate(self._checks)]
         left, checked = self._of_steps(forgotten), self._of_steps(behind)
         # checks before the step change miss the steps that it activates: these are checked behind it once more
-        entered = [part for part in checked if self._checks[part.step.index].early]
-        if self._cases is not None and len(entered) > 1:
-            lines = self._cases.when_changed(left=left, entered=entered)
-            lines += [self._cases.text(s) for part in checked if part not in entered for s in part.statements]
-            self._cases.add(self._code, self._own_texts.checks_behind, (), lines, alarms)
-        else:
-            self._code.add(self._own_texts.checks_behind, [*_all(left), *_all(checked)], alarms)
+        entered = [part for part in checked if self._checks[part.step].early]
+        late = _all(part for part in checked if part not in entered)
+        done = self._of_changed(left, entered) if self._only is not None and len(entered) > 1 else []
+        done = [*done, *late] if done else [*_all(left), *_all(checked)]
+        self._code.add(self._own_texts.checks_behind, done, alarms)
 
-    def _of_steps(self, statements: Iterable[list[Statement]]) -> list[SequencerStepCode]:
+    def _of_steps(self, statements: Iterable[list[Statement]]) -> list[StepCode]:
         """Return the code of each step that has some."""
         pairs = zip(self._net.steps, statements, strict=True)
-        return [SequencerStepCode(step, tuple(own)) for step, own in pairs if own]
+        return [StepCode(step.index, step.path, own) for step, own in pairs if own]
+
+    def _of_active(self, parts: Sequence[StepCode]) -> list[Statement]:
+        """Return the code of active steps: one CASE, where one step is active at a time and several have some."""
+        if self._only is None or len(parts) < _SEVERAL:
+            return _all(parts)
+        states, machine = self._only
+        return [states.selection(machine.state, self._in_order(parts))]
+
+    def _of_changed(self, left: Sequence[StepCode], entered: Sequence[StepCode]) -> list[Statement]:
+        """Return the code of steps that were left and entered, executed while the only state changes."""
+        assert self._only is not None  # noqa: S101  # the caller has looked
+        states, machine = self._only
+        old = states.state_before(machine)
+        cases = [states.selection(old, self._in_order(left), machine.state)] if left else []
+        cases += [states.selection(machine.state, self._in_order(entered), old)] if entered else []
+        return [when(states.changed(), *cases)]
+
+    def _in_order(self, parts: Sequence[StepCode]) -> list[StepCode]:
+        """Return the code in the order of the numbers of steps, in which readers look for them."""
+        numbers = step_numbers(self._net)
+        return sorted(parts, key=lambda each: numbers[each.step])
 
     # -- what belongs to one step each
 
-    def _add_leaving(self, parts: Sequence[SequencerStepCode]) -> None:
+    def _add_leaving(self, parts: Sequence[StepCode]) -> None:
         """Append the code of steps that were left."""
-        if self._cases is not None and len(parts) > 1:
-            self._cases.add(self._code, self._own_texts.leaving_one, (), self._cases.when_changed(left=parts))
+        if self._only is not None and len(parts) >= _SEVERAL:
+            self._code.add(self._own_texts.leaving_one, self._of_changed(parts, ()))
             return
         for part in parts:
-            self._code.add(self._own_texts.leaving(part.step.path), part.statements)
+            self._code.add(self._own_texts.leaving(part.name), part.statements)
 
-    def _add_acting(self, parts: Sequence[SequencerStepCode]) -> None:
+    def _add_acting(self, parts: Sequence[StepCode]) -> None:
         """Append the code of active steps. An inactive step has no event but that it was left."""
-        if self._cases is not None and len(parts) > 1:
-            self._cases.add(self._code, self._own_texts.acting_one, (), self._cases.while_active(parts))
+        if self._only is not None and len(parts) >= _SEVERAL:
+            self._code.add(self._own_texts.acting_one, self._of_active(parts))
             return
         for part in parts:
-            self._code.add(self._own_texts.acting(part.step.path), part.statements)
+            self._code.add(self._own_texts.acting(part.name), part.statements)
 
     @property
     def _checked_late(self) -> bool:
@@ -455,5 +471,8 @@ class GraphCycle:
         return self._checks[step].value("LS")
 
 
-def _all(parts: Iterable[SequencerStepCode]) -> list[Statement]:
+_SEVERAL = 2
+
+
+def _all(parts: Iterable[StepCode]) -> list[Statement]:
     return [statement for part in parts for statement in part.statements]

@@ -16,8 +16,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.code_bodies import indented
-from plcopen_sfc.lowering.code.lowered_code import TextNetwork
 from plcopen_sfc.lowering.code_texts import GraphTexts, Suffix
 from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding
 from plcopen_sfc.lowering.encodings.case_states import RegionState, TriedTransition
@@ -113,26 +111,24 @@ class SkippedSteps:
         steps = [i for i in machine.region.steps if self._net.entering[i] and self._net.leaving[i]]
         if not steps:
             return
-        states, text, following = encoding.states, encoding.text, encoding.states.following(machine)
+        states, following = encoding.states, encoding.states.following(machine)
         again = self._code.declare(self._texts.again)
-        goes_on = text(assignment(again, TRUE))
-        loop = [text(assignment(again, FALSE)), f"CASE {text(following)} OF"]
+        goes_on = assignment(again, TRUE)
         begin: list[Statement] = []
+        branches: list[n.CaseBranch] = []
         for step in (self._net.steps[i] for i in steps):
             passed = self._named(step.index, "seen")
             begin.append(assignment(passed, FALSE))
             leaving = [self._net.transitions[t] for t in self._net.leaving[step.index]]
             tries = [self._tried(encoding, machine, transition, goes_on) for transition in leaving]
-            inner = [text(assignment(passed, TRUE)), *states.tried(tries)]
-            once = [f"IF {text(negation(passed))} THEN", *indented(inner), "END_IF;"]
-            loop += states.branch(states.names.step(step.index), states.heading(step), once)
+            once = when(negation(passed), assignment(passed, TRUE), *states.tried(tries))
+            branches.append(states.branch(states.names.step(step.index), states.heading(step), [once]))
         begin.append(assignment(again, conjunction([negation(equal(following, machine.state)), self._evolves()])))
-        lines = [text(statement) for statement in begin]
-        lines += [f"WHILE {text(again)} DO", *indented([*loop, "END_CASE;"]), "END_WHILE;"]
-        self._code.networks.append(TextNetwork(self._texts.skips, "\n".join(lines)))
+        loop = n.While(again, (assignment(again, FALSE), n.Case(following, tuple(branches))))
+        self._code.add(self._texts.skips, [*begin, loop])
 
     def _tried(
-        self, encoding: RegionEncoding, machine: RegionState, transition: NetTransition, goes_on: str
+        self, encoding: RegionEncoding, machine: RegionState, transition: NetTransition, goes_on: Statement
     ) -> TriedTransition:
         effect = [*encoding.states.effect(machine, transition), goes_on]
-        return TriedTransition(self._preparations[transition.index], self._conditions[transition.index], effect, [])
+        return TriedTransition(self._preparations[transition.index], self._conditions[transition.index], effect)

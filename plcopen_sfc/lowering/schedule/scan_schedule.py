@@ -39,7 +39,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     with_distinct,
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
@@ -292,9 +292,8 @@ class ScanSchedule(ABC):
         if alternatives is None:
             return
         for place, network in enumerate(self.code.networks[begin:], begin):
-            if isinstance(network, CodeNetwork):
-                statements = tuple(with_distinct(each, alternatives) for each in network.statements)
-                self.code.networks[place] = replace(network, statements=statements)
+            statements = tuple(with_distinct(each, alternatives) for each in network.statements)
+            self.code.networks[place] = replace(network, statements=statements)
         self.gather(begin)
 
     def _add_actions(self) -> None:
