@@ -86,6 +86,16 @@ class Step(OwnedName, Element):
     OWNS: ClassVar[tuple[str, ...]] = ("macro",)
     TIMES: ClassVar[tuple[str, ...]] = ("min_time", "max_time", "warning_time")
 
+    def action_labels(self) -> list[str]:
+        """Return a label for each action: its target, what it forces, or ``inline``; numbered where several have it."""
+        found: dict[str, int] = {}
+        labels = []
+        for action in self.actions:
+            label = action.target or str(action.forcing or "inline")
+            found[label] = found.get(label, 0) + 1
+            labels.append(label if found[label] == 1 else f"{label} ({found[label]})")
+        return labels
+
     @property
     def chart(self) -> SfcNetwork | None:
         """The chart that the step is in."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
 from itertools import combinations
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from plcopen_sfc.analysis.exclusivity import Truth, overlapping, truth
 from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
@@ -21,7 +21,7 @@ from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite
 from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_statements, walk
+from plcopen_sfc.languages.st import parse_condition, parse_statements, transform, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element
@@ -147,8 +147,16 @@ class CheckedSheet:
             return self._below(f"transition {self.label(element)}", element)
         if association is None:
             return self._below(f"step {element.name}", element)
-        name = f"step {element.name} / action {association.target or 'inline'}"
-        return self._below(name, association, element)
+        return self._below(f"step {element.name} / action {self._labels[id(association)]}", association, element)
+
+    @cached_property
+    def _labels(self) -> dict[int, str]:
+        """The labels of actions (by `id`)."""
+        return {
+            id(association): label
+            for step in self.chart.steps
+            for association, label in zip(step.actions, step.action_labels(), strict=True)
+        }
 
     def _below(self, name: str, *elements: Element) -> FindingPlace:
         path = f"{self.place.path} / {name}" if self.place.path else name
@@ -206,9 +214,17 @@ class CheckedProject:
     @cached_property
     def undeclared(self) -> tuple[Occurrence, ...]:
         """The names that nothing declares, each where it is first."""
+        return self._here(self.named.undeclared())
+
+    def undeclared_in(self, pou: Pou) -> tuple[Occurrence, ...]:
+        """The same of one POU: where others have the name too, it may be the flag of a step there."""
+        return self._here(self.named.undeclared(pou))
+
+    def _here(self, found: Iterable[Occurrence]) -> tuple[Occurrence, ...]:
+        """Return the names that are not declared elsewhere."""
         return tuple(
             each
-            for each in self.named.undeclared()
+            for each in found
             if not is_of_the_tool(each)
             and not any(fnmatchcase(each.reference.name.casefold(), pattern) for pattern in self.externals)
         )
@@ -305,13 +321,26 @@ _FEW = 3
 """Competing transitions that are compared two by two at once: most selections have no more."""
 
 
+_TRUE = n.Literal("TRUE")
+
+
 class _JudgedTerms(TermTexts):
-    """Terms of a GRAFCET with what is known of them: at a rising edge the operand is true, at a falling one false."""
+    """Terms of a GRAFCET with what is known of them.
+
+    At a rising edge the operand is true, at a falling one false. ``3s/a`` is true only with its operand, ``a/3s`` always.
+    """
 
     def edge(self, operand: str, *, rising: bool) -> str:
         """Return an edge and the value that its operand has then."""
         name = super().edge(operand, rising=rising)
         return f"({name} AND {'' if rising else 'NOT '}({operand}))"
+
+    def delay(self, operand: str, first: str | None, last: str | None) -> str:
+        """Return a time, and the value that its operand gives it."""
+        name = super().delay(operand, first, last)
+        if (first is None) is (last is None) or "GRAFCET_EDGE" in operand:  # an edge is older than the time
+            return name
+        return f"({name} {'OR' if first is None else 'AND'} ({operand}))"
 
 
 class CheckedChart:
@@ -365,10 +394,20 @@ class CheckedChart:
         found: dict[int, FindingPlace] = {}
         for sheet in self.sheets:
             elements: list[Step | Transition] = [*sheet.chart.steps, *sheet.chart.transitions]
+            for step, association in sheet.actions():
+                for text in texts_in(association, self.dialect):
+                    found.setdefault(id(text.text_site.holder), sheet.at(step, association))
             for element in elements:
                 for text in texts_in(element, self.dialect):
                     found.setdefault(id(text.text_site.holder), sheet.at(element))
         return found
+
+    @cached_property
+    def flags(self) -> frozenset[str]:
+        """The names of the flags of steps in a GRAFCET (``X12``, ``XM1``), in lower case; none in other charts."""
+        steps = (step for sheet in self.sheets for step in sheet.steps) if self.family == "grafcet" else ()
+        names = (name for step in steps for name in (step.name, step.number) if name is not None)
+        return frozenset(f"x{name}".casefold() for name in names)
 
     @cached_property
     def steps_of_pou(self) -> frozenset[str]:
@@ -386,8 +425,23 @@ class CheckedChart:
                 read = transition.condition.model_copy(update={"text": text})
                 transition = transition.model_copy(update={"condition": read})
             found = condition_expression(sheet.chart, transition, self.dialect, transitions=named)
+            if self.family == "grafcet" and found.tree is not None:
+                found = replace(found, tree=self._while_active(sheet, transition, found.tree))
             self._conditions[id(transition)] = found
         return found
+
+    def _while_active(self, sheet: CheckedSheet, transition: Transition, tree: n.Expression) -> n.Expression:
+        """Return a condition as it is while the steps before its transition are active: their flags are TRUE."""
+        flags = {f"x{sheet.names.get(source, '')}".casefold() for source in transition.sources} - self.types.keys()
+
+        def known(node: n.Node) -> n.Node:
+            if isinstance(node, n.Operation):
+                is_true = node.operator is n.Operator.OR and any(n.bare(each) == _TRUE for each in node.operands)
+            else:
+                is_true = isinstance(node, n.Name) and node.identifier.casefold() in flags
+            return _TRUE if is_true else node
+
+        return cast(n.Expression, transform(tree, known))
 
     def as_written(self, text: str) -> str:
         """Return a text about conditions with edges and times as a GRAFCET has them."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from typing import Protocol, TypeVar
@@ -18,6 +19,8 @@ from plcopen_sfc.model.pou import DataBlockKind, Pou
 from plcopen_sfc.model.sfc import Step
 
 _ALIKE = 0.84
+_FLAG = re.compile(r"[Xx](?P<step>[EMSems]?\d+)")
+"""The flag of a step in a GRAFCET (IEC 60848:2013, 4.3 and 7.4)."""
 _LISTED = 12
 
 
@@ -77,8 +80,16 @@ def _like(chart: CheckedChart, occurrence: Occurrence) -> str:
 
 def _undeclared(chart: CheckedChart) -> Iterator[Finding]:
     partial = chart.pou is not None and is_partial(chart.around, chart.pou)
-    for each in _own(chart, chart.around.undeclared):
+    is_grafcet = chart.family == "grafcet" and chart.pou is not None
+    found = chart.around.undeclared_in(chart.pou) if is_grafcet and chart.pou is not None else chart.around.undeclared
+    for each in _own(chart, found):
         name, like = each.reference.name, _like(chart, each)
+        if name.casefold() in chart.flags:
+            continue
+        if is_grafcet and (flag := _FLAG.fullmatch(name)) is not None:
+            message = f"{name!r} is the flag of a step {flag['step']}, and there is no such step"
+            yield Finding(_place(chart, each), message, "Correct the number, or declare a variable of this name.")
+            continue
         if (partial and not like) or _has_its_rule(each):
             continue  # VAR02 lists it
         what = "no step" if each.reference.access.casefold() in _OF_STEPS else "nothing"
@@ -142,12 +153,12 @@ VAR01 = Rule(
     title="Names are declared",
     why="A name that nothing declares does not compile: a typing error, or the rest of what was renamed or deleted by "
     "hand. Each name is found once, in the chart or in code of its POU; members of types and blocks too. Names of "
-    "a file that declares nothing global are VAR02, but for those that are nearly the same as a declared one.",
+    "a file that declares nothing global are VAR02, but for those that are nearly the same as a declared one. In a "
+    "GRAFCET without tables of variables only the flags of steps are looked for (X99 without a step 99).",
     hint="Declare it, or correct the name.",
     example=_DECLARED + _RING % ("", "Strat"),
     check=_undeclared,
     severity=Severity.WARNING,
-    severities={"grafcet": None},
 )
 
 VAR02 = Rule(

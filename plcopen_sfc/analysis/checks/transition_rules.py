@@ -11,7 +11,7 @@ from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.binding.text_sites import Site
-from plcopen_sfc.languages.effects import reads, targets
+from plcopen_sfc.languages.effects import path_of, targets
 from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE, condition_problem, program_parts
 from plcopen_sfc.languages.networks import NetworkExpression
@@ -258,6 +258,8 @@ def _constant(chart: CheckedChart, truth: Truth) -> Iterator[tuple[CheckedSheet,
 
 def _always(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, transition in _constant(chart, Truth.ALWAYS):
+        if len(set(transition.sources)) > 1:
+            continue  # it waits for the last of its steps: "1" is how joins are written
         yield Finding(sheet.at(transition), f"the condition {_text(chart, sheet, transition)} is always true")
 
 
@@ -267,6 +269,8 @@ def _never(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _text(chart: CheckedChart, sheet: CheckedSheet, transition: Transition) -> str:
+    if chart.family == "grafcet" and isinstance(transition.condition, Expression):
+        return " ".join(transition.condition.text.split())  # as it is written: the tree has names for edges and times
     tree = chart.condition(sheet, transition).tree
     return " ".join(print_node(tree).split()) if tree is not None else ""
 
@@ -348,13 +352,13 @@ def _reading_outputs(chart: CheckedChart) -> Iterator[Finding]:
     outputs = output_operands(chart) | continuous_operands(chart)
     for sheet, transition in _transitions(chart):
         tree = chart.condition(sheet, transition).tree
-        read = sorted(reads(tree) & outputs) if tree is not None else []
+        read = {path: print_node(node) for node in walk(tree) if (path := path_of(node)) in outputs} if tree else {}
         addresses = sorted(
             node.text
             for node in _nodes(chart.condition(sheet, transition))
             if isinstance(node, n.Address) and node.text[:2].upper() == "%Q"
         )
-        names = [".".join(path) for path in read] + addresses
+        names = [*read.values(), *addresses]
         if names:
             yield Finding(sheet.at(transition), f"the condition reads {', '.join(names)}, which the chart writes")
 
@@ -407,7 +411,8 @@ CND01 = Rule(
 CND02 = Rule(
     code="CND02",
     title="A condition can be false",
-    why="The step before it is left at once. Where one evolution is made in a scan that is a way to write a step for "
+    why="The step before it is left at once; a transition with several steps before it waits for all of them, and is "
+    "not found. Where one evolution is made in a scan that is a way to write a step for "
     "one scan, and common behind an initial step; in GRAFCET the step is transient: its continuous actions never "
     "happen (IEC 60848:2013, transient evolution).",
     hint="Nothing, if the step is meant for one scan; else correct the condition.",

@@ -98,6 +98,7 @@ class _Chart:
     place: _Place
     ids: dict[str, int] = field(default_factory=dict)
     waiting: list[tuple[Transition, list[str], list[str], int]] = field(default_factory=list)
+    action_lines: list[int] = field(default_factory=list)
     last_id: int = 0
 
     def new_id(self) -> int:
@@ -370,6 +371,7 @@ class _Reader:
         self._step.actions.append(action)
         place = self._add(("action", ""), start, end, self._depth() + 1)
         place.commented = _adding(action)
+        chart.action_lines.append(self._number)
 
     def _done(self, action: ActionAssociation, text: str) -> None:
         found = _DONE.match(text.strip())
@@ -386,6 +388,10 @@ class _Reader:
     def _finish_chart(self) -> None:
         chart = self._chart
         if chart is not None:
+            lines = iter(chart.action_lines)  # actions are in the order of the text, as their steps are
+            for step in chart.network.steps:
+                for label in step.action_labels():
+                    self._lines[f"{chart.path} / step {step.name} / action {label}"] = next(lines)
             for transition, sources, targets, line in chart.waiting:
                 transition.sources = [self._id_of(chart, name, line) for name in sources]
                 transition.targets = [self._id_of(chart, name, line) for name in targets]

@@ -99,3 +99,32 @@ def test_what_was_added_after_loading_has_the_line_of_what_is_around_it() -> Non
     [finding] = [f for f in sfc.check(project, select=["STR06"]) if "Added" in str(f.location.path)]
     assert finding.location.line is not None
     assert pou.name in path.read_text(encoding="utf-8").splitlines()[finding.location.line - 1]
+
+
+PLAN = """GRAFCET Plan
+INPUTS
+    a
+OUTPUTS
+    Q1
+CHART G1
+    INITIAL STEP 1
+        Q1 IF b1
+        ON EVENT ↑b2 : Q1 := X97
+        FORCE G9{INIT}
+        { Q1 := b4; }
+    1 -> 2 : a * b5
+    STEP 2
+    2 -> 1 : /X98
+"""
+
+
+def test_of_actions_of_a_grafcet(tmp_path: Path) -> None:
+    path = tmp_path / "plan.gct"
+    path.write_text(PLAN, encoding="utf-8")
+    found = sfc.check(sfc.load(path), select=["VAR01", "HIE04", "ACT02"])
+    at = {finding.message.split("'")[1] if "'" in finding.message else "Q1": finding.location for finding in found}
+    lines = PLAN.splitlines()
+    for name in ("b1", "b2", "X97", "G9", "b4", "b5", "X98"):
+        assert name in lines[(at[name].line or 0) - 1], name
+    assert "ON EVENT" in lines[(at["Q1"].line or 0) - 1]  # of two actions on one variable
+    assert str(at["G9"].path).endswith("step 1 / action G9{INIT}")

@@ -404,7 +404,7 @@ def reading(name: str) -> Callable[[], Subject]:
     return made(change)
 
 
-case("CND06", reading("NOT Q1"), reading("NOT I1"), "reads q1", "grafcet")
+case("CND06", reading("NOT Q1"), reading("NOT I1"), "reads Q1", "grafcet")
 
 
 case("CND09", reading("I1 1B2"), reading("I1 * /1B2 + ↑I2 · [n>=3]"), "missing before '1B2'", "grafcet")
@@ -721,6 +721,23 @@ case("HIE07", grafcet(MACRO % ("X3", "X3", "E3", "E3")), grafcet(MACRO % ("M3", 
 case(
     "HIE07", grafcet(MACRO % ("M3", "M3", "A", "A")), grafcet(MACRO % ("m3", "m3", "e3", "e3")), "entry step", "grafcet"
 )
+LEFT = "STEP 2\n1 -> 2 : %s"
+case("CND02", grafcet(LEFT % "X1/50ms"), grafcet(LEFT % "50ms/X1"), "X1/50ms is always true", "grafcet")
+case("CND02", grafcet(LEFT % "b + X1"), grafcet(LEFT % "b + X2"), "b + X1 is always true", "grafcet")
+case("CND02", grafcet(LEFT % "1"), grafcet("STEP 2\n1, 2 -> 1 : 1"), "1 is always true", "grafcet")
+case("CND03", grafcet(LEFT % "3s/X1 * /X1"), grafcet(LEFT % "3s/X1/2s * /a"), "is never true", "grafcet")
+case("CND03", grafcet(LEFT % "3s/a * /a"), grafcet(LEFT % "a/3s * /a"), "is never true", "grafcet")
+FLAGS = LEFT % "X%s * 3s/X2"
+case("VAR01", grafcet(FLAGS % "99"), grafcet(FLAGS % "2"), "'X99' is the flag of a step 99, and there is no", "grafcet")
+case("VAR01", grafcet("Q IF %s" % "XM3"), grafcet("Q IF XM3\nMACRO M3"), "'XM3' is the flag of", "grafcet")
+
+
+def with_table(condition: str) -> Callable[[], Subject]:
+    return lambda: sfc.loads(f"GRAFCET G\nINPUTS\n1B1\nSTART\nINITIAL STEP 1\n1 -> 1 : {condition}".encode())
+
+
+case("VAR01", with_table("1B1 * /STRT"), with_table("1̅B̅1̅ * START"), "'STRT' names nothing", "grafcet")
+case("VAR01", with_table("3s/1B2"), with_table("3s/1B1"), "'1B2' names nothing", "grafcet")
 EDGED = "1 -> 2 : ↑a * b\n1 -> 3 : %s\nSTEP 2\nSTEP 3"
 case("SEL01", grafcet(EDGED % "a * c"), grafcet(EDGED % "c * /a"), "together with 1 -> 2", "grafcet")
 case("SEL01", grafcet(EDGED % "↑c"), grafcet(EDGED % "↓a"), "together with 1 -> 2", "grafcet")
