@@ -25,6 +25,8 @@ def recognise(data: bytes, *, file: str | None = None) -> Format:
         # an object without its pragmas: the declarations and the body look like IEC 61131-3
         is_export = found.name == "iec-text" and _suffix(file) in _CODESYS23.extensions
         return _CODESYS23 if is_export else found
+    if not head.root and "\0" not in head.text and _suffix(file) in _GRAFCET_TEXT.extensions:
+        return _GRAFCET_TEXT  # its reader tells what the first line lacks
     refuse_by_name(head, file)
     if head.text.lstrip().startswith("{"):
         raise UnknownFormatError(
@@ -44,6 +46,7 @@ def recognised_as(kind: Format, start: bytes) -> bool:
 
 
 _CODESYS23, _ = format_named("codesys23")
+_GRAFCET_TEXT, _ = format_named("grafcet-text")
 _HINT = "`plcopen-sfc formats` lists what can be read; give the format by name to insist on one."
 
 

@@ -14,7 +14,8 @@ words of structured text too, since every GRAFCET's condition comes through here
 | always, never | ``1`` ``0`` |
 
 A dot between two names without a blank is that of a member (``Timer.Q``). Up to the next word operator or parenthesis a
-comparison makes ``+ - * /`` arithmetic, as in structured text. Names may begin with a digit (``1B1``).
+comparison makes ``+ - * /`` arithmetic, as in structured text; NOT before it negates all of it. Names may begin with
+a digit (``1B1``).
 """
 
 from __future__ import annotations
@@ -200,6 +201,8 @@ class _Reader:
         """Return a comparison: it is structured text already."""
         if start == end or self.tokens[start].kind == "compare" or self.tokens[end - 1].kind == "compare":
             raise self._missing(end)
+        if self.tokens[start].text.upper() == "NOT":  # of its first operand in structured text, of all of it to people
+            return f"NOT ({self._verbatim(start + 1, end)})"
         parts, last = [], self.tokens[start].span[0]
         for token in self.tokens[start:end]:
             if OVERLINE in token.text:

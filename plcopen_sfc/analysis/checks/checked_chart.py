@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
 from itertools import combinations
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 from plcopen_sfc.analysis.exclusivity import Truth, overlapping, truth
 from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
@@ -327,7 +327,8 @@ _TRUE = n.Literal("TRUE")
 class _JudgedTerms(TermTexts):
     """Terms of a GRAFCET with what is known of them.
 
-    At a rising edge the operand is true, at a falling one false. ``3s/a`` is true only with its operand, ``a/3s`` always.
+    At a rising edge the operand is true, at a falling one false. ``3s/a`` is true only
+    with its operand, ``a/3s`` always with it.
     """
 
     def edge(self, operand: str, *, rising: bool) -> str:
@@ -441,7 +442,7 @@ class CheckedChart:
                 is_true = isinstance(node, n.Name) and node.identifier.casefold() in flags
             return _TRUE if is_true else node
 
-        return cast(n.Expression, transform(tree, known))
+        return transform(tree, known)
 
     def as_written(self, text: str) -> str:
         """Return a text about conditions with edges and times as a GRAFCET has them."""

@@ -213,9 +213,21 @@ def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
             if told:
                 text = " ".join(transition.condition.text.split())
                 yield Finding(sheet.at(transition), f"the condition {text} is not Boolean: it is {told}")
+            for name in _calculated(tree, chart, site) if tree is not None and chart.family == "grafcet" else ():
+                text = " ".join(transition.condition.text.split())
+                message = f"{name} is BOOL, and {text} calculates with it"
+                yield Finding(sheet.at(transition), message, "Write [..] around a comparison: a * [n>3].")
             for name in _names_in(transition.condition.text) if steps else ():
                 if name.casefold() in steps:  # in the place of its flag
                     yield Finding(sheet.at(transition), f"{name} is a step and no value: its flag is X{name}")
+
+
+def _calculated(tree: n.Node, chart: CheckedChart, site: Site) -> list[str]:
+    """Return the BOOL variables that a condition calculates with."""
+    operations = [each for each in walk(tree) if isinstance(each, n.Operation) and each.operator in CALCULATING]
+    operands = {print_node(each): n.bare(each) for operation in operations for each in operation.operands}
+    types = {name: chart.around.named.resolver.type_of(operand, site) for name, operand in operands.items()}
+    return [name for name, type_ in types.items() if type_ == ElementaryType(name=Elementary.BOOL)]
 
 
 def _names_in(text: str) -> list[str]:
@@ -348,11 +360,15 @@ def _has_state(call: n.Call, chart: CheckedChart) -> bool:
     return block is not None and block.stateful
 
 
+_VARIABLES = n.Name | n.Member | n.Index | n.Address
+
+
 def _reading_outputs(chart: CheckedChart) -> Iterator[Finding]:
     outputs = output_operands(chart) | continuous_operands(chart)
     for sheet, transition in _transitions(chart):
         tree = chart.condition(sheet, transition).tree
-        read = {path: print_node(node) for node in walk(tree) if (path := path_of(node)) in outputs} if tree else {}
+        variables = [each for each in walk(tree) if isinstance(each, _VARIABLES)] if tree is not None else []
+        read = {path: print_node(each) for each in variables if (path := path_of(each)) in outputs}
         addresses = sorted(
             node.text
             for node in _nodes(chart.condition(sheet, transition))

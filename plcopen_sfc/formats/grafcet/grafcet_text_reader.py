@@ -142,7 +142,7 @@ class _Reader:
             position += 2 if self._text.startswith("\r\n", position) else 1
         self._finish_grafcet()
         if not self._project.pous:
-            raise self._wrong("a text begins with GRAFCET and its name")
+            raise self._wrong("a text begins with GRAFCET and its name", _BEGINNING)
         entries = read_entries(self._own, _OWN, self._remainder_note)
         project = put_back(self._project, entries, self._remainder_note) if entries else self._project
         return GrafcetText(project, self._file_place.span(("file", "")), self._diagnostics, self._lines)
@@ -169,7 +169,8 @@ class _Reader:
         if (found := _HEAD.match(content)) is not None:
             self._grafcet(found, said, start, end)
         elif self._root is None:
-            raise self._wrong(f"a text begins with GRAFCET and its name, not with {content.split()[0]!r}")
+            what = f"a text begins with GRAFCET and its name, not with {content.split()[0]!r}"
+            raise self._wrong(what, _BEGINNING)
         elif (found := _TABLE.match(content)) is not None:
             self._table(found, said, start, end)
         elif (found := _CHART.match(content)) is not None:
@@ -422,7 +423,7 @@ class _Reader:
         self._root = self._chart = None
 
     def _wrong(self, message: str, hint: str = "") -> StructureError:
-        return StructureError(message, location=Location(self._file, self._number), hint=hint)
+        return StructureError(message, location=Location(self._file, self._number or 1), hint=hint)
 
     def _remainder_note(self, kind: str, message: str, offset: int) -> None:
         line = self._text.count("\n", 0, offset) + 1
@@ -430,6 +431,7 @@ class _Reader:
         self._diagnostics.append(Diagnostic(_REMAINDER_CODES[kind], Severity.WARNING, message, where))
 
 
+_BEGINNING = "Write a first line such as: GRAFCET Pump"
 _ACTIONS = (
     "Actions are: Q | Q IF condition | Q AFTER 3s | Q FOR 3s | ON ACTIVATION Q := value | ON DEACTIVATION Q := value | "
     "ON EVENT ↑a : Q := value | FORCE G1{INIT}"

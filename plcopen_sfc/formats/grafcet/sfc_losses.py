@@ -1,12 +1,17 @@
-"""What charts of tools do beside their actions and a GRAFCET has no word for: it is reported."""
+"""What charts of tools do beside their actions: a GRAFCET has other words for some of it, the rest is reported."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.expression_types import COMPARING
 from plcopen_sfc.languages.networks import is_empty_network
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, print_node, transform
 from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
@@ -17,6 +22,7 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
     """Report what charts of IEC 61131-3 do beside their actions, and the POUs that have no chart.
 
     These are times, supervisions, priorities, flags, exclusions, permanent instructions, and macro-steps with a body.
+    Conditions get the brackets that tell what they compare.
     """
     flags = [flag.variable for flag in SfcFlag]
     named = [(each.text_site.site.pou, each.reference.name) for each in Names(project).occurrences(*flags)]
@@ -31,6 +37,9 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
                 report.add(Outcome.NOT_EXECUTED, "macro-step", f"{pou.report_path} / step {step.name}", why)
         if _is_grafcet(chart):
             continue
+        for transition in chart.transitions:
+            if isinstance(transition.condition, Expression):
+                transition.condition.text = _bracketed(transition.condition.text)
         lost = [*_of_steps(chart), *_of_transitions(chart)]
         for place, what, why in lost:
             report.add(Outcome.NOT_EXECUTED, what, f"{pou.report_path} / {place}", why)
@@ -46,6 +55,21 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
         for body in pou.bodies:
             if not isinstance(body, SfcBody):
                 report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, "a GRAFCET has no program beside its charts")
+
+
+def _bracketed(text: str) -> str:
+    """Return a condition with brackets where NOT is of the first operand of a comparison, not of all of it."""
+    parsed = parse_condition(text)
+    if "NOT" not in text.upper() or parsed.problems:
+        return text
+
+    def changed(node: n.Node) -> n.Node:
+        if isinstance(node, n.Operation) and node.operator in COMPARING and isinstance(node.operands[0], n.Unary):
+            return replace(node, operands=(n.Parenthesized(node.operands[0]), *node.operands[1:]))
+        return node
+
+    tree = transform(parsed.tree, changed)
+    return text if tree is parsed.tree else print_node(tree)
 
 
 def _is_grafcet(chart: SfcNetwork) -> bool:

@@ -729,13 +729,14 @@ case("CND03", grafcet(LEFT % "3s/X1 * /X1"), grafcet(LEFT % "3s/X1/2s * /a"), "i
 case("CND03", grafcet(LEFT % "3s/a * /a"), grafcet(LEFT % "a/3s * /a"), "is never true", "grafcet")
 FLAGS = LEFT % "X%s * 3s/X2"
 case("VAR01", grafcet(FLAGS % "99"), grafcet(FLAGS % "2"), "'X99' is the flag of a step 99, and there is no", "grafcet")
-case("VAR01", grafcet("Q IF %s" % "XM3"), grafcet("Q IF XM3\nMACRO M3"), "'XM3' is the flag of", "grafcet")
+case("VAR01", grafcet("Q IF XM3"), grafcet("Q IF XM3\nMACRO M3"), "'XM3' is the flag of", "grafcet")
 
 
 def with_table(condition: str) -> Callable[[], Subject]:
-    return lambda: sfc.loads(f"GRAFCET G\nINPUTS\n1B1\nSTART\nINITIAL STEP 1\n1 -> 1 : {condition}".encode())
+    return lambda: sfc.loads(f"GRAFCET G\nINPUTS\n1B1\nSTART\nC1 : INT\nINITIAL STEP 1\n1 -> 1 : {condition}".encode())
 
 
+case("CND10", with_table("START * C1>3"), with_table("START * [C1>3]"), "START is BOOL, and START * C1>3", "grafcet")
 case("VAR01", with_table("1B1 * /STRT"), with_table("1̅B̅1̅ * START"), "'STRT' names nothing", "grafcet")
 case("VAR01", with_table("3s/1B2"), with_table("3s/1B1"), "'1B2' names nothing", "grafcet")
 EDGED = "1 -> 2 : ↑a * b\n1 -> 3 : %s\nSTEP 2\nSTEP 3"

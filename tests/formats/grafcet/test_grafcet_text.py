@@ -219,6 +219,15 @@ def test_a_line_that_is_none_is_refused_with_its_place(text: str, message: str, 
     assert caught.value.location.line == line
 
 
+@pytest.mark.parametrize("text", ["INPUTS\n a\nSTEP 1\n", "CHART G1\n", "// G\n", "a -> b", ""])
+def test_a_text_without_its_head_is_told_what_it_lacks(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "plan.gct"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(StructureError, match=r"a text begins with GRAFCET|a comment is a text") as caught:
+        sfc.load(path)
+    assert caught.value.location.line == 1
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_random_grafcets_go_through_the_text(seed: int) -> None:
     project = Project(name="Ablauf", pous=[random_grafcet(seed)])
@@ -254,6 +263,21 @@ def test_what_charts_of_tools_do_beside_their_actions_is_told(form: str) -> None
     assert "POU PLC_PRG / SFCReset" in told["SFC flag"]
     assert told["transition"]
     assert "POU FB_Drill / step Bottom" in told["selection"]
+
+
+def test_not_is_of_the_operand_in_a_chart_and_of_the_comparison_in_a_grafcet() -> None:
+    text = """PROGRAM Main
+    VAR_INPUT w : WORD; n : INT; a, b : BOOL; END_VAR
+    INITIAL_STEP A: END_STEP
+    TRANSITION FROM A TO A := NOT w = 16#F AND NOT a AND n > 3; END_TRANSITION
+END_PROGRAM
+"""
+    data, _ = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "grafcet-text")
+    assert "A -> A : (NOT w) = 16#F AND NOT a AND n > 3\n" in data.decode()
+    plan = "GRAFCET G\nINPUTS\n n : INT\nOUTPUTS\n Q\nINITIAL STEP 1\n1 -> 2 : {}\nSTEP 2\n Q\n2 -> 1 : /[n>3] * [n<9]"
+    read = [sfc.loads(plan.format(each).encode()) for each in ("NOT n>3", "/[n>3]", "NOT NOT n<=3")]
+    assert sfc.equivalent(read[0], read[1], "grafcet").kind == "equal (proof)"
+    assert sfc.equivalent(read[0], read[2], "grafcet").kind == "equal (proof)"
 
 
 @pytest.mark.parametrize(
