@@ -138,12 +138,13 @@ class StructureError(FormatError):
 class LossError(SfcError):
     """A file would not do what its source does, and that was not accepted. Nothing was written.
 
-    `report` is the `ConversionReport` of what would have been written.
+    `report` is the `ConversionReport` of what would have been written, `summary` the message without its items.
     """
 
-    def __init__(self, message: str, report: ConversionReport, *, hint: str = "") -> None:
-        super().__init__(message, hint=hint)
+    def __init__(self, summary: str, report: ConversionReport, *, items: str = "", hint: str = "") -> None:
+        super().__init__(f"{summary}: {items}" if items else summary, hint=hint)
         self.report = report
+        self.summary = summary
 
 
 class VersionNeed(NamedTuple):

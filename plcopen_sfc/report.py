@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from types import MappingProxyType
@@ -137,6 +138,54 @@ class ConversionReport:
             "untested": self.untested,
             "items": [{k: v for k, v in asdict(item).items() if v not in ("", None)} for item in self.items],
         }
+
+
+class ItemGroup(NamedTuple):
+    """Items with one reason, but for the names in it: `reason` has an ellipsis in the place of each that differs.
+
+    `differing` has for each item what its own reason names in these places, and `lines` the line of its text.
+    """
+
+    items: list[Item]
+    reason: str
+    differing: list[list[str]]
+    lines: list[int | None]
+
+
+def grouped(items: Iterable[Item], message: Callable[[str], str] = str) -> list[ItemGroup]:
+    """Return items that differ only in what their reasons name together, in the order of their first.
+
+    `message` translates a reason.
+    """
+    found: dict[tuple[str, str, str], list[Item]] = {}
+    for item in items:
+        pattern = _QUOTED.sub(_ELLIPSIS, _without_own_name(item, _LINE.sub("", item.why)))
+        found.setdefault((item.outcome, item.what, pattern), []).append(item)
+    return [_group(those, message) for those in found.values()]
+
+
+def _group(items: list[Item], message: Callable[[str], str]) -> ItemGroup:
+    lines = [int(found[1]) if (found := _LINE.match(item.why)) else None for item in items]
+    reasons = [message(_LINE.sub("", item.why)) for item in items]
+    names = [_QUOTED.findall(reason) for reason in reasons]
+    differ = [len(set(those)) > 1 for those in zip(*names, strict=False)]
+    turns = iter(differ)
+    reason = _QUOTED.sub(lambda found: _ELLIPSIS if next(turns, False) else found[0], reasons[0])
+    if len(set(reasons)) > 1:
+        reason = _without_own_name(items[0], reason)
+    differing = [[name for name, is_one in zip(those, differ, strict=False) if is_one] for those in names]
+    return ItemGroup(items, reason, differing, lines)
+
+
+def _without_own_name(item: Item, text: str) -> str:
+    """Return a text with an ellipsis in the place of the name of the object that an item is about."""
+    name = ObjectPath.of(item.path).last.rpartition(" ")[2]
+    return re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", _ELLIPSIS, text) if name else text
+
+
+_ELLIPSIS = "\u2026"
+_QUOTED = re.compile(r"`[^`]*`")
+_LINE = re.compile(r"line (\d+): ")
 
 
 class Converted(NamedTuple):

@@ -8,7 +8,7 @@ from typing import TypeVar
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import ConversionReport, Item, Outcome
+from plcopen_sfc.report import ConversionReport, Item, ItemGroup, Outcome, grouped
 
 _LINES = 20
 """Lines for items without --verbose."""
@@ -40,11 +40,12 @@ def show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
             f"    If nobody operates {'them' if names[1:] else 'it'}, convert again with --at-rest {','.join(names)}."
         )
     others = [item for item in items if item not in operated]
-    for those in _grouped((item for item in others if not _inside(item)), lambda item: (item.what, item.why)).values():
-        if those[1:] and not screen.verbose:  # such as 24 addresses of one list
-            screen.line(f"  {_listed([item.path for item in those])}")
-            screen.line(f"    {those[0].what}: {those[0].why}")
-            others = [item for item in others if item not in those]
+    for group in [] if screen.verbose else grouped(item for item in others if not _inside(item)):
+        if group.items[1:]:  # such as 24 addresses of one list
+            screen.line(f"  {group.items[0].what}: {group.reason}")
+            for place in _places(group):
+                screen.line(f"    {place}")
+            others = [item for item in others if item not in group.items]
     for owner, those in _grouped(others, _owner).items():
         screen.line(f"  {owner or 'the project'}")
         for place, these in _grouped(those, _inside).items():
@@ -61,18 +62,15 @@ def show_items(screen: Screen, items: Iterable[Item]) -> None:
     """Print items, the worst outcome first. Without --verbose those with one reason are in one line, in a few lines."""
     ranked = [*_STYLES, Outcome.KEPT]
     ordered = sorted(items, key=lambda item: ranked.index(item.outcome))
-    if screen.verbose:
-        groups = [[item] for item in ordered]
-    else:
-        groups = [*_grouped(ordered, lambda item: (item.outcome, item.what, item.why or item.path)).values()]
+    groups = [each for item in ordered for each in grouped([item])] if screen.verbose else grouped(ordered)
     shown = groups if screen.verbose else groups[:_LINES]
     for group in shown:
-        item = group[0]
-        place = _listed([item.place, *(each.path for each in group[1:])]) + ("" if group[1:] else _position(item))
+        item = group.items[0]
+        place = f"{item.what} {_listed(_places(group))}" if group.items[1:] else item.place + _position(item)
         screen.line(
-            (item.outcome.value, _STYLES.get(item.outcome, "")), f": {place}{f': {item.why}' if item.why else ''}"
+            (item.outcome.value, _STYLES.get(item.outcome, "")), f": {place}{f': {group.reason}' if item.why else ''}"
         )
-    more = sum(len(group) for group in groups[len(shown) :])
+    more = sum(len(group.items) for group in groups[len(shown) :])
     if more:
         screen.line(f".. and {more} more: --verbose shows all, --report writes all")
 
@@ -102,6 +100,30 @@ def _grouped(items: Iterable[Item], key: Callable[[Item], K]) -> dict[K, list[It
     for item in items:
         groups.setdefault(key(item), []).append(item)
     return groups
+
+
+def _places(group: ItemGroup) -> list[str]:
+    """The places of items with one reason, a text for each POU or the like: ``POU Mixer: action Fill (lines 3, 7)``."""
+    found: dict[str, dict[str, tuple[list[str], list[int]]]] = {}
+    for item, names, line in zip(group.items, group.differing, group.lines, strict=True):
+        path = ObjectPath.of(item.path)
+        details = found.setdefault(path.owner, {}).setdefault(path.inside(path.owner), ([], []))
+        details[0].extend(names)
+        details[1].extend([line] if line is not None else [])
+    texts: list[str] = []
+    for owner, inner in found.items():
+        own = _details(*inner.pop("", ([], [])))
+        places = ", ".join(place + _details(*details) for place, details in inner.items())
+        texts.append(f"{owner}{own}{': ' if places else ''}{places}")
+    return texts
+
+
+def _details(names: list[str], lines: list[int]) -> str:
+    """What items in one place name, and the lines of its text that they are about."""
+    numbers = [*dict.fromkeys(map(str, lines))]
+    told = [*dict.fromkeys(names)]
+    told += [f"line{'s' if numbers[1:] else ''} {', '.join(numbers)}"] if numbers else []
+    return f" ({', '.join(told)})" if told else ""
 
 
 def _listed(places: Sequence[str]) -> str:

@@ -46,6 +46,8 @@ _OF_NO_EFFECT = frozenset(
     | OPERATING_KINDS
 )
 """Kinds of parts that may be added: what nothing names does nothing."""
+OF_LIBRARY = "of a library"
+"""Left side of a difference about a name that nothing declares, and that a library of the source tool may have."""
 _OF_EVERY_BLOCK = frozenset({"en", "eno"})
 """Names that nothing declares: a tool has them in every block, or has nothing like them."""
 _MAY_BE_ADDED = frozenset({SHOWN_STATE, "order of transitions"})
@@ -65,7 +67,9 @@ def compare(
         other = right.parts.get(key)
         if other is not None and key.kind in (UNDECLARED, UNDECLARED_TYPE) and key.name not in _OF_EVERY_BLOCK:
             is_of_library = has_libraries and (key.kind == UNDECLARED_TYPE or other.is_called)
-            yield ExecutionDifference(part.path, key.kind, _name(part, key), "", None if is_of_library else "", "")
+            yield ExecutionDifference(
+                part.path, key.kind, _name(part, key), "", OF_LIBRARY if is_of_library else "", ""
+            )
 
 
 def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Iterator[ExecutionDifference]:

@@ -285,7 +285,7 @@ def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool
     for name, path in (*used, *_bases(project)):
         if name.rpartition(".")[2].casefold() not in declared and not _has(project.dialect, name):
             declared.add(name.rpartition(".")[2].casefold())
-            whole.add(UNDECLARED_TYPE, name, path).tell("name", Meaning.of(name))
+            whole.add(UNDECLARED_TYPE, name, path).tell("name", Meaning.of(name.casefold(), name))
 
 
 def _units(extension_data: ExtensionData | None) -> Iterator[list[tuple[str, str]]]:

@@ -335,9 +335,11 @@ class ExecutedChartReader:
         return next(reversed(chart.parts))
 
     def _is_never(self, transition: Transition) -> bool:
-        """True for a transition that never fires: it is excluded, or its condition is FALSE."""
+        """True for a transition that never fires: it is excluded, or its condition is FALSE, and no SFCTip fires it."""
         if transition.exclude or transition.condition is None:
             return transition.exclude
+        if self.owner.flags_at_rest(self.pou, self.flags & {SfcFlag.TIP}) != self.flags & {SfcFlag.TIP}:
+            return False
         found = self.condition_of(transition.condition)
         tree = n.bare(found.tree) if found.tree is not None else None
         return isinstance(tree, n.Literal) and tree.text.upper() == "FALSE" and not found.before

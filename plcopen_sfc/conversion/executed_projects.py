@@ -45,7 +45,7 @@ from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
-from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.languages.standard_blocks import BOUND_FUNCTIONS, standard_block
 from plcopen_sfc.languages.task_schedules import schedule_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element, ForeignData
@@ -196,12 +196,13 @@ class _Reader:
             if (
                 name.casefold() in _RESULTS | self.global_names | self.programs.keys()
                 or standard_block(name) is not None
+                or name.upper() in BOUND_FUNCTIONS
             ):
                 continue
             if own is not None and own.kind is PouKind.FUNCTION and name.casefold() == own.name.casefold():
                 continue  # its result
             part = self.whole.add(UNDECLARED, name, occurrence.text_site.report_path)
-            part.tell("name", Meaning.of(name))
+            part.tell("name", Meaning.of(name.casefold(), name))
             part.is_called = _is_call(occurrence)
         return self.whole
 

@@ -14,7 +14,7 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.causes import concerns, times_among, told_apart, told_difference, told_while_held
-from plcopen_sfc.conversion.comparison import ExecutionDifference
+from plcopen_sfc.conversion.comparison import OF_LIBRARY, ExecutionDifference
 from plcopen_sfc.conversion.executed_parts import (
     HIDDEN_FLAG,
     OPERATING_INPUT,
@@ -86,8 +86,14 @@ def report_running(
     profiles = default_profile(source), target or default_profile(result)
     end = time.monotonic() + limit
     losses = [item for item in report.losses if not _is_apart(item)]
+    undeclared = {item.why.split("`")[1].casefold() for item in losses if item.what == UNDECLARED_TYPE}
     for there, here in list(_pairs(source, result, called)):
         named = {item.outcome for item in losses if concerns(item, there.report_path)}
+        types = [name for variable in there.pou.variables() for name in used_types(variable.type)]
+        unknown = next((name for name in types if name.casefold() in undeclared), None)
+        if here is not None and unknown is not None:  # no run knows what its members are, or that blocks share them
+            report.compared[there.report_path] = f"not compared: nothing declares the type `{unknown}` of its variables"
+            continue
         if here is None or Outcome.NOT_EXECUTED in named:
             what = "what is not executed" if named else f"nothing in {tool} that has its name"
             report.compared[there.report_path] = f"not compared: the report names {what}"
@@ -351,7 +357,7 @@ def report_execution(
             continue
         told |= names
         why = _why(difference, tool)
-        is_box = difference.kind == UNDECLARED and difference.left is not None
+        is_box = difference.kind == UNDECLARED and difference.left not in (None, OF_LIBRARY)
         if not (
             is_box
             or _is_noticed(difference, noticed, around_noticed)
@@ -638,6 +644,9 @@ def _whole(difference: ExecutionDifference, tool: str) -> str:
         what = "type" if kind == UNDECLARED_TYPE else "name"
         if difference.left == "":
             return f"the {what} `{name}` is declared neither in the source nor in {tool}, which does not compile it"
+        if difference.left == OF_LIBRARY:
+            why = "convert the file that declares it as well, or replace it if it is of a library"
+            return f"the {what} `{name}` is declared neither in the source nor in {tool}: {why}"
         origin = "" if difference.left is None else f": it is {difference.left} of the library of its tool"
         return f"the {what} `{name}` is not declared in {tool}{origin}"
     if kind in OPERATING_KINDS:

@@ -21,7 +21,6 @@ from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
-from plcopen_sfc.semantics.profile import default_profile
 
 if TYPE_CHECKING:
     from lxml import etree
@@ -242,6 +241,7 @@ def _merged(
     from plcopen_sfc.drawing import prepare_body  # noqa: PLC0415
     from plcopen_sfc.formats.xml.source_patch import patch_xml  # noqa: PLC0415
     from plcopen_sfc.formats.xml.xml_codec import canonical  # noqa: PLC0415
+    from plcopen_sfc.semantics.profile import default_profile  # noqa: PLC0415  # no interpreter
 
     style = _drawing_style(kind)
     codec = cast("XmlCodec", kind.codec())

@@ -263,7 +263,7 @@ def refuse_losses(report: ConversionReport, *, strict: bool, partial: bool) -> N
             f'(at_rest=["all"]) says so, and their items are none.{hint}'
         )
     count = "1 item" if len(refused) == 1 else f"{len(refused)} items"
-    raise LossError(f"{count} {what}: {first}{more}", report, hint=f"Nothing was written.{hint}")
+    raise LossError(f"{count} {what}", report, items=f"{first}{more}", hint=f"Nothing was written.{hint}")
 
 
 _NAMED = 3

@@ -10,7 +10,7 @@ from typing import Any
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.st.walking import children, walk
-from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.languages.standard_blocks import BOUND_FUNCTIONS, standard_block
 
 Path = tuple[str, ...]
 """A variable and the members that lead to a part of it, in lower case; indices are left out, which means any."""
@@ -172,7 +172,7 @@ def is_standard_call(call: n.Call) -> bool:
     if not isinstance(call.callee, n.Name) or any(argument.output for argument in call.arguments):
         return False
     block = standard_block(call.callee.identifier)
-    return block is not None and not block.stateful
+    return call.callee.identifier.upper() in BOUND_FUNCTIONS or (block is not None and not block.stateful)
 
 
 def writes(tree: Expression | Statement, standard_instances: Set[Path]) -> frozenset[Path]:

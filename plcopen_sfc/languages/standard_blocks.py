@@ -157,6 +157,8 @@ S7_CONVERTED = {
 """The types between which the box ``Convert`` of TIA Portal converts as conversions of IEC 61131-3 do."""
 
 
+BOUND_FUNCTIONS = frozenset({"LOWER_BOUND", "UPPER_BOUND"})
+"""Functions that give the bounds of an array that has ``*`` for them (ed. 3, 6.6.1.4; TIA Portal from V14 on)."""
 _CONVERSION = re.compile(r"(?:(?P<source>\w+)_(?:TRUNC|BCD_TO|TO(?:_BCD)?)|TO|TRUNC)_(?P<target>\w+)")
 _TYPES = frozenset(
     """

@@ -10,12 +10,12 @@ from plcopen_sfc.drawing.pictures import chart_figure
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.pages.conversion_overview import grouped, provenance, tasks, verdicts, without_names
+from plcopen_sfc.pages.conversion_overview import provenance, tasks, verdicts
 from plcopen_sfc.pages.html_text import Html, document, element, link, picture_figure
 from plcopen_sfc.pages.page_index import PageIndex
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.project_page import file_name_of, title_of
-from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
+from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome, grouped
 
 _SIGNS = {"+": "added", "-": "removed", "@": "moved"}
 _MARKS = {
@@ -225,12 +225,12 @@ def _change(change: Change, sides: tuple[_Side, _Side], shown: tuple[str, ...], 
 
 def _items(items: list[Item], outcome: Outcome, side: _Side, words: Words) -> Html:
     shown: list[Html] = []
-    for group in grouped(items[:_MOST_ITEMS]):
-        lines = [element("li", *_item(item, side, words)) for item in group]
-        if len(group) < _FEWEST_GROUPED:
+    for group in grouped(items[:_MOST_ITEMS], words.message):
+        lines = [element("li", *_item(item, side, words)) for item in group.items]
+        if len(lines) < _FEWEST_GROUPED:
             shown.append(element("ul", *lines))
             continue
-        caption = f"{len(group)} \u00d7 {words.message(group[0].what)}: {without_names(group[0], words.message)}"
+        caption = f"{len(lines)} \u00d7 {words.message(group.items[0].what)}: {group.reason}"
         shown.append(element("details", element("summary", caption), element("ul", *lines)))
     if len(items) > _MOST_ITEMS:
         shown.append(element("p", words("and {} more", len(items) - _MOST_ITEMS)))

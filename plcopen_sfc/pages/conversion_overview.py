@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from enum import StrEnum
 from hashlib import sha256
 
@@ -67,21 +66,6 @@ def verdicts(source: Project, report: ConversionReport, words: Words) -> Html:
     names = ("chart", "Verdict", "Losses", "Run in both tools")
     head = element("thead", element("tr", *(element("th", words.heading(name)) for name in names)))
     return joined(element("h2", words("Charts")), element("table", head, element("tbody", *rows)))
-
-
-def grouped(items: Iterable[Item]) -> list[list[Item]]:
-    """Return items that differ in the name of their object only together, in the order of their first."""
-    groups: dict[tuple[str, str, str], list[Item]] = {}
-    for item in items:
-        groups.setdefault((item.outcome, item.what, without_names(item)), []).append(item)
-    return list(groups.values())
-
-
-def without_names(item: Item, message: Callable[[str], str] = str) -> str:
-    """Return the reason of an item without what it names, in the words that `message` makes of it."""
-    name = ObjectPath.of(item.path).last.rpartition(" ")[2]
-    text = re.sub(r"`[^`]*`", "\u2026", message(item.why))
-    return re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", "\u2026", text) if name else text
 
 
 _TASKS = {

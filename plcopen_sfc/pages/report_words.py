@@ -251,6 +251,16 @@ _NOT_EXECUTED = {
     "variables of blocks have no address in TIA Portal: it is connected to no input or output": (
         "Variablen von Bausteinen haben in TIA Portal keine Adresse: sie ist mit keinem Ein- oder Ausgang verbunden"
     ),
+    "the type `{}` is declared neither in the source nor in {+}: convert the file that declares it "
+    "as well, or replace it if it is of a library": (
+        "der Typ `{}` ist weder in der Quelle noch in {} deklariert: wandeln Sie die Datei, die ihn deklariert, mit "
+        "um, oder ersetzen Sie ihn, wenn er aus einer Bibliothek ist"
+    ),
+    "the name `{}` is declared neither in the source nor in {+}: convert the file that declares it "
+    "as well, or replace it if it is of a library": (
+        "der Name `{}` ist weder in der Quelle noch in {} deklariert: wandeln Sie die Datei, die ihn deklariert, mit "
+        "um, oder ersetzen Sie ihn, wenn er aus einer Bibliothek ist"
+    ),
     "the type `{}` is not declared in {+}": "der Typ `{}` ist in {} nicht deklariert",
     "the name `{}` is not declared in {+}": "der Name `{}` ist in {} nicht deklariert",
     "property `{}` is not declared in {+}": "die Eigenschaft `{}` ist in {} nicht deklariert",
@@ -332,7 +342,12 @@ _NOT_EXECUTED = {
         " und benutzen Sie diese"
     ),
     "it uses {}, which is no variable of the block": "sie benutzt {}, das keine Variable des Bausteins ist",
-    "it writes what its text does not name": "sie schreibt, was ihr Text nicht nennt",
+    "it calls what may write variables that its text does not name": (
+        "sie ruft auf, was Variablen schreiben kann, die ihr Text nicht nennt"
+    ),
+    "its variable {} has a type that no parameter of a function may have": (
+        "ihre Variable {} hat einen Typ, den kein Parameter einer Funktion haben kann"
+    ),
     "it calls what nothing replaces: {}: {+}": "sie ruft auf, was nichts ersetzt: {}: {}",
     "nothing is passed to {}": "{} wird nichts übergeben",
     "it has no parameter for {}": "sie hat keinen Parameter für {}",

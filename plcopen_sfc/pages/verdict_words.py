@@ -48,6 +48,9 @@ _HEADS = {
     "not compared: the report names nothing in {+} that has its name": (
         "nicht verglichen: in {} ist nichts mit diesem Namen"
     ),
+    "not compared: nothing declares the type `{}` of its variables": (
+        "nicht verglichen: nichts deklariert den Typ `{}` seiner Variablen"
+    ),
     "not compared: tasks are not run": "nicht verglichen: Tasks werden nicht ausgeführt",
     "not compared: it is only in one of the two": "nicht verglichen: es ist nur in einem von beiden",
     "not compared: no run ends and starts again": "nicht verglichen: kein Lauf endet und beginnt wieder",

@@ -330,4 +330,5 @@ def test_a_situation_is_held_for_branches_that_wait_for_a_time_in_it() -> None:
     proof = sfc.lower(project, "case", pou="Ablauf_Band").proof
     assert proof is not None
     assert proof.equal, str(proof)
-    assert proof.coverage[1].counts["assignment"] == (100, 100)
+    reached, of_all = proof.coverage[1].counts["assignment"]
+    assert reached == of_all > 90

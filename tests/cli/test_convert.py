@@ -241,6 +241,20 @@ class TestStrict:
         assert cli("convert", BELT, tmp_path / "belt.json", "--to", "json", "--strict").code == 0
 
 
+def test_items_with_one_reason_are_in_one_place(cli, tmp_path):
+    """The refusal repeated what stands above it; a machine that reads the errors alone still gets it."""
+    source = tmp_path / "pointers.st"
+    block = "FUNCTION_BLOCK {}\nVAR p, q : POINTER TO DWORD; r : POINTER TO INT; END_VAR\nEND_FUNCTION_BLOCK\n"
+    source.write_text(block.format("A") + block.format("B"), encoding="utf-8")
+    outcome = cli("convert", source, tmp_path / "x.scl", "--to", "scl")
+    assert outcome.code == 1
+    lines = outcome.out.splitlines()
+    first = lines.index("  type: TIA Portal has no type POINTER TO DWord")
+    assert lines[first + 1 : first + 3] == ["    POU A: p, q", "    POU B: p, q"]
+    assert "POINTER" not in outcome.err
+    assert "POINTER" in cli("convert", source, tmp_path / "x.scl", "--to", "scl", "--quiet").err
+
+
 @pytest.mark.slow
 def test_what_is_not_executed_is_refused(cli, fixtures, tmp_path):
     target, report = tmp_path / "drill.xml", tmp_path / "report.json"

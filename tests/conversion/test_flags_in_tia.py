@@ -147,6 +147,16 @@ def test_what_is_stored_ends(flags: tuple[str, ...], work: str) -> None:
     assert verdict.proven, verdict
 
 
+def test_a_push_fires_conditions_that_are_never_true() -> None:
+    """Transitions with FALSE were told as ones that TIA Portal executes and the source does not."""
+    source = chart_with("SFCTip", chart=PLAIN.replace(":= b OR g;", ":= FALSE;"))
+    data, report = converted(source)
+    assert losses(report) == []
+    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.proven, verdict
+
+
 def test_what_a_step_executes_at_its_end_is_told() -> None:
     source = chart_with("SFCReset", work="Count(N);", actions="ACTION Count: n := n + 1; END_ACTION")
     report = converted(source)[1]

@@ -578,6 +578,46 @@ END_FUNCTION_BLOCK
     assert (item.outcome, item.why) == (Outcome.NOT_EXECUTED, "the name `o` is not declared in TIA Portal")
 
 
+PARTIAL = """FUNCTION_BLOCK Fb
+VAR_IN_OUT Io : ST_Io; List : ARRAY[*] OF INT; END_VAR
+VAR i : INT; END_VAR
+INITIAL_STEP Idle: END_STEP
+STEP Work: Both(N); END_STEP
+TRANSITION FROM Idle TO Work := Io.Start; END_TRANSITION
+TRANSITION FROM Work TO Idle := io.start; END_TRANSITION
+ACTION Both:
+Io.Valve := TRUE; Io.Lamp := FALSE;
+FOR i := LOWER_BOUND(List, 1) TO UPPER_BOUND(List, 1) DO List[i] := 0; END_FOR
+END_ACTION
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK Other
+VAR Io : st_io; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := Io.Start; END_TRANSITION
+TRANSITION FROM S2 TO S1 := NOT Io.Start; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+
+
+def test_a_type_that_no_file_declares_is_one_loss_and_its_variables_are_passed() -> None:
+    """Actions that use a variable of the type were lost as well, and a chart that shares it ran with another one.
+
+    The other spelling of the type and of a name was a loss, too; and the bounds ``*`` were told as unreadable.
+    """
+    project = sfc.loads(PARTIAL.encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS
+    written = io.BytesIO()
+    report = sfc.save(project, written, format="simaticml", partial=True, limit=1)
+    lost = [(item.what, item.path) for item in report.losses if item.outcome is Outcome.NOT_EXECUTED]
+    assert lost == [("undeclared type", "POU Fb / Io")]
+    read = sfc.loads(written.getvalue(), as_tool=True)
+    (function,) = [pou for pou in read.pous if pou.kind is PouKind.FUNCTION]
+    assert [variable.name for variable in function.variables(SectionKind.IN_OUT)] == ["Io", "List", "i"]
+    told = "not compared: nothing declares the type `{}` of its variables"
+    assert report.compared == {"POU Fb": told.format("ST_Io"), "POU Other": told.format("st_io")}
+
+
 CROSSED = b"""PROGRAM Main
 VAR_INPUT a, b, c, d : BOOL; END_VAR
 INITIAL_STEP S1: END_STEP

@@ -8,7 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.report import Item, Outcome
+from plcopen_sfc.report import Item, Outcome, grouped
 from tests.samples import FIXTURES
 
 CHART = """{declared}FUNCTION_BLOCK Main
@@ -188,3 +188,23 @@ def test_a_body_that_cannot_be_written_is_one_item(tmp_path: Path) -> None:
     report = sfc.save(source, f"{tmp_path}/out/", format="twincat", partial=True)
     found = [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what in ("body", "code")]
     assert found == ["POU PLC_PRG / action ACT_Belt"]
+
+
+def test_items_are_grouped_by_their_reason_whatever_it_names() -> None:
+    def item(path: str, why: str) -> Item:
+        return Item(Outcome.NOT_EXECUTED, "text", path, why)
+
+    items = [
+        item("POU A / action X", "line 3: no counterpart of `ADR`"),
+        item("POU A / q", "q has no place"),
+        item("POU A / action X", "line 7: no counterpart of `SIZEOF`"),
+        item("POU B / r", "r has no place"),
+        item("POU B", "no counterpart of `ADR`"),
+    ]
+    first, second = grouped(items)
+    assert first.items == [items[0], items[2], items[4]]
+    assert (first.reason, first.lines) == ("no counterpart of \u2026", [3, 7, None])
+    assert first.differing == [["`ADR`"], ["`SIZEOF`"], ["`ADR`"]]
+    assert (second.reason, second.differing) == ("\u2026 has no place", [[], []])
+    (alone,) = grouped(items[:1], str.upper)
+    assert (alone.reason, alone.differing) == ("NO COUNTERPART OF `ADR`", [[]])

@@ -118,7 +118,8 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
         if page is not None:
             _write_page(screen, page, project, loss.report, None, lang=lang)
         screen.exit_code = _FINDINGS
-        screen.error(loss)
+        is_listed = not screen.quiet and not screen.as_json
+        screen.error(LossError(loss.summary, loss.report, hint=loss.hint) if is_listed else loss)
         return loss.report.as_dict()
     report.written = [target] if target == STANDARD_STREAM else report.written
     if page is not None:

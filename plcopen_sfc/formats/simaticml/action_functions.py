@@ -270,7 +270,7 @@ class ActionFunctions:
         own = {variable.name.casefold() for variable in interface.variables()} | {method.name.casefold()}
         found = self.effects(owner, parsed.tree)
         if ANYTHING in found.writes:
-            return "it writes what its text does not name"
+            return "it calls what may write variables that its text does not name"
         used = {
             each.identifier.casefold()
             for each in walk(parsed.tree)
@@ -309,7 +309,7 @@ class ActionFunctions:
             if name not in used:
                 continue
             if name not in blocks and not self._is_passed(variable.type):
-                return f"{variable.name} has a type that no parameter has"
+                return f"its variable {variable.name} has a type that no parameter of a function may have"
             is_inside = section.kind in (SectionKind.LOCAL, SectionKind.IN_OUT) or name in self.kept_inside(pou)
             if name in blocks and not is_inside:
                 return f"{variable.name} is an instance that is no static variable"
@@ -359,7 +359,7 @@ class ActionFunctions:
         found = self.effects(pou, tree)
         written = {path[0] for path in found.writes if path}
         if ANYTHING in found.writes:
-            return "it writes what its text does not name"
+            return "it calls what may write variables that its text does not name"
         if not written.isdisjoint(inputs):
             return "it writes data of a step"
         filled = self._parameters(pou, used - inputs, written)
@@ -409,11 +409,12 @@ class ActionFunctions:
         return standard if standard is not None and standard.stateful else None
 
     def _is_passed(self, type_: DataType) -> bool:
-        """True for types of parameters."""
+        """True for types of parameters. A type that nothing declares is taken for one: the block has it by name too."""
         if isinstance(type_, ArrayType):
             return self._is_passed(type_.base)
         return isinstance(type_, ElementaryType | StringType) or (
-            isinstance(type_, DerivedType) and type_.name.casefold() in self._types
+            isinstance(type_, DerivedType)
+            and (type_.name.casefold() in self._types or type_.name.casefold() not in self._pous)
         )
 
     def _free(self, wish: str) -> str:

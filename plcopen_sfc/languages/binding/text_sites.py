@@ -312,7 +312,7 @@ def _fields(thing: Model, where: _Where) -> Iterator[TextSite]:
         if value is None or value is False:
             continue  # half of all fields
         if isinstance(value, str):
-            if key in naming and value:
+            if key in naming and value and not (value == "*" and isinstance(thing, t.Dimension)):
                 yield from _named(thing, key, naming[key], where)
         elif isinstance(value, Model):
             yield from _walk(value, _below(thing, key, where))

@@ -14,7 +14,14 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Argument, Expression, Operator
-from plcopen_sfc.languages.standard_blocks import BlockKind, StandardBlock, Tool, standard_block, standard_blocks
+from plcopen_sfc.languages.standard_blocks import (
+    BOUND_FUNCTIONS,
+    BlockKind,
+    StandardBlock,
+    Tool,
+    standard_block,
+    standard_blocks,
+)
 from plcopen_sfc.languages.translation.name_translation import NameTranslator
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes
 from plcopen_sfc.model.dialect import Dialect
@@ -90,7 +97,6 @@ _BLOCKS = {block.name: block for block in standard_blocks() if block.stateful}
 _COMPARISONS = frozenset({"GT", "GE", "EQ", "LE", "LT"})
 _CODESYS_PINS = frozenset({"SET", "SET1", "RESET", "RESET1", "LOAD"})
 _IEC_PINS = frozenset({"S", "S1", "R", "R1", "LD"})
-_BOUNDS = frozenset({"LOWER_BOUND", "UPPER_BOUND"})
 _ENABLING = frozenset({"EN", "ENO"})
 
 
@@ -236,7 +242,7 @@ class CallTranslator:
             return self._names.is_local(callee) is False or not self._names.type_of(callee)
         if self._source is Dialect.CODESYS and (word in ONLY_CODESYS or word.startswith("__")):
             return True
-        return word in _BOUNDS or translated_truncation(word, self._target, "REAL") is not None
+        return word in BOUND_FUNCTIONS or translated_truncation(word, self._target, "REAL") is not None
 
     def _function(self, node: n.Call, callee: n.Name) -> Expression:
         name = callee.identifier.upper()
@@ -288,7 +294,7 @@ class CallTranslator:
     def _unknown(self, node: n.Call, callee: n.Name, name: str, arguments: tuple[Argument, ...]) -> Expression:
         """A function that IEC 61131-3 does not have."""
         target = TITLES[self._target]
-        if name in _BOUNDS:
+        if name in BOUND_FUNCTIONS:
             return self._with(node, callee, self._bound_arguments(arguments))
         if self._source is Dialect.SCL and len(arguments) == 1 and arguments[0].value is not None:
             if name == "SQR":
