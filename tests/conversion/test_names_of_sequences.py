@@ -117,5 +117,5 @@ def test_types_and_names_that_nothing_declares_are_told_in_files_and_folders(pla
     original = sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys")
     report = sfc.save(original, f"{tmp_path}/{place}", format="simaticml", partial=True)
     whys = [item.why for item in report.items if item.outcome in LOSSES]
-    assert any("`LibraryType` is not declared" in why for why in whys)
+    assert any("`LibraryType` is declared neither" in why for why in whys)
     assert any("`Mystery` is declared neither" in why for why in whys)
