@@ -624,10 +624,12 @@ INITIAL_STEP S1: END_STEP
 STEP P1: END_STEP
 STEP P2: END_STEP
 STEP P3: END_STEP
+STEP P4: END_STEP
+STEP P5: END_STEP
 TRANSITION FROM S1 TO (P1, P2) := a; END_TRANSITION
-TRANSITION (PRIORITY := 2) FROM S1 TO P3 := b; END_TRANSITION
-TRANSITION FROM P1 TO P3 := b; END_TRANSITION
-TRANSITION FROM (P3, P2) TO S1 := c; END_TRANSITION
+TRANSITION FROM P1 TO (P3, P4) := b; END_TRANSITION
+TRANSITION FROM (P2, P3) TO P5 := c; END_TRANSITION
+TRANSITION FROM (P5, P4) TO S1 := d; END_TRANSITION
 END_PROGRAM
 """
 
@@ -639,7 +641,7 @@ def test_branches_that_do_not_nest_are_refused_in_the_family_of_codesys(target: 
     with pytest.raises(sfc.LossError) as caught:
         sfc.save(project, io.BytesIO(), format=target)
     told = [item for item in caught.value.report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "chart"]
-    assert [item.path for item in told] == ["POU Main / transition P3+P2 -> S1"]
+    assert [item.path for item in told] == [f"POU Main / transition {name}" for name in ("P2+P3 -> P5", "P5+P4 -> S1")]
     assert "charts of" in told[0].why
 
 
