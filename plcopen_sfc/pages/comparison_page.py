@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from datetime import date
 
 from plcopen_sfc.comparison import Change, ChangeKind, ProjectDiff, Proof
 from plcopen_sfc.drawing.pictures import chart_figure
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.pages.conversion_overview import provenance, tasks, verdicts
+from plcopen_sfc.pages.conversion_overview import provenance, tasks, tool_of, verdicts
 from plcopen_sfc.pages.html_text import Html, document, element, link, picture_figure
 from plcopen_sfc.pages.page_index import PageIndex
 from plcopen_sfc.pages.page_words import Words
@@ -68,14 +69,20 @@ def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en")
 
 
 def conversion_page(
-    source: Project, report: ConversionReport, target: Project | None = None, *, lang: str = "en"
+    source: Project,
+    report: ConversionReport,
+    target: Project | None = None,
+    *,
+    lang: str = "en",
+    made_on: date | None = None,
 ) -> str:
     """Return what became of a project in another format as the text of one HTML file.
 
     `report` is what `save` or `convert` returned, or that of a `LossError`. First are the verdict on each chart and
     what a person has to do in the target tool; then the items, those of one reason together, not executed ones first.
     Each chart of the source is beside that of the `target`, the written file as it was read again, with the steps and
-    transitions in colours that items are about. `lang` is ``en`` or ``de``; the rest is as in `page`.
+    transitions in colours that items are about. `made_on` is a day that the page names as that of the conversion.
+    `lang` is ``en`` or ``de``; the rest is as in `page`.
     """
     check_argument(source, Project, "conversion_page needs a project", "Load the file first.")
     words = Words(lang)
@@ -85,7 +92,8 @@ def conversion_page(
             left.marks.setdefault(left.index.anchor_at(item.path), {mark: None})
     right = _Side(_index(target if target is not None else Project(), "b-"), report.target_format)
     pairs = list(_pairs(left, right))
-    title = f"{title_of(source)}: {report.source_format} \u2192 {report.target_format}"
+    tools = " \u2192 ".join(words.message(tool_of(name)) for name in (report.source_format, report.target_format))
+    title = f"{title_of(source)}: {tools}"
     rows = [
         element(
             "tr", element("th", words.heading(outcome.value)), element("td", str(len(report.with_outcome(outcome))))
@@ -101,7 +109,7 @@ def conversion_page(
         tasks(report, words, written=target is not None),
         element("h2", words("Report")),
         element("table", element("tbody", *rows)),
-        provenance(source, report, target, words),
+        provenance(source, report, target, words, made_on),
         id="project",
     )
     charts = list(_charts(pairs, words))

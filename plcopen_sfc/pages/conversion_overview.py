@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from datetime import date
 from enum import StrEnum
 from hashlib import sha256
 
+from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
@@ -100,8 +102,7 @@ def tasks(report: ConversionReport, words: Words, *, written: bool) -> Html:
         found.setdefault(_TASKS.get(item.what, usual), []).append(item)
     lines = [_task(words(text), _places(items, words)) for text, items in found.items()]
     if written:
-        tool = format_named(report.target_format)[0].tool or report.target_format
-        lines.append(_task(words("Import into {} and compile: not tried yet", tool)))
+        lines.append(_task(words("Import into {} and compile: not tried yet", tool_of(report.target_format))))
     unseen = [path for path in report.compared if verdict_of(report, path) is not ChartVerdict.SAME]
     unseen = [path for path in unseen if verdict_of(report, path) is not ChartVerdict.DELAYED]
     if unseen or not report.compared:
@@ -125,18 +126,27 @@ def _places(items: list[Item], words: Words) -> str:
 _MOST_PLACES = 8
 
 
-def provenance(source: Project, report: ConversionReport, target: Project | None, words: Words) -> Html:
-    """Return the table of both files: tool, format, digest; and the version of this package."""
+def provenance(
+    source: Project, report: ConversionReport, target: Project | None, words: Words, made_on: date | None
+) -> Html:
+    """Return the table of both files: tool, format, digest; the version of this package, and the day of the report."""
     # what goes to standard output was read again from a file that is gone now
     written = "" if report.written == ["-"] else _path_of(target)
     rows = [
         *_file(words("Source"), source, report.source_format, _path_of(source), source.header.tool),
         # the header of what is written still names the tool of the source, which is not what will open it
         *(_file(words("Target"), target, report.target_format, written, "") if target is not None else ()),
-        ("plcopen_sfc", __version__),
+        ("plcopen_sfc", Html(__version__)),
     ]
+    if made_on is not None:
+        rows.append((words("Date"), Html(made_on.isoformat())))
     cells = [element("tr", element("th", name), element("td", element("small", value))) for name, value in rows]
     return joined(element("h2", words("Files")), element("table", element("tbody", *cells)))
+
+
+def tool_of(format_name: str) -> str:
+    """Return the tool that a format belongs to, or the name of a format that belongs to none."""
+    return format_named(format_name)[0].tool or format_name
 
 
 def _path_of(project: Project | None) -> str:
@@ -147,6 +157,10 @@ def _file(caption: str, project: Project, format_name: str, path: str, tool: str
     source = project.source
     version = source.version if source is not None else ""
     yield caption, ", ".join(filter(None, (path, f"{format_name} {version}".strip(), tool)))
-    content = getattr(source, "content", None)
-    if isinstance(content, bytes):
-        yield "SHA-256", sha256(content).hexdigest()
+    if isinstance(source, FolderSource):
+        files = {name: document.source.content for name, document in source.documents.items()}
+        digests = [f"{sha256(content).hexdigest()} {name}" for name, content in files.items()]
+        summary = element("summary", f"{len(digests)} \u00d7")
+        yield "SHA-256", element("details", summary, element("pre", "\n".join(digests)))
+    elif isinstance(source, FileSource):
+        yield "SHA-256", sha256(source.content).hexdigest()

@@ -28,6 +28,7 @@ _GERMAN = {
     "Declarations": "Deklarationen",
     "Differences": "Unterschiede",
     "Enclosing step": "Einschlie\u00dfender Schritt",
+    "Date": "Datum",
     "Files": "Dateien",
     "Findings": "Befunde",
     "Format": "Format",

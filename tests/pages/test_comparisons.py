@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from datetime import date
 from pathlib import Path
 
 import pytest
@@ -155,6 +156,17 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     lost = report.with_outcome(sfc.Outcome.NOT_EXECUTED)
     (listed,) = tree.xpath("//section[@id='not_executed']")
     assert len(listed.findall(".//li")) == len(lost) > 1
+
+
+def test_the_report_of_a_folder_has_the_digest_of_each_file_and_the_day() -> None:
+    folder = FIXTURES / "simaticml"
+    source = sfc.load(folder)
+    _, report = sfc.convert(source, "codesys", partial=True)
+    text = words_of(parse(sfc.conversion_page(source, report, lang="de", made_on=date(2026, 11, 28))))
+    assert "TIA Portal \u2192 CODESYS" in text
+    assert "Datum2026-11-28" in "".join(text.split())
+    for path in folder.glob("*.xml"):
+        assert f"{hashlib.sha256(path.read_bytes()).hexdigest()} {path.name}" in text
 
 
 @pytest.mark.slow

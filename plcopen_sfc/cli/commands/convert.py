@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import date
 from functools import partial
 from pathlib import Path
 
@@ -144,7 +145,8 @@ def _write_page(
 ) -> None:
     from plcopen_sfc.pages import conversion_page  # noqa: PLC0415  # brings the checks with it
 
-    write_atomic(page, conversion_page(source, report, target, lang=lang).encode("ascii"))
+    text = conversion_page(source, report, target, lang=lang, made_on=date.today())  # of whoever reads it
+    write_atomic(page, text.encode("ascii"))
     screen.note(f"written: {page}")
 
 
