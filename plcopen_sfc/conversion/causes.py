@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from plcopen_sfc.conversion.executed_parts import STABILITY, START
+from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, STABILITY, START
 from plcopen_sfc.languages.binding import SharedScans
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.project import Chart
@@ -69,10 +69,13 @@ def _causes(
     evolves = any(each.name.endswith(".X") for each in example.differences)
     if evolves and len(example.inputs) <= _FIRST_SCANS and (held := _told_held(profiles, tool)):
         return held
+    first = [item for item in losses if item.what == FIRST_SCAN and concerns(item, chart.report_path)]
+    if first and not evolves and len(example.inputs) == 1:
+        return f"; a cause is the {FIRST_SCAN}, which the report names"
     for name in (each.name for each in example.differences if not each.error):
         places = dict.fromkeys(_places(name, example, chart))
         for item in losses:
-            if _explains(item, name, places, chart.report_path):
+            if item.what != FIRST_SCAN and _explains(item, name, places, chart.report_path):
                 part = "" if item.path == chart.report_path else f" at {ObjectPath.of(item.path).last}"
                 told = f"; a cause is the {item.what}{part}, which the report names"
                 (evolution if evolves and item.what in _OF_EVOLUTION else found)[told] = None

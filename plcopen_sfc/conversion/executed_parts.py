@@ -25,6 +25,8 @@ PLAIN_VARIABLES = "plain variables"
 """The aspect that lists variables of a chart of another tool whose names are parameters of charts of S7-GRAPH."""
 STABILITY, START = "search for stability", "start of several sequences"
 """Subject of items that tell that charts of a GRAFCET evolve once in a scan, and begin with a step of their own."""
+FIRST_SCAN = "first scan"
+"""Subject of items that tell what the target does not do in the scan in which it starts."""
 HIDDEN_FLAG = "flag of the initial step"
 """Subject of items that tell that another step of the result is active in place of the initial one, whose flag nothing
 reads."""

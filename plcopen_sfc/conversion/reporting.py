@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from plcopen_sfc.conversion.causes import concerns, times_among, told_apart, told_difference, told_while_held
 from plcopen_sfc.conversion.comparison import OF_LIBRARY, ExecutionDifference
 from plcopen_sfc.conversion.executed_parts import (
+    FIRST_SCAN,
     HIDDEN_FLAG,
     OPERATING_INPUT,
     OPERATING_KINDS,
@@ -43,6 +44,7 @@ from plcopen_sfc.model.types import used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import CHART_OF_ACTION, FALLING_EDGE, LOSSES, ORDER_OF_ACTIONS, ConversionReport, Item, Outcome
+from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
@@ -55,7 +57,7 @@ if TYPE_CHECKING:
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
-_APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
+_APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
 _APART |= {"retain", "address", "interval", "max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
 the chart of a GRAFCET may have no step that is only passed, and begins one scan later. A block for the chart of an
@@ -171,6 +173,8 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
         _note_proven(report, path, CHART_OF_ACTION, "which calls a block for the chart of the action")
         _note_proven(report, path, ORDER_OF_ACTIONS, "which executes actions in another order")
         _note_proven(report, path, FALLING_EDGE, "which sees another first edge of F_TRIG")
+        if not run.profiles[1].initial_situation_held:  # of which no proof has the first scan
+            _note_proven(report, path, FIRST_SCAN, "whose actions have not seen the initial step then")
     if verdict.counterexample is not None:
         why = run.told(verdict.counterexample, report.losses)
         report.add(Outcome.APPROXIMATED, "chart", path, why + held)
@@ -248,12 +252,14 @@ def _hidden_flags(report: ConversionReport, chart: Chart) -> set[str]:
 
 def _step_flags(there: Chart, here: Chart, called: Mapping[str, str], hidden: Collection[str]) -> dict[str, str] | None:
     """Return the steps of the result by those of the source but for `hidden` ones; None where all have their names."""
-    start = f"{here.report_path} / step "
-    old = {step.name: ObjectPath.of(called.get(start + step.name, start + step.name)).last for step in here.chart.steps}
-    found = {name.removeprefix("step "): step for step, name in old.items()}
-    if not hidden and all(name == step for name, step in found.items()):
+    net, other = Net.of(there.chart), Net.of(here.chart)
+    paths = zip(other.steps, other.report_paths(here.report_path)[0], strict=True)
+    result = {in_the_source(path, called): step.path for step, path in paths}
+    own = zip(net.steps, net.report_paths(there.report_path)[0], strict=True)
+    found = {step.path: (step.step.name, result[path]) for step, path in own if path in result}
+    if not hidden and all(path == step for path, (_, step) in found.items()):
         return None
-    return {step.name: found[step.name] for step in there.chart.steps if step.name in found and step.name not in hidden}
+    return {path: step for path, (name, step) in found.items() if name not in hidden}
 
 
 def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]:

@@ -23,17 +23,33 @@ def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
         for old, new in zip(_charts_of(a), _charts_of(b), strict=False)  # a writer may have none in actions
     ]
     for old, new in pairs:
-        steps = {step.id: step for step in old.chart.steps}
-        labels, earlier = new.chart.labels(), old.chart.labels()
+        steps, earlier = _elements_of(old, is_flat=not new.chart.partial_charts)
+        labels = new.chart.labels()
         for step in new.chart.steps:  # a writer may add steps
             if step.id in steps:
-                called[f"{new.report_path} / step {step.name}"] = f"{old.report_path} / step {steps[step.id].name}"
+                called[f"{new.report_path} / step {step.name}"] = steps[step.id]
         for transition in new.chart.transitions:
             if transition.id in earlier:
-                path = f"{new.report_path} / transition {labels[transition.id]}"
-                called[path] = f"{old.report_path} / transition {earlier[transition.id]}"
+                called[f"{new.report_path} / transition {labels[transition.id]}"] = earlier[transition.id]
     called |= _renamed_variables(project, copy)
     return {path: old for path, old in called.items() if path != old}
+
+
+def _elements_of(chart: Chart, *, is_flat: bool) -> tuple[dict[int, str], dict[int, str]]:
+    """Return the paths of the steps and of the transitions of a chart by the ids that they have in what is written.
+
+    `is_flat`: partial charts were put on one level, which numbers steps and transitions as the net of the chart does.
+    """
+    network, path = chart.chart, chart.report_path
+    if is_flat and network.partial_charts:
+        from plcopen_sfc.semantics.net import Net  # noqa: PLC0415  # only for GRAFCETs
+
+        steps, transitions = Net.of(network).report_paths(path)
+        return dict(enumerate(steps, 1)), dict(enumerate(transitions, len(steps) + 1))
+    return (
+        {step.id: f"{path} / step {step.name}" for step in network.steps},
+        {number: f"{path} / transition {label}" for number, label in network.labels().items()},
+    )
 
 
 def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:

@@ -145,6 +145,7 @@ _KINDS = {
     "settings": "Einstellungen",
     "ST body": "ST-Rumpf",
     "start of several sequences": "Anfang mehrerer Ketten",
+    "first scan": "erster Zyklus",
     "start values": "Startwerte",
     "static": "statisch",
     "step": "Schritt",
@@ -647,6 +648,15 @@ _OTHERWISE = {
     ),
     "the target fires transitions once in a scan: {&} may be active where a GRAFCET only passes": (
         "das Ziel schaltet Transitionen einmal je Zyklus: {} können aktiv sein, wo ein GRAFCET nur durchläuft"
+    ),
+    "S7-GRAPH tests no transition in its first scan: what is TRUE in that scan only is missed": (
+        "S7-GRAPH prüft in seinem ersten Zyklus keine Transition: was nur in diesem TRUE ist, geht verloren"
+    ),
+    "where it leaves {}, actions on deactivation miss it: they have not seen the step": (
+        "wo er {} verlässt, versäumen das Aktionen bei Deaktivierung: sie haben den Schritt nicht gesehen"
+    ),
+    "with all inputs the target, whose actions have not seen the initial step then, does the same": (
+        "mit allen Eingängen tut das Ziel, dessen Aktionen den Initialschritt da nicht gesehen haben, dasselbe"
     ),
     "it leads to all initial steps: charts of the target have one, and the first scan passes with it": (
         "er führt zu allen Initialschritten: Ablaufketten des Ziels haben einen, und der erste Zyklus vergeht mit ihm"

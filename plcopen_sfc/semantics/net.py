@@ -149,6 +149,19 @@ class Net:
                 initial |= bits[0]
         return net if initial == net.initial else replace(net, initial=initial)
 
+    def report_paths(self, path: str) -> tuple[list[str], list[str]]:
+        """Return the paths in reports of the steps and of the transitions; `path` is that of the chart."""
+        around = {id(each.chart): f"{path} / {each.name}" for each in self.chart.partial_charts}
+        labels = {id(chart): chart.labels() for chart in (self.chart, *(e.chart for e in self.chart.partial_charts))}
+        steps = [f"{around.get(id(each.chart), path)} / step {each.step.name}" for each in self.steps]
+        transitions = [
+            f"{around.get(id(each.chart), path)} / transition {labels[id(each.chart)][each.transition.id]}"
+            if id(each.chart) in labels
+            else f"{path} / transition {each.path}"
+            for each in self.transitions
+        ]
+        return steps, transitions
+
     @cached_property
     def leaving(self) -> tuple[tuple[int, ...], ...]:
         """For each step the transitions that leave it, in the order in which they are tried."""

@@ -20,7 +20,7 @@ from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
     sequences_of,
     step_flag,
 )
-from plcopen_sfc.conversion.executed_parts import STABILITY, START
+from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, STABILITY, START
 from plcopen_sfc.errors import UnknownBehaviourError
 from plcopen_sfc.languages.binding.name_sites import in_tree
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
@@ -138,6 +138,7 @@ class _Chart:
         which = f"{_first_of(passed)} may be active where a GRAFCET only passes" if passed else "flags are a scan late"
         why = f"the target fires transitions once in a scan: {which}"
         self._note(Outcome.APPROXIMATED, STABILITY, path, why)
+        self._note_first_scan(path)
         self._actions(path)
         if flat is not None and flat.ruled:
             try:
@@ -152,6 +153,16 @@ class _Chart:
             self._sequences()
         elif len(starts) > 1:
             self._start(starts, path)
+
+    def _note_first_scan(self, path: str) -> None:
+        """Tell what the target misses that a GRAFCET does in its first scan."""
+        starts = [step for step in self._chart.steps if step.initial]
+        if self._of_graph:
+            why = "S7-GRAPH tests no transition in its first scan: what is TRUE in that scan only is missed"
+            self._note(Outcome.APPROXIMATED, FIRST_SCAN, path, why)
+        elif not self._actions_first and len(starts) == 1 and _acts_when_left(starts[0]):
+            why = f"where it leaves {starts[0].name}, actions on deactivation miss it: they have not seen the step"
+            self._note(Outcome.APPROXIMATED, FIRST_SCAN, path, why)
 
     def _passed(self, flat: FlatChart | None) -> Iterator[Step]:
         """Yield the steps that can be left with the inputs with which they are entered: a GRAFCET only passes them.
@@ -493,6 +504,10 @@ class _Chart:
 
 def _why(error: ConditionError | _TermError) -> str:
     return f"the condition cannot be read: {error}" if isinstance(error, ConditionError) else str(error)
+
+
+def _acts_when_left(step: Step) -> bool:
+    return any(each.kind is ActionKind.ON_DEACTIVATION for each in step.actions)
 
 
 def _is_constant(each: ActionAssociation) -> bool:
