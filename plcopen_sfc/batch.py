@@ -336,9 +336,32 @@ def _applied(script: Script | Edit, settings: Mapping[str, str], prove: bool, pa
     except SfcError as error:
         return AppliedFile(path, error=str(error))
     except Exception as error:  # whatever a script does wrong, the other files go on
-        frames = traceback.extract_tb(error.__traceback__)
-        line = next((each.lineno for each in reversed(frames) if each.filename == name), 0)
-        return AppliedFile(path, error=f"{name}:{line}: {type(error).__name__}: {error}")
+        return AppliedFile(path, error=str(_mistake(name, error)))
+
+
+def script_edit(script: str, settings: Mapping[str, str]) -> Edit:
+    """Return a script, or the plugin of this name, as a function that changes a project.
+
+    Raises `ScriptError` as `apply` does; the function raises one for any error of the script.
+    """
+    function, values = _function(_read_script(script), settings)
+
+    def edit(project: Project) -> Any:
+        try:
+            return function(project, **values)
+        except SfcError:
+            raise
+        except Exception as error:
+            raise _mistake(script, error) from error
+
+    return edit
+
+
+def _mistake(script: str, error: Exception) -> ScriptError:
+    """Return the error of a script with its line."""
+    frames = traceback.extract_tb(error.__traceback__)
+    line = next((each.lineno for each in reversed(frames) if each.filename == script), 0)
+    return ScriptError(f"{type(error).__name__}: {error}", location=Location(script, line=line))
 
 
 def _changes(project: Project, path: str) -> tuple[tuple[FileChange, ...], ConversionReport]:

@@ -318,7 +318,8 @@ def _apply(
 ) -> int:
     """Run a script on many files, and show what it changes.
 
-    The script is a Python file with a function refactor(project), or a plugin. Files are changed with --write only.
+    The script is a Python file with a function refactor(project), or a plugin. Files are changed with --write only;
+    with it, - is read from standard input and written to standard output.
     """
     from plcopen_sfc.cli.commands import edits
 
@@ -485,6 +486,7 @@ def _normalize(screen: Screen, files: o.Files, dry_run: o.OnlyList = False) -> i
     """Remove what the tool of a file ignores, for clean diffs in git.
 
     Changes files of TIA Portal in place: the time of an export and the like go. The exit code is 1 where one changed.
+    With - a file is read from standard input and written to standard output, with exit code 0.
     """
     from plcopen_sfc.cli.commands import edits
 

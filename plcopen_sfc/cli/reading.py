@@ -21,10 +21,15 @@ STANDARD_STREAM = "-"
 _FINDINGS = 1
 
 
+def read_input() -> bytes:
+    """Read all of standard input."""
+    return sys.stdin.buffer.read()
+
+
 def load_input(screen: Screen, name: str, *, as_tool: bool = False) -> Project:
     """Load a file, a folder or standard input (``-``)."""
     if name == STANDARD_STREAM:
-        return loads(sys.stdin.buffer.read(), path="standard input", as_tool=as_tool)
+        return loads(read_input(), path="standard input", as_tool=as_tool)
     return load(name, progress=lambda files: screen.progress(files, "Loading", len(files)), as_tool=as_tool)
 
 

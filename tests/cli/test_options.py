@@ -17,6 +17,7 @@ import plcopen_sfc as sfc
 
 ROOT = Path(__file__).resolve().parents[2]
 CHAIN = ROOT / "fixtures" / "training-chain" / "plcopen_2.01.xml"
+SCRIPT = ROOT / "examples" / "plant_standard.py"
 COMMANDS = (
     "formats info validate check rules convert diff rename renumber merge apply simulate lower draw page "
     "normalize git-setup schema"
@@ -76,6 +77,28 @@ class TestStandardStreams:
         assert (done.returncode, done.stderr) == (0, b"")
         assert b"CASE" in done.stdout
 
+    def test_a_script_changes_standard_input(self, cli, stdin, tmp_path):
+        script = tmp_path / "wait.py"
+        script.write_text("def refactor(project, name='A'):\n    project.rename('Ablauf.S1', name)\n")
+        stdin(CHAIN)
+        shown = cli("apply", script, "-", "--set", "name=Wait")
+        assert shown.code == 0
+        assert {line[0] for line in shown.out.splitlines() if '"Wait"' in line} == {"+"}
+        script.write_text("def refactor(project):\n    project.nothing\n")
+        stdin(CHAIN)
+        failed = cli("apply", script, "-")
+        assert (failed.code, failed.out) == (2, "")
+        assert f"{script}:2" in failed.err
+
+    @pytest.mark.slow
+    def test_normalize_is_a_filter_of_git(self, command):
+        source = (ROOT / "fixtures" / "simaticml" / "FB_Drill.xml").read_bytes()
+        done = command("normalize", "-", input=source)
+        assert (done.returncode, done.stderr) == (0, b"")
+        assert done.stdout == sfc.dumps(sfc.loads(source), normalize=True)
+        assert command("normalize", "-", "--dry-run", input=source).returncode == 1
+        assert command("normalize", "-", input=CHAIN.read_bytes()).stdout == CHAIN.read_bytes()
+
     def test_the_file_and_json_are_not_mixed(self, cli, stdin):
         for arguments in (["convert", "-", "--to", "json"], ["rename", "-", "Ablauf", "B"]):
             stdin(CHAIN)
@@ -102,11 +125,16 @@ REPORTING = [
     ["renumber", "CHAIN", "--names", "S{number}", "--start", "10", "--dry-run"],
     ["simulate", "CHAIN", "--scans", "3"],
     ["lower", "CHAIN", "OUT.scl", "--to", "scl", "--as", "case"],
+    ["draw", "CHAIN", "OUT.svg"],
+    ["page", "CHAIN", "OUT.html"],
+    ["normalize", "CHAIN"],
+    ["apply", "SCRIPT", "CHAIN"],
 ]
 
 
 def filled(arguments: list[str], folder: Path) -> list[str]:
-    return [word.replace("CHAIN", str(CHAIN)).replace("OUT", str(folder / "out")) for word in arguments]
+    words = {"CHAIN": str(CHAIN), "OUT": str(folder / "out"), "SCRIPT": str(SCRIPT)}
+    return [next((word.replace(key, to) for key, to in words.items() if key in word), word) for word in arguments]
 
 
 @pytest.mark.parametrize("arguments", REPORTING, ids=lambda arguments: arguments[0])

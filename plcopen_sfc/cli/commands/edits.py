@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from plcopen_sfc.api import load, save
-from plcopen_sfc.batch import AppliedFile, FileChange, apply, difference, documents_in
+from plcopen_sfc.batch import AppliedFile, FileChange, apply, difference, documents_in, script_edit
 from plcopen_sfc.cli.many_files import ManyFiles, PrintedLine, RecordedScreen, for_each, replay, show_counts
-from plcopen_sfc.cli.reading import STANDARD_STREAM, load_input, written_to_stdout
+from plcopen_sfc.cli.reading import STANDARD_STREAM, load_input, read_input, written_to_stdout
 from plcopen_sfc.cli.screen import UNREADABLE, Screen, Table
 from plcopen_sfc.documents.folder_projects import edited_files
 from plcopen_sfc.documents.list_merging import merge_list
@@ -146,6 +146,18 @@ class _Merge(_Edit):
         return {"list": self.source, "changes": changes}
 
 
+@dataclass(frozen=True)
+class _Scripted(_Edit):
+    """A script, or the plugin of this name, with its settings."""
+
+    script: str
+    settings: Mapping[str, str]
+
+    def on(self, screen: Screen, project: Project) -> dict[str, Any]:  # noqa: ARG002
+        script_edit(self.script, self.settings)(project)
+        return {}
+
+
 def _tell_unread(screen: Screen, project: Project) -> None:
     """Tell of documents of a folder that could not be read: what is edited may be named in them too."""
     if isinstance(project.source, FolderSource):
@@ -171,7 +183,12 @@ def merge(screen: Screen, source: str, file: str, how: EditOptions) -> int:
 
 def run_script(screen: Screen, script: str, files: ManyFiles, settings: Sequence[str], how: EditOptions) -> int:
     """Run a script, or the plugin of this name, on files."""
-    return _edit_many(screen, files, script, dict(map(_setting, settings)), how)
+    given = dict(map(_setting, settings))
+    if files.named == (STANDARD_STREAM,):
+        if how.prove:
+            raise InputError("--prove needs a file: what is read from standard input has no other version")
+        return _edit_stream(screen, _Scripted(script, given), how)
+    return _edit_many(screen, files, script, given, how)
 
 
 def _setting(text: str) -> tuple[str, str]:
@@ -318,6 +335,8 @@ def _tell_one_of_many(screen: Screen, done: AppliedFile, told: RecordedScreen | 
 
 def normalize(screen: Screen, files: ManyFiles, *, dry_run: bool) -> int:
     """Remove what the tool of a file ignores, or with `dry_run` only list the files of which something would go."""
+    if files.named == (STANDARD_STREAM,):
+        return _normalize_stream(screen, dry_run=dry_run)
     work = partial(_normalize, dry_run)
     names = [each for path in files.found for each in (documents_in(path) if folder_exists(path) else [path])]
     outcomes = for_each(screen, names, work, "Normalising", jobs=files.jobs, told=False)
@@ -325,14 +344,38 @@ def normalize(screen: Screen, files: ManyFiles, *, dry_run: bool) -> int:
     return screen.exit_code
 
 
+def _normalize_stream(screen: Screen, *, dry_run: bool) -> int:
+    """Write standard input without what its tool ignores to standard output; the exit code is 0, as filters need."""
+    data = read_input()
+    normalised = _normalised(data, STANDARD_STREAM)
+    if dry_run:
+        result = {"file": STANDARD_STREAM, "changed": normalised != data}
+        screen.result({"files": [result], "written": False})
+        return _tell_normalised(screen, result, dry_run=True)
+    with written_to_stdout(screen, STANDARD_STREAM, "") as target:
+        write_atomic(target, normalised)
+    return screen.exit_code
+
+
 def _normalize(dry_run: bool, screen: Screen, name: str) -> dict[str, Any]:
     data = read_bytes(name)
+    normalised = _normalised(data, name)
+    if normalised != data and not dry_run:
+        write_atomic(name, normalised)
+    result = {"file": name, "changed": normalised != data}
+    _tell_normalised(screen, result, dry_run=dry_run)
+    return result
+
+
+def _normalised(data: bytes, name: str) -> bytes:
+    """Return a file without what its tool ignores; the same where its format has no such parts."""
     normalised = recognise(data, file=name).codec().normalize(data)
-    is_changed = normalised is not None and normalised != data  # None: the format has no such parts
-    if normalised is not None and is_changed:
-        if not dry_run:
-            write_atomic(name, normalised)
+    return data if normalised is None else normalised
+
+
+def _tell_normalised(screen: Screen, result: Mapping[str, Any], *, dry_run: bool) -> int:
+    if result["changed"]:
         screen.exit_code = _FINDINGS
         if not screen.as_json and not screen.quiet:
-            screen.line("would be normalised: " if dry_run else "normalised: ", (name, "bold"))
-    return {"file": name, "changed": is_changed}
+            screen.line("would be normalised: " if dry_run else "normalised: ", (result["file"], "bold"))
+    return screen.exit_code
