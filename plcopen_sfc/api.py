@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Collection
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -62,7 +63,7 @@ def save(
     partial: bool = False,
     fresh: bool = False,
     normalize: bool = False,
-    limit: float = 0,
+    limit: float | str = 0,
     at_rest: Collection[str] = (),
 ) -> ConversionReport:
     """Save a project to a path or a binary file; returns what became of each item.
@@ -77,8 +78,8 @@ def save(
     Given what `lower` returned, the file is read back as its tool reads it and compared with the chart before it is put
     in place; `compared` of the report has the verdict. Code that was not to be verified is saved without that.
 
-    With a `limit` in seconds the charts of a conversion are also run in both tools, as `equivalent` does; a difference
-    is an approximated item, and `compared` of the report has what was found of each chart.
+    With a `limit` (seconds, or ``2m30s``) the charts of a conversion are also run in both tools, as `equivalent` does;
+    a difference is an approximated item, and `compared` of the report has what was found of each chart.
 
     `at_rest` names inputs of S7-GRAPH that nobody operates (``INIT_SQ``; ``all``): it is no loss that they have
     no effect in the target.
@@ -107,7 +108,8 @@ def save(
         from plcopen_sfc.lowering import LoweredPou  # noqa: PLC0415
 
         hint = "Put it into a project, as `project.pous` and `pou.bodies`." if isinstance(project, Model) else ""
-        check_argument(project, LoweredPou, "save needs a project, or what lower returned", hint)
+        hint = "Load the file first: load(path)." if isinstance(project, str | PathLike) else hint
+        check_argument(project, LoweredPou, "a project, or what lower returned, is needed", hint)
         return save_lowered(project, target, **writing)
     return save_project(project, target, **writing)
 
@@ -122,7 +124,7 @@ def dumps(
     partial: bool = False,
     fresh: bool = False,
     normalize: bool = False,
-    limit: float = 0,
+    limit: float | str = 0,
     at_rest: Collection[str] = (),
 ) -> bytes:
     """Return the bytes that `save` would write. Takes the same options, and raises the same errors."""
@@ -150,7 +152,7 @@ def convert(
     partial: bool = False,
     fresh: bool = False,
     normalize: bool = False,
-    limit: float = 0,
+    limit: float | str = 0,
     at_rest: Collection[str] = (),
 ) -> Converted:
     """Return what `save` would write and what it would return, as `data` and `report`.

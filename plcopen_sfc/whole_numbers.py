@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 _WHOLE_NUMBER = re.compile(r"[0-9]{1,18}")
+_CANONICAL = re.compile(r"0|[1-9][0-9]{0,17}")
 
 
 def whole_number(text: str | None) -> int | None:
@@ -13,3 +14,13 @@ def whole_number(text: str | None) -> int | None:
     `str.isdigit` accepts digits of other scripts and ², and `int` converts no more than 4300 digits.
     """
     return int(text) if text is not None and _WHOLE_NUMBER.fullmatch(text) else None
+
+
+def xml_number(text: str | None) -> int | None:
+    """Return a number as `whole_number` does; white space around it does not count, as in types of XML Schema."""
+    return whole_number(text.strip(" \t\r\n")) if text is not None else None
+
+
+def canonical_number(text: str | None) -> int | None:
+    """Return a number as `whole_number` does; None for leading zeros, which the number would not bring back."""
+    return int(text) if text is not None and _CANONICAL.fullmatch(text) else None

@@ -108,7 +108,7 @@ def test_unknown_formats_get_the_nearest_name_and_tools_their_format(name, messa
         (lambda: sfc.load(b"<project>"), "loads takes bytes"),
         (lambda: sfc.load(io.StringIO("text")), 'open(path, "rb")'),
         (lambda: sfc.loads("text"), "loads needs bytes, not 'text' (str)"),
-        (lambda: sfc.save(None, "x.xml"), "save needs a project"),
+        (lambda: sfc.save(None, "x.xml"), "a project, or what lower returned, is needed"),
         (lambda: sfc.save(sfc.SfcNetwork(), "x.xml"), "Put it into a project"),
         (lambda: sfc.save(sfc.Project(), 3, format="json"), "save needs a path or a binary file, not 3"),
         (lambda: sfc.dumps(sfc.Project(), format=3), "format is the name of one, not 3"),
@@ -117,6 +117,18 @@ def test_unknown_formats_get_the_nearest_name_and_tools_their_format(name, messa
         (lambda: sfc.lower("Main"), "a chart, a POU or a project is needed"),
         (lambda: sfc.equivalent("Main", "Main"), "a chart, a POU or a project is needed"),
         (lambda: sfc.check("line24.xml"), "check needs a chart, a POU or a project"),
+        (lambda: sfc.convert("line24.xml", "json"), "Load the file first: load(path)."),
+        (lambda: sfc.lower_to_file(None, "x.xml"), "lower_to_file needs a project, not None"),
+        (lambda: sfc.lower_to_file(sfc.Project(), None), "lower_to_file needs the path to write to, not None"),
+        (lambda: sfc.merge_list(None, None), "merge_list needs a project and a step list, not None"),
+        (lambda: one_step().add_transition(None, "Wait"), "from steps to steps, or their names, not None"),
+        (lambda: one_step().steps.append("Fill"), "`steps` of SfcNetwork is a list of Step, not 'Fill' (str)"),
+        (lambda: one_step().transitions.append("A -> B"), "`transitions` of SfcNetwork is a list of Transition, not"),
+        (lambda: one_step().steps[0].actions.append("N q"), "`actions` of Step is a list of ActionAssociation, not"),
+        (lambda: sfc.Project().pous.extend([one_step()]), "`pous` of Project is a list of Pou, not"),
+        (lambda: one_step().steps.__setitem__(0, None), "`steps` of SfcNetwork is a list of Step, not None"),
+        (lambda: sfc.Project().edit().renumber("A"), "steps have whole numbers, not 'A' (str)"),
+        (lambda: sfc.simulate(one_step(), scans=-1), "there are no -1 scans"),
     ],
 )
 def test_a_wrong_argument_is_an_error_of_ours(call, message):
@@ -141,6 +153,10 @@ def one_step() -> sfc.SfcNetwork:
         (lambda: sfc.check(one_step(), select=["STR9"]), "no rule 'STR9' (did you mean 'STR"),
         (lambda: sfc.dumps(sfc.Project(), format="plcopen", flavour="berimiz"), "(did you mean 'beremiz'?)"),
         (lambda: sfc.Project().rename("Main.S3", "Wait"), "the project declares no 'Main.S3'"),
+        (lambda: sfc.Project().steps(drivs="q*"), "steps have no field 'drivs' (did you mean 'drives'?)"),
+        (lambda: one_step().add_transition("Wait", "Wait", 5), "condition of Transition is no object of the model: 5"),
+        (lambda: sfc.SfcNetwork(steps=["Wait"]), "steps.0 of SfcNetwork is no Step: 'Wait' (str)"),
+        (lambda: sfc.save(sfc.Project(), "x.xml", format="plcopen", limit="soon"), "'soon' is no time limit"),
     ],
 )
 def test_an_unknown_name_gets_the_nearest(call, message):

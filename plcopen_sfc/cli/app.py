@@ -220,7 +220,7 @@ def _convert(
         "partial": partial,
         "fresh": fresh,
         "normalize": normalize,
-        "limit": convert.limit_in_seconds(limit) if verify else 0,
+        "limit": limit if verify and limit.strip() != "0" else 0,
         "at_rest": o.names(at_rest),
     }
     how = convert.ConvertOptions(saving, as_tool, accept_errors, accept_untested, page, lang)

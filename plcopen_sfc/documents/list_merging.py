@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Self
 from plcopen_sfc.diagnostics import DamagedSourceError, Severity
 from plcopen_sfc.documents.file_documents import encode, read_document
 from plcopen_sfc.documents.sources import FileSource
-from plcopen_sfc.errors import ArgumentError, ModelError
+from plcopen_sfc.errors import ArgumentError, ModelError, check_argument
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.formats.steplist.list_codec import CODEC, ListCodec
 from plcopen_sfc.formats.steplist.list_tables import NAMES, Sheet, TableKind, tables_in
@@ -70,6 +70,8 @@ def merge_list(project: Project, edited: Project) -> list[str]:
     list any more is removed; a program without any row stays, as do variables and actions of a list without their
     table. Raises `DamagedSourceError` where the list has errors, `ArgumentError` for what is no list.
     """
+    for each in (project, edited):
+        check_argument(each, Project, "merge_list needs a project and a step list", "Load the files first.")
     source = edited.source
     codec = format_named(source.format)[0].codec() if isinstance(source, FileSource) else None
     if not isinstance(source, FileSource) or not isinstance(codec, ListCodec):

@@ -28,7 +28,7 @@ from plcopen_sfc.documents.storage import (
     load_project,
     save_project,
 )
-from plcopen_sfc.errors import LossError, LoweringError
+from plcopen_sfc.errors import LossError, LoweringError, check_argument
 from plcopen_sfc.files import refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.binding import names_in
@@ -122,6 +122,8 @@ def lower_to_file(
 
     Raises `LossError` where the target does not execute something else of the project, unless `partial`.
     """
+    check_argument(project, Project, "lower_to_file needs a project")
+    check_argument(target, (str, os.PathLike), "lower_to_file needs the path to write to")
     name = format_to_write(project, format, tia, target)
     project, declared = with_declarable_variables(project, format_named(name)[0])
     searching: Searching = {

@@ -221,7 +221,7 @@ class SaveOptions(TypedDict, total=False):
     partial: bool
     fresh: bool
     normalize: bool
-    limit: float
+    limit: float | str
     at_rest: Collection[str]
 
 
@@ -269,14 +269,20 @@ def save_project(
     partial: bool = False,
     fresh: bool = False,
     normalize: bool = False,
-    limit: float = 0,
+    limit: float | str = 0,
     at_rest: Collection[str] = (),
 ) -> ConversionReport:
     """Save a project to a path, a folder or a binary file; returns what became of each item."""
     path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
     if path is not None:
         refuse_empty(path)
+    elif not isinstance(target, _Writable):
+        check_argument(target, _Writable, "save needs a path or a binary file")
     name = format_to_write(project, format, tia, path)
+    if isinstance(limit, str):
+        from plcopen_sfc.analysis.search_limits import seconds  # noqa: PLC0415  # brings the interpreter
+
+        limit = 0 if limit.strip() == "0" else seconds(limit) or 0
     if at_rest:
         from plcopen_sfc.semantics.charts.graph.graph_parameters import operating_inputs  # noqa: PLC0415  # interpreter
 
@@ -319,7 +325,6 @@ def save_project(
         _write_where_it_was(project, os.fspath(target), data)
         report.written.append(os.fspath(target))
     else:
-        check_argument(target, _Writable, "save needs a path or a binary file")
         target.write(data)
     return report
 

@@ -231,4 +231,7 @@ def _problem(model: type[BaseModel], owner: str, kind: str, loc: Sequence[int | 
         return f"{field} of {owner} is none of {', '.join(known)}: {given}{nearest(error['input'], known)}"
     if kind in _WANTED:
         return f"{field} of {owner} is not {_WANTED[kind]}: {given} ({type(error['input']).__name__})"
+    if kind in ("model_type", "model_attributes_type", "dataclass_type"):
+        wanted = error.get("ctx", {}).get("class_name", "object of the model")
+        return f"{field} of {owner} is no {wanted}: {given} ({type(error['input']).__name__})"
     return f"{field} of {owner} cannot be {given} ({type(error['input']).__name__}): {error['msg']}"

@@ -10,10 +10,12 @@ anyone looks at it, and a comparison then takes its function blocks for unknown 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, ClassVar, Self, SupportsIndex
+from functools import cache
+from typing import TYPE_CHECKING, Any, ClassVar, Self, SupportsIndex, get_args
 
-from pydantic import PrivateAttr
+from pydantic import BaseModel, PrivateAttr
 
+from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.base import Model
 
 if TYPE_CHECKING:
@@ -25,6 +27,7 @@ class Owned(Model):
     """An object that knows what it is in, and lets those in its fields `OWNS` know it."""
 
     OWNS: ClassVar[tuple[str, ...]] = ()
+    """Fields with parts of the object. Their lists refuse what is none; parts that are `Owned` get to know it."""
 
     _owner: Owned | None = PrivateAttr(default=None)
 
@@ -48,7 +51,7 @@ class Owned(Model):
     def _adopt_field(self, name: str, *, take: bool = False) -> None:
         value = self.__dict__.get(name)
         if isinstance(value, list):
-            self.__dict__[name] = _OwnedList(self, value)
+            self.__dict__[name] = _OwnedList(self, name, value)
             for thing in value:
                 _adopt(self, thing, take=take)
         elif value is not None:
@@ -121,36 +124,60 @@ def _adopt(owner: Owned, thing: object, *, take: bool = False) -> None:
         private["_owner"] = owner  # an assignment would take ten times as long
 
 
+@cache
+def _classes(owner: type[Owned], field: str) -> tuple[type[BaseModel], ...]:
+    """The classes of objects that a field has, alone or in a list."""
+
+    def in_annotation(annotation: Any) -> tuple[type[BaseModel], ...]:
+        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+            return (annotation,)
+        return tuple(each for part in get_args(annotation) for each in in_annotation(part))
+
+    return in_annotation(owner.model_fields[field].annotation)
+
+
 class _OwnedList(list[Any]):
-    """The list of an owner: what is put in gets to know it."""
+    """The list `field` of an owner: what is put in must be of its classes, and gets to know the owner."""
 
-    __slots__ = ("_owner",)
+    __slots__ = ("_field", "_owner")
 
-    def __init__(self, owner: Owned, things: Iterable[Any]) -> None:
+    def __init__(self, owner: Owned, field: str, things: Iterable[Any]) -> None:
         super().__init__(things)
         self._owner = owner
+        self._field = field
+
+    def _check(self, things: Iterable[Any]) -> None:
+        owner = type(self._owner)
+        wanted = _classes(owner, self._field)
+        for thing in things:
+            names = " or ".join(each.__name__ for each in wanted)
+            check_argument(thing, wanted, f"`{self._field}` of {owner.__name__} is a list of {names}")
 
     def _adopt(self, things: Iterable[Any]) -> None:
         for thing in things:
             _adopt(self._owner, thing)
 
     def append(self, thing: Any, /) -> None:
+        self._check((thing,))
         super().append(thing)
         self._adopt((thing,))
 
     def extend(self, things: Iterable[Any], /) -> None:
         added = list(things)
+        self._check(added)
         super().extend(added)
         self._adopt(added)
 
     def insert(self, index: SupportsIndex, thing: Any, /) -> None:
+        self._check((thing,))
         super().insert(index, thing)
         self._adopt((thing,))
 
     def __setitem__(self, index: Any, value: Any, /) -> None:
-        value = list(value) if isinstance(index, slice) else value
-        super().__setitem__(index, value)
-        self._adopt(value if isinstance(index, slice) else (value,))
+        added = list(value) if isinstance(index, slice) else [value]
+        self._check(added)
+        super().__setitem__(index, added if isinstance(index, slice) else value)
+        self._adopt(added)
 
     def __iadd__(self, things: Iterable[Any], /) -> Self:  # type: ignore[misc]  # list.__add__ takes lists alone
         self.extend(things)

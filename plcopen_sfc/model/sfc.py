@@ -83,7 +83,7 @@ class Step(OwnedName, Element):
     symbol: SymbolAccess = SymbolAccess.UNSPECIFIED
     duplicate: bool = False
 
-    OWNS: ClassVar[tuple[str, ...]] = ("macro",)
+    OWNS: ClassVar[tuple[str, ...]] = ("macro", "actions")
     TIMES: ClassVar[tuple[str, ...]] = ("min_time", "max_time", "warning_time")
 
     def action_labels(self) -> list[str]:
@@ -324,7 +324,7 @@ class SfcNetwork(LateElement):
     partial_charts: list[PartialChart] = Field(default_factory=list)
     drawing: Drawing | None = None
 
-    OWNS: ClassVar[tuple[str, ...]] = ("steps", "partial_charts")
+    OWNS: ClassVar[tuple[str, ...]] = ("steps", "transitions", "partial_charts")
 
     def step(self, key: str | int) -> Step:
         """The step with this name (case does not matter, as in IEC 61131-3) or id. Raises `ModelError`."""
@@ -529,6 +529,7 @@ class SfcNetwork(LateElement):
 
     def _ids_of(self, steps: StepKey | Iterable[StepKey]) -> list[int]:
         ids = []
+        check_argument(steps, (Step, str, int, Iterable), "a transition leads from steps to steps, or their names")
         for step in [steps] if isinstance(steps, Step | str | int) else steps:
             if not isinstance(step, Step):
                 ids.append(self.step(step).id)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Set
 from fnmatch import fnmatchcase
+from inspect import signature
 from typing import Any
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
@@ -40,7 +41,7 @@ def find_steps(
     **fields: Any,
 ) -> list[Step]:
     """The steps of a chart, or of all charts of a project; `SfcNetwork.find` has the conditions."""
-    _check_fields(fields, Step, "steps")
+    _check_fields(fields, Step, "steps", find_steps)
     qualifiers = _qualifiers(qualifier)
     found: list[Step] = []
     for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
@@ -71,7 +72,7 @@ def find_transitions(
     **fields: Any,
 ) -> list[Transition]:
     """The transitions of a chart, or of all charts of a project; `SfcNetwork.find_transitions` has the conditions."""
-    _check_fields(fields, Transition, "transitions")
+    _check_fields(fields, Transition, "transitions", find_transitions)
     found: list[Transition] = []
     for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
         pou, dialect = pou_of(chart), dialect_in(chart)
@@ -117,10 +118,14 @@ def dialect_in(chart: SfcNetwork) -> Dialect:
     return dialect_of(chart.project) if chart.project is not None else Dialect.CODESYS
 
 
-def _check_fields(fields: dict[str, Any], kind: type[Step | Transition], called: str) -> None:
+def _check_fields(
+    fields: dict[str, Any], kind: type[Step | Transition], called: str, query: Callable[..., object]
+) -> None:
+    conditions = signature(query).parameters
     for name in fields:
         if name not in kind.model_fields:
-            raise ModelError(f"{called} have no field {name!r}{nearest(name, kind.model_fields)}")
+            near = nearest(name, [*kind.model_fields, *conditions])
+            raise ModelError(f"{called} have no field {name!r}{near}")
 
 
 def _qualifiers(wanted: str | Iterable[str] | None) -> Set[Qualifier] | None:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from datetime import timedelta
 from typing import Any
 
-from plcopen_sfc.errors import InputError, ModelError, check_argument, listed_names, nearest
+from plcopen_sfc.errors import ArgumentError, InputError, ModelError, check_argument, listed_names, nearest
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -68,6 +68,8 @@ def simulate(
     names and values that do not fit.
     """
     check_argument(scans, (int, type(None)), "scans is their number")
+    if scans is not None and scans < 0:
+        raise ArgumentError(f"there are no {scans} scans")
     check_argument(initial, (Mapping, type(None)), "initial values are a mapping from variables to values")
     run = Simulation(
         resolve(subject, pou, project=project),

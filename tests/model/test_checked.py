@@ -51,7 +51,7 @@ def test_an_action_is_looked_up_as_a_pou_is():
         (lambda c: c.transition("Wait -> Fil"), "no transition 'Wait -> Fil' (did you mean 'Wait -> Fill'?)"),
         (lambda c: c.add_transition("Wait", "Drian"), "no step 'Drian'"),
         (lambda c: c.add_transition("Wait", m.Step(id=9, name="Other")), "the step 'Other' is not in this chart"),
-        (lambda c: c.add_transition("Wait", "Fill", 5), "condition of Transition cannot be 5 (int)"),
+        (lambda c: c.add_transition("Wait", "Fill", 5), "condition of Transition is no object of the model: 5 (int)"),
         (lambda c: setattr(c.step("Fill"), "maxtime", "T#5s"), "has no field 'maxtime' (did you mean 'max_time'?)"),
         (lambda c: setattr(c.step("Fill"), "number", "many"), "number of Step 'Fill' is not a whole number: 'many'"),
         (lambda c: setattr(c.step("Fill"), "initial", "maybe"), "initial of Step 'Fill' is not True or False"),

@@ -175,7 +175,7 @@ def test_random_edits_of_files_are_saved_in_every_format_and_undone_byte_for_byt
         except ModelError:
             continue
         done += 1
-        saved = sfc.loads(sfc.dumps(project))
+        saved = sfc.loads(sfc.dumps(project, partial=True))  # IEC text executes no macro-steps, and keeps them
         assert arrows(chart_of(saved)) == arrows(chart_of(project))
         assert [each.use for each in Names(saved).undeclared()] == []
     for other in KEEPING:

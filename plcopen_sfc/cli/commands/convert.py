@@ -7,7 +7,6 @@ from datetime import date
 from functools import partial
 from pathlib import Path
 
-from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.api import load, save
 from plcopen_sfc.batch import is_folder_in, known_format
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
@@ -44,11 +43,6 @@ class ConvertOptions:
     def format(self) -> str:
         """The format to write, as it was named."""
         return self.saving["format"] or ""
-
-
-def limit_in_seconds(limit: str) -> float:
-    """Return the limit of the command line in seconds; 0: the charts are not run."""
-    return 0 if limit.strip() == "0" else seconds(limit) or 0
 
 
 def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | None = None) -> int:

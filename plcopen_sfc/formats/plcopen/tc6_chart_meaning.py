@@ -18,12 +18,12 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Tc6ReadContext,
     extension_data,
     neutral,
-    whole_number,
 )
 from plcopen_sfc.formats.xml.extension_data import markup
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import Places, StepActionKind, SymbolKind
 from plcopen_sfc.model.wiring import trace
+from plcopen_sfc.whole_numbers import xml_number
 
 Line = tuple[Fields, Fields, str | None]
 """A line of an action block: the association, where it is drawn, and its ``localId``."""
@@ -161,7 +161,7 @@ class DrawnChart:
 
     def _entry_id(self, entry: Fields, local_id: str | None) -> int:
         """Return the id of a line of a block: its ``localId``, or a new one where that is missing or taken."""
-        number = whole_number(local_id)
+        number = xml_number(local_id)
         if not number or number in self.ids.used:
             # 0 is what Beremiz writes at every action: an id without meaning
             entry["local_id"] = None if self.ctx.version.first_generation else number or 0

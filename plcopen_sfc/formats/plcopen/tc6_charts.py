@@ -39,7 +39,6 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_flag,
     take_integer,
     take_required,
-    whole_number,
 )
 from plcopen_sfc.formats.plcopen.tc6_writing import (
     Tc6WriteContext,
@@ -58,6 +57,7 @@ from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.report import Outcome
+from plcopen_sfc.whole_numbers import xml_number
 
 QUALIFIERS = ("P1", "N", "P0", "R", "S", "L", "D", "P", "DS", "DL", "SD", "SL")
 
@@ -117,7 +117,7 @@ class Tc6ChartReader:
             local = tag_of(child.tag)
             if local == "connectionPointIn":
                 for wire in child:
-                    source = whole_number(wire.get("refLocalId")) if tag_of(wire.tag) == "connection" else None
+                    source = xml_number(wire.get("refLocalId")) if tag_of(wire.tag) == "connection" else None
                     if source is not None:
                         wires.append(source)
             # TC6 gives a jump no output: one in a file is kept as extension data

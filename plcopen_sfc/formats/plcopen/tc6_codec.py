@@ -41,7 +41,6 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     read_common,
     read_fields,
     read_text,
-    whole_number,
 )
 from plcopen_sfc.formats.plcopen.tc6_versions import (
     NO_TIME,
@@ -69,6 +68,7 @@ from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.project import Configuration, Project, Scaling
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.whole_numbers import xml_number
 
 
 def load_tc6(
@@ -482,7 +482,7 @@ def _chart(lines: dict[str, int], path: str, owner: etree._Element, body: Body |
         return
     found: dict[int, etree._Element] = {}
     for symbol in element.iter():
-        local_id = whole_number(symbol.get("localId")) if isinstance(symbol.tag, str) else None
+        local_id = xml_number(symbol.get("localId")) if isinstance(symbol.tag, str) else None
         if local_id is not None:
             found.setdefault(local_id, symbol)
     _add_lines_of_blocks(found, body.chart, version)

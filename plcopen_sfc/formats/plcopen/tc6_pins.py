@@ -14,10 +14,10 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     read_point,
     take_integer,
     take_number,
-    whole_number,
 )
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, decimal, finish_element, write_point
 from plcopen_sfc.model.network import Connection, InputPin, OutputPin
+from plcopen_sfc.whole_numbers import xml_number
 
 
 def read_connection(ctx: Tc6ReadContext, element: etree._Element) -> Fields | None:
@@ -176,7 +176,7 @@ class IdKeeper:
 
     def claim(self, element: etree._Element, fields: Fields, text: str | None) -> None:
         """Set ``id`` from `text`, the ``localId`` of `element`; remember it for `settle` where that cannot be."""
-        local_id = whole_number(text)
+        local_id = xml_number(text)
         if local_id is None:
             self.ctx.error("SFC107", f"<{etree.QName(element).localname}> has no usable localId", element)
             self.late.append(fields)

@@ -28,6 +28,7 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import StepActionKind
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.whole_numbers import xml_number
 
 Fields = dict[str, Any]
 """Fields of a model object that is being read."""
@@ -285,25 +286,12 @@ def take_number(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, st
     return value
 
 
-def whole_number(text: str | None) -> int | None:
-    """Return a whole, non-negative number of at most 18 digits; None for any other text."""
-    # str.isdigit() alone accepts digits of other scripts, and ².
-    if text is not None and len(text) <= _LONGEST and text.isdigit() and text.isascii():
-        return int(text)
-    if text is None or not (digits := text if text.isdigit() else text.strip(" \t\r\n")).isascii():
-        return None
-    return int(digits) if digits.isdigit() and len(digits) <= _LONGEST else None
-
-
-_LONGEST = 18
-
-
 def take_integer(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> int | None:
     """Take a whole, non-negative number. A damaged one is left, and so kept, with a warning."""
     text = left.get(name)
     if text is None:
         return None
-    value = whole_number(text)
+    value = xml_number(text)
     if value is None:
         ctx.warn("XML202", f"{name}={text!r} is not a whole number; it is kept as it is", element)
         return None

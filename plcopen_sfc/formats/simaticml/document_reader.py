@@ -27,7 +27,6 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     plain_text,
     read_comments,
     read_model,
-    whole_number,
 )
 from plcopen_sfc.formats.simaticml.openness_objects import (
     DATA_BLOCKS,
@@ -55,6 +54,7 @@ from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import TagTable
 from plcopen_sfc.model.types import DataTypeDeclaration
+from plcopen_sfc.whole_numbers import canonical_number
 
 _PARTS = {
     "FlgNet": "a network in LAD or FBD",
@@ -159,7 +159,7 @@ class LateDocument:
         if plain:
             eager["folder"] = None
         if plain and model in (Pou, DataBlock):
-            eager["number"] = whole_number(plain_text(values.get("Number")))
+            eager["number"] = canonical_number(plain_text(values.get("Number")))
             eager["kind"] = (POUS | DATA_BLOCKS)[local(element)]
         self._waiting += 1
         waiting = True

@@ -7,7 +7,6 @@ carry nothing but the schema version, so elements are told apart by their local 
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
 from typing import Any, TypeVar
 from xml.etree import ElementTree as ET
@@ -308,14 +307,6 @@ def merge_fields(fields: Fields, found: Fields) -> None:
 
 
 _OBJECT = {"ID", "CompositionName"}
-
-
-def whole_number(text: str | None) -> int | None:
-    """Return a whole number; None where it is missing or none, or not written plainly."""
-    return int(text) if text is not None and _WHOLE_NUMBER.fullmatch(text) else None
-
-
-_WHOLE_NUMBER = re.compile(r"0|[1-9][0-9]{0,17}")
 
 
 def plain_text(element: etree._Element | None) -> str | None:

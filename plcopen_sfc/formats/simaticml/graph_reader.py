@@ -24,7 +24,6 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     merge_fields,
     read_comments,
     read_languages,
-    whole_number,
 )
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_flgnet_body
 from plcopen_sfc.formats.simaticml.replaced_elements import (
@@ -42,6 +41,7 @@ from plcopen_sfc.formats.simaticml.sequence_rules import ElementRef
 from plcopen_sfc.formats.simaticml.sequence_topology import TopologyReader, added_in, usual_order
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.whole_numbers import canonical_number
 
 _SUPERVISIONS = [("AlarmSupervisionCategory", number, 0, None) for number in range(1, 9)]
 _FIRST = ("AlarmInterlockCategory", "AlarmWarningCategory")
@@ -254,7 +254,7 @@ class _ChartReader:
         return found
 
     def _is_added(self, kind: str, element: etree._Element) -> bool:
-        number = whole_number(element.get("Number"))
+        number = canonical_number(element.get("Number"))
         return number is not None and ElementRef(kind, number) in self.topology.added
 
     def _branches(self, sequence: Fields, element: etree._Element) -> None:
@@ -267,7 +267,7 @@ class _ChartReader:
 
     def _step(self, element: etree._Element, sequence: Fields) -> None:
         left = attributes(element)
-        number = whole_number(left.pop("Number", None))
+        number = canonical_number(left.pop("Number", None))
         fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number, "actions": []}
         self.ctx.place.append(f"step {fields['name']}")
         self._named.append(("step", fields["name"], element))
@@ -390,7 +390,7 @@ class _ChartReader:
     def _transition(self, element: etree._Element) -> None:
         left = attributes(element)
         left.pop("ProgrammingLanguage", None)
-        number = whole_number(left.pop("Number", None))
+        number = canonical_number(left.pop("Number", None))
         fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number}
         self.ctx.place.append(f"transition {fields['name']}")
         self._named.append(("transition", fields["name"], element))
@@ -502,16 +502,16 @@ def _categories(chart: Fields, element: etree._Element) -> list[Fields]:
 
 def _category(element: etree._Element) -> Fields | None:
     left = attributes(element)
-    number, display = whole_number(left.pop("Id", None)), left.pop("DisplayClass", None)
+    number, display = canonical_number(left.pop("Id", None)), left.pop("DisplayClass", None)
     tokens = children(element)
-    if number is None or left or len(tokens) > 1 or (display is not None and whole_number(display) is None):
+    if number is None or left or len(tokens) > 1 or (display is not None and canonical_number(display) is None):
         return None
     text = None
     if tokens:
         if local(tokens[0]) != "Token" or set(tokens[0].attrib) != {"Text"}:
             return None
         text = tokens[0].get("Text")
-    return {"name": local(element), "id": number, "display_class": whole_number(display), "text": text}
+    return {"name": local(element), "id": number, "display_class": canonical_number(display), "text": text}
 
 
 def control_label(step: str, target: str | None) -> str:

@@ -37,7 +37,6 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     plain_text,
     read_comments,
     read_object_text,
-    whole_number,
 )
 from plcopen_sfc.formats.simaticml.element_writer import (
     ID,
@@ -60,6 +59,7 @@ from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, SimpleValue, StructType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind
 from plcopen_sfc.report import CHART_OF_ACTION, ORDER_OF_ACTIONS, Outcome
+from plcopen_sfc.whole_numbers import canonical_number
 
 POUS = {
     "SW.Blocks.FB": PouKind.FUNCTION_BLOCK,
@@ -461,7 +461,7 @@ def _start(ctx: DocumentReading, element: etree._Element, fields: Fields) -> dic
     fields["name"] = (name.text or "") if name is not None else ""
     _take(values, "Name")
     ctx.place.append(f"{local(element).rpartition('.')[2]} {fields['name']}")
-    number = whole_number(plain_text(values.get("Number")))
+    number = canonical_number(plain_text(values.get("Number")))
     if number is not None:
         fields["number"] = number
         del values["Number"]

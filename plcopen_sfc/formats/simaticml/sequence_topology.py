@@ -18,7 +18,6 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     NotUnderstoodError,
     children,
     keep_attribute,
-    whole_number,
 )
 from plcopen_sfc.formats.simaticml.sequence_rules import (
     ElementRef,
@@ -30,7 +29,7 @@ from plcopen_sfc.formats.simaticml.sequence_rules import (
 from plcopen_sfc.model.drawing import CONVERGENCES, STEPS, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.wiring import trace
-from plcopen_sfc.whole_numbers import whole_number as digits
+from plcopen_sfc.whole_numbers import canonical_number, whole_number
 
 BRANCHES = {
     "AltBegin": SymbolKind.SELECTION_DIVERGENCE,
@@ -60,10 +59,10 @@ def added_in(element: etree._Element) -> set[ElementRef]:
     found: set[ElementRef] = set()
     for owner in element.iterfind("{*}Steps/{*}Step"):
         bare = not any(len(row) or row.attrib for row in owner.iterfind("{*}Actions/{*}Action"))
-        if bare and whole_number(owner.get("Number")) is not None and is_added(owner):
+        if bare and canonical_number(owner.get("Number")) is not None and is_added(owner):
             found.add(ElementRef("S", int(owner.get("Number", ""))))
     for owner in element.iterfind("{*}Transitions/{*}Transition"):
-        if whole_number(owner.get("Number")) is not None and is_added(owner):
+        if canonical_number(owner.get("Number")) is not None and is_added(owner):
             found.add(ElementRef("T", int(owner.get("Number", ""))))
     if not found:
         return found
@@ -123,7 +122,7 @@ class TopologyReader:
 
     def branch(self, element: etree._Element) -> None:
         """Read ``Branch``. Raises `NotUnderstoodError`."""
-        number, count = digits(element.get("Number")), digits(element.get("Cardinality"))
+        number, count = whole_number(element.get("Number")), whole_number(element.get("Cardinality"))
         kind = BRANCHES.get(element.get("Type", ""))
         ref = ElementRef("B", number) if number is not None else None
         if kind is None or ref is None or count is None or len(element.attrib) > _BRANCH or len(element):
@@ -227,7 +226,7 @@ class TopologyWriter:
 
     def _branch_numbers(self) -> dict[int, int]:
         branches = [symbol for symbol in self.symbols.values() if symbol.kind in _TYPES]
-        named = {symbol.id: number for symbol in branches if (number := digits(symbol.name)) is not None}
+        named = {symbol.id: number for symbol in branches if (number := whole_number(symbol.name)) is not None}
         unique = len({*named.values()}) == len(named)
         numbers: dict[int, int] = {}
         following = max(named.values(), default=0) + 1 if unique else 1
@@ -246,7 +245,7 @@ class TopologyWriter:
             for pin in symbol.inputs:
                 for wire in pin.connections:
                     if wire.source == branch.id:
-                        number = digits(wire.pin)
+                        number = whole_number(wire.pin)
                         drawn = place if number is None else number
                         priority = self.priorities.get(symbol.id)
                         found.append((priority is None, priority or 0, drawn, symbol.id))
