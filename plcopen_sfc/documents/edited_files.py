@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from plcopen_sfc.drawing import DrawingStyle
     from plcopen_sfc.formats.format_interface import TextCodec
+    from plcopen_sfc.formats.text_patch import WrittenBlock
     from plcopen_sfc.formats.xml.xml_codec import XmlCodec
 
 
@@ -339,6 +340,21 @@ def _read_as(project: Project, data: bytes, kind: Format, version: str) -> Proje
     return back if next(differences(project, back), None) is None else None
 
 
+def _blocks(
+    project: Project, codec: TextCodec, kind: Format, options: WriteOptions, report: ConversionReport
+) -> WrittenBlock:
+    """Return the text of a project, in the terms of the tool where the format has a place for the source beside it."""
+    if kind.charts is None:
+        return codec.to_blocks(project, options, report)
+    from plcopen_sfc.conversion.adaptation import rewrite_project  # noqa: PLC0415  # only to save edits
+    from plcopen_sfc.documents.writer_preparation import for_source  # noqa: PLC0415
+    from plcopen_sfc.semantics.profile import default_profile  # noqa: PLC0415
+
+    options = for_source(options, default_profile(project))
+    written, _ = rewrite_project(project, kind, options, report)
+    return codec.to_blocks(written, replace(options, rewritten=project), report)
+
+
 def patched_text(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the text that was read with the edits in it."""
     _report_refused(report, project, source, kind)
@@ -347,8 +363,8 @@ def patched_text(project: Project, source: FileSource, kind: Format, report: Con
     codec = cast("TextCodec", kind.codec(source.version))
     before, text, spans = codec.located(source.content)
     options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
-    after, known = codec.to_blocks(project, options, report), ConversionReport()
-    old = codec.to_blocks(before, options, known)
+    known = ConversionReport()
+    after, old = (_blocks(each, codec, kind, options, notes) for each, notes in ((project, report), (before, known)))
     _pass_known_losses(report, known)
     meant = project if kind.ids else numbered_in_order(project)
     back: Project | None = None

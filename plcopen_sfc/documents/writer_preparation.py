@@ -74,7 +74,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     of_grafcet = not options.same and is_put_into_sfc(project, kind)
     origin = _origin(project, kind, options, of_grafcet=of_grafcet)
     as_it_is = same_dialect and lacks_nothing and not options.flavour and not results and not of_grafcet
-    if kind.drawing is DrawingNeed.NONE and as_it_is:
+    if kind.drawing is DrawingNeed.NONE and kind.charts is None and as_it_is:
         behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None
         same = project if origin == project.origin else project.model_copy(update={"origin": origin})
         return Prepared(same, same, options, behaviour)
@@ -87,7 +87,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if of_grafcet:
         _put_into_sfc(copy, kind, report)
         profile = PROFILES["iec"]  # the words of the copy
-    options = _from(options, profile)
+    options = for_source(options, profile)
     if profile.graph_parameters and kind.name != TIA_FORMAT:
         _mark_first_steps(copy, kind, report)
     if kind.xml and not options.same:
@@ -189,7 +189,7 @@ def _origin(project: Project, kind: Format, options: WriteOptions, *, of_grafcet
     return own if profile_as(written, own).name == profile else format_of_profile(profile)
 
 
-def _from(options: WriteOptions, profile: Profile) -> WriteOptions:
+def for_source(options: WriteOptions, profile: Profile) -> WriteOptions:
     """Return the options for a source that is executed under a profile."""
     return replace(
         options,

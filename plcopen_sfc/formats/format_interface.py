@@ -207,7 +207,8 @@ class ChartHost:
     main and exit actions and minimum times, conditions are expressions or names of transition objects and never
     negated. Other tools take bodies in place, with the qualifiers P1 and P0. `has_tasks`: its files hold tasks.
     `has_methods`: its language is object-oriented, with the keywords for that. `il_conditions`: conditions may be
-    instruction list. `by_bytes`: words at direct addresses have the number of a byte.
+    instruction list. `keeps_bodies`: a step without associations has its main action in place. `by_bytes`: words at
+    direct addresses have the number of a byte.
     """
 
     title: str
@@ -215,6 +216,7 @@ class ChartHost:
     has_tasks: bool = True
     has_methods: bool = True
     il_conditions: bool = False
+    keeps_bodies: bool = False
     by_bytes: bool = False
 
     @property

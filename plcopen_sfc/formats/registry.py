@@ -280,7 +280,14 @@ FORMATS: tuple[Format, ...] = (
         dialect=Dialect.CODESYS,
         ids=False,
         networks=NetworkForm.STATEMENTS,
-        charts=ChartHost("CoDeSys 2.3", is_codesys=True, has_tasks=False, has_methods=False, il_conditions=True),
+        charts=ChartHost(
+            "CoDeSys 2.3",
+            is_codesys=True,
+            has_tasks=False,
+            has_methods=False,
+            il_conditions=True,
+            keeps_bodies=True,
+        ),
     ),
     Format(
         name="scl",

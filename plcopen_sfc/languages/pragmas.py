@@ -302,7 +302,9 @@ def changes(
     `guarded`: each change of fields and lists tells what they are in the text, too, not only one of a plain value. The
     reader must have all of the text before it makes the first change.
     """
-    if isinstance(said, dict) and isinstance(meant, dict) and (not path or (meant and _same_kind(said, meant))):
+    if guarded and isinstance(said, dict) and isinstance(meant, dict) and _differ_in_language_only(said, meant):
+        yield RemainderEntry(path, meant, said)
+    elif isinstance(said, dict) and isinstance(meant, dict) and (not path or (meant and _same_kind(said, meant))):
         for key in meant:
             if key in said:
                 yield from changes(said[key], meant[key], (*path, key), guarded=guarded)
@@ -368,6 +370,12 @@ def _same_kind(said: Fields, meant: Fields) -> bool:
     """True if both have the same fields: the kind of a POU is one of them, other kinds tell which fields there are."""
     kinds = {said.get("kind"), meant.get("kind")}
     return len(kinds) == 1 or kinds <= _POU_KINDS
+
+
+def _differ_in_language_only(said: Fields, meant: Fields) -> bool:
+    """True for one text in two languages, as comments alone are: an edit of it may mean any of them."""
+    languages = {said.get("language"), meant.get("language")}
+    return len(languages) > 1 and "text" in meant and said.get("text") == meant["text"]
 
 
 _POU_KINDS = frozenset(kind.value for kind in PouKind)

@@ -70,7 +70,7 @@ REASONS = {
         "action that calls a method": "TC6 has no methods; functions in their places are written for TIA Portal only",
     },
     "codesys23": {
-        "qualifier P0|negated action|macro-step|action that calls a method": "CoDeSys 2.3 has no such element",
+        "negated action|macro-step|action that calls a method": "CoDeSys 2.3 has no such element",
         "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
     },
     "codesys|twincat|codesys-export|plcopen-2.01|iec-text|codesys23": {

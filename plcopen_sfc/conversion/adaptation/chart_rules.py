@@ -29,6 +29,7 @@ from plcopen_sfc.conversion.adaptation.step_rewriting import (
     StepRewriter,
     has_special_rows,
     shared_step_actions,
+    stays_in_place,
 )
 from plcopen_sfc.conversion.executed_parts import told_flag
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
@@ -72,7 +73,8 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
         return True
     if host.is_codesys:
         bodies: list[object] = [row.body for _, row in chart.associations()]
-        bodies += [action for s in chart.steps for action in (s.entry_action, s.main_action, s.exit_action)]
+        bodies += [action for s in chart.steps for action in (s.entry_action, s.exit_action)]
+        bodies += [s.main_action for s in chart.steps if not stays_in_place(s.main_action, s, host)]
         own = ("P1", "P0", "DL") if options.final_scan else ("P1", "P0", "DL", "P", "N", "None")
         rows = any(row.negated or row.qualifier in own for _, row in chart.associations())
         conditions = any(_is_foreign(transition.condition, host) for transition in chart.transitions)

@@ -134,6 +134,7 @@ class ShownState:
 _UNKNOWN = Effects(frozenset({ANYTHING}), frozenset({ANYTHING}))
 _NAMES = {
     "shown": ("state_of_sequence", "X_state_of_sequence", "ZY_state_of_sequence"),
+    "pulses": ("pulses", "A_pulses", "A0_pulses"),
     "edges": ("edges_of_inputs", "A_edges_of_inputs", "A0_edges_of_inputs"),
     "switches": ("switched_steps", "Z_switched_steps", "ZZZ_switched_steps"),
     "before": ("before_sequence", "A_before_sequence", "A0_before_sequence"),
@@ -142,7 +143,7 @@ _NAMES = {
 }
 """Names of the actions: CODESYS executes actions in the order of their names."""
 
-_EARLY = frozenset({"edges", "before"})
+_EARLY = frozenset({"edges", "before", "pulses"})
 """Statements that are executed before the actions of the steps."""
 
 
@@ -175,6 +176,10 @@ class PermanentRewriter:
             found = [operation for operation in operations if does_something(operation.body)]
             if found:
                 self._operations(when, found)
+        if self._steps.pulses and initial is not None:
+            told = self._steps.pulses.items()
+            text = "\n".join(f"{name} := {pulse};\n{pulse} := FALSE;" for name, pulse in told)
+            self._steps.store(initial, self.name("pulses"), StBody(text=text), first=False, instead_of=None)
         edges, switches = [*self._shown.early, *self._checks.edges()], list(self._checks.switches())
         if switches and self._host.is_codesys and initial is not None:
             body = StBody(text="\n".join(switches))

@@ -17,6 +17,7 @@ from functools import cached_property
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
 from plcopen_sfc.conversion.adaptation.step_checks import COMPUTED, StepChecks
+from plcopen_sfc.formats.format_interface import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, changed_element, rewritten_step
 from plcopen_sfc.languages.binding import STORING, Row, SharedScans, told_orders
 from plcopen_sfc.languages.networks import shown_body
@@ -50,6 +51,11 @@ _NO_TEXT = "its network cannot be written as an expression"
 def has_special_rows(chart: SfcNetwork) -> bool:
     """True if a row needs more than a qualifier and a time: an event, an interlock, a condition or a value."""
     return any(_is_special(row) for _, row in chart.associations())
+
+
+def stays_in_place(main: Body | str | None, step: Step, host: ChartHost) -> bool:
+    """True for the main action of a step that the tool has as a text in the step."""
+    return host.keeps_bodies and not step.actions and isinstance(main, StBody | IlBody)
 
 
 def mixed_operands(chart: SfcNetwork) -> set[str]:
@@ -133,6 +139,8 @@ class StepRewriter:
         self._acting = [*self._rows, *_step_actions(self._chart)]
         self._shared = shared_step_actions(self._chart)
         self._moved: dict[int, Qualifier] = {}
+        self.pulses: dict[str, str] = {}
+        """Variables that are TRUE for a scan after a step was left, each with the one that its exit action sets."""
         self._uses: dict[int, list[str]] = {}
         self._permanent: dict[int, list[str]] = {}
         self._logic: dict[int, Mapping[int, Node] | None] = {}
@@ -317,10 +325,15 @@ class StepRewriter:
         """Give bodies in place a name: CODESYS executes actions of the POU."""
         for kind in ("entry", "main", "exit"):
             body = self._in_words(getattr(step, f"{kind}_action"))
-            if isinstance(body, StBody | IlBody):
+            # an initial step may get actions later that are executed in every scan, in the order of their names
+            if kind == "main" and not step.initial and stays_in_place(body, step, self._host):
+                step.main_action = body
+            elif isinstance(body, StBody | IlBody):
                 setattr(step, f"{kind}_action", self._action(f"{step.name}_{kind}", body, uses))
                 self._note_action(Outcome.TRANSLATED, step, body, f"the {kind} action, an action of the POU")
         rows = [named for row in step.actions if (named := self._named_row(step, row, uses)) is not None]
+        if self._host.keeps_bodies:  # behind the rows that become the exit action
+            rows = [row for row in rows if not self._pulses_at_exit(step, row, uses)]
         if rows != step.actions:
             step.actions = rows
 
@@ -349,6 +362,29 @@ class StepRewriter:
         self._moved[number] = _PHASES[kind]
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is the {kind} action of the step")
         return None
+
+    def _pulses_at_exit(self, step: Step, row: ActionAssociation, uses: list[str]) -> bool:
+        """Let the exit action of a step tell `pulses` to set a variable, which nothing else of the chart drives."""
+        source = self._rewriting.source
+        rows = [each for _, each in source.associations() if each.target and _key(each) == _key(row)]
+        others = any(each.qualifier is not Qualifier.P0 or each.negated or each.exclude for each in rows)
+        before = step.exit_action
+        is_pulse = row.qualifier is Qualifier.P0 and row.target and self._pou.find_action(row.target) is None
+        if not is_pulse or others or not (before is None or isinstance(before, str)) or not self._has_start:
+            return False
+        assert row.target is not None  # noqa: S101  # as is_pulse
+        if row.target not in self.pulses:
+            self.pulses[row.target] = self._rewriting.new_variable(f"{row.target}_pulse")
+        lines = [f"{before}();"] * (before is not None) + [f"{self.pulses[row.target]} := TRUE;"]
+        step.exit_action = self._action(f"{step.name}_exit", StBody(text="\n".join(lines)), uses)
+        why = f"`{_called(row)}` is set by an action that is executed in every scan, after the exit action of the step"
+        self._note_action(Outcome.TRANSLATED, step, row.target, why)
+        return True
+
+    @property
+    def _has_start(self) -> bool:
+        """True if there is a step that stores what is executed in every scan."""
+        return any(step.initial for step in self._rewriting.source.steps)
 
     def _runs_no_final_scan(self, step: Step, row: ActionAssociation) -> bool:
         """True for a row of a source without final scans whose program only this step executes.

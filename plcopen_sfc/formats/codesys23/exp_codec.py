@@ -174,10 +174,13 @@ def write_blocks(
     if baseline is None:
         meant, left = _missing(blocks, meant)
     else:
-        edited, before = _others(project, baseline), _others(baseline, project)
+        edited, before = _others(meant, baseline), _others(baseline, meant)
         # what a file says in its own way would come back otherwise from our text, and stays as it is
         known = {str(change) for change in _missing(_written(before), before)[1]}
-        meant, left = _missing(_written(edited), edited)
+        known_names = {pou.report_path for pou in meant.pous} - {pou.report_path for pou in edited.pous}
+        own = [pou for pou in project.pous if pou.report_path not in known_names]
+        written = project.model_copy(update={"pous": own, "data_types": edited.data_types})
+        meant, left = _missing(_written(written), edited)
         left = [change for change in left if str(change) not in known]
     for change in left:
         path = path_of(meant, keys_of(meant, change))
@@ -586,7 +589,7 @@ class ExpCodec(TextCodec):
         """Return the text of a project, in the blocks that an edit replaces."""
         # in comments of this package an object may be named with its neighbours
         known = options.baseline if not OWN_LINE.search(self.decode(options.source).text) else None
-        return write_blocks(project, project, report, baseline=known)
+        return write_blocks(project, options.rewritten or project, report, baseline=known)
 
     def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
         """Return the project in a file, its text, and the place of each object in that."""

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.languages.declarations.declaration_comments import Comments, pragmas, read_attributes, said
+from plcopen_sfc.languages.declarations.declaration_comments import LINE_END, Comments, pragmas, read_attributes, said
 from plcopen_sfc.languages.declarations.kept_texts import keep
 from plcopen_sfc.languages.declarations.type_names import ELEMENTARY, SECTIONS, UNSIGNED, bare_name, is_quoted_in_scl
 from plcopen_sfc.languages.problems import Lines, Problem
@@ -561,4 +561,5 @@ def _named(name: str, text: str) -> dict[str, str]:
 
 
 def _unreadable(parts: Sequence[Found]) -> dict[str, str]:
-    return _named("unreadable", "\n".join(part.node.text for part in parts if isinstance(part.node, n.Unreadable)))
+    found = (part.node.text for part in parts if isinstance(part.node, n.Unreadable))
+    return _named("unreadable", "\n".join(LINE_END.sub("\n", text) for text in found))

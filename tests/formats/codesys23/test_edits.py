@@ -12,7 +12,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.sfc import SfcNetwork
-from tests.corpus import corpus_files, require_corpus
+from tests.corpus import ROOT, corpus_files, require_corpus
 from tests.formats.codesys23.test_reading import BELT
 
 
@@ -202,3 +202,25 @@ def test_comments_of_steps_stay_as_they_are_beside_an_edit(comment: str) -> None
     assert set(edited.splitlines()) - set(data.splitlines()) == {b"Platz1 AND NOT Platz3"}
     assert f"'{comment}'".encode() in edited
     assert b"{plcopen_sfc" not in edited
+
+
+CONVERTED = [
+    ("iectext/mixing_plant.st", 16),
+    pytest.param("plcopen/filling_station_2.01.xml", 10, marks=pytest.mark.slow),
+    pytest.param("simaticml/FB_Drill.xml", 42, marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("name", "most"), CONVERTED)
+def test_an_edit_keeps_a_chart_of_another_tool_in_terms_of_codesys_2_3(name: str, most: int) -> None:
+    """The chart was written in terms of its source: conditions were undeclared names, actions were gone."""
+    data = sfc.dumps(sfc.load(ROOT / "fixtures" / name), format="codesys23", partial=True)
+    project = sfc.loads(data)
+    chart = next(project.charts()).chart
+    chart.rename_step(chart.steps[1].name, "Zz_neu")
+    old, new = (each.decode("cp1252").splitlines() for each in (data, sfc.dumps(project, partial=True)))
+    changed = [line for line in difflib.ndiff(old, new) if line[0] in "-+"]
+    assert 2 <= len(changed) <= most
+    assert [line for line in new if "NOT_EXECUTED" in line] == [line for line in old if "NOT_EXECUTED" in line]
+    again = next(sfc.loads("\r\n".join(["", *new[1:], ""]).encode("cp1252")).charts()).chart
+    assert [step.name for step in again.steps] == [step.name for step in chart.steps]

@@ -5,12 +5,15 @@ from __future__ import annotations
 import re
 
 import pytest
+from hypothesis import HealthCheck, Phase, given, settings
 
 import plcopen_sfc as sfc
+from plcopen_sfc import model as m
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.numbering import numbered_in_order
 from plcopen_sfc.report import Outcome
 from tests.corpus import ROOT
+from tests.strategies import projects
 
 SOURCES = [
     "codesys/distribution_belt.xml",
@@ -203,3 +206,44 @@ def test_p1_with_a_variable_is_p() -> None:
     ]
     back = next(sfc.loads(data).charts()).chart
     assert [each.qualifier for _, each in back.associations()] == ["P1", "P1"]
+
+
+def test_p0_with_a_variable_is_a_pulse_after_the_step() -> None:
+    text = "PROGRAM Main\nVAR_INPUT go: BOOL; END_VAR\nVAR v, w: BOOL; END_VAR\nINITIAL_STEP A:\nEND_STEP\n"
+    text += "TRANSITION FROM A TO B := go; END_TRANSITION\nSTEP B:\nv(P0);\nEnd(P0);\nEND_STEP\n"
+    text += "TRANSITION FROM B TO A := NOT go; END_TRANSITION\nACTION End: w := NOT w; END_ACTION\nEND_PROGRAM\n"
+    source = sfc.loads(text.encode(), format="iec-text")
+    data, report = sfc.convert(source, "codesys23", limit=60)
+    assert report.losses == []
+    assert "POU Main" in report.compared
+    assert "ACTION pulses:\r\nv := v_pulse;\r\nv_pulse := FALSE;" in data.decode()
+    back = next(sfc.loads(data).charts()).chart
+    assert [(each.qualifier, each.target) for _, each in back.associations()] == [("P0", "v"), ("P0", "End")]
+
+
+@pytest.mark.parametrize("text", ["(* to do *)", "(* a *)\n(* b *)", "LD x", "no operator", ""])
+def test_a_body_in_instruction_list_stays_one(text: str) -> None:
+    project = sfc.loads(b"PROGRAM Main\nVAR x: BOOL; END_VAR\nEND_PROGRAM\n", format="iec-text")
+    project.pous[0].bodies = [m.IlBody(text=text)]
+    again = sfc.loads(sfc.dumps(project, format="codesys23", partial=True))
+    assert again.pous[0].bodies == [m.IlBody(text=text)]
+
+
+def test_a_declaration_that_cannot_be_read_keeps_its_line_ends() -> None:
+    data = b"PROGRAM Main\r\nVAR\r\nx : STRUCT\r\ny : BOOL;\r\nEND_STRUCT := ?;\r\nEND_VAR\r\nEND_PROGRAM\r\n"
+    project = sfc.loads(data, format="codesys23")
+    project.accept_errors()
+    assert b"\r\r" not in sfc.dumps(project, format="codesys23", fresh=True, partial=True)
+
+
+@pytest.mark.slow
+@settings(
+    max_examples=20, phases=[Phase.generate], deadline=None, derandomize=True, suppress_health_check=[*HealthCheck]
+)
+@given(projects())
+def test_what_was_read_is_written_as_it_was(project: m.Project) -> None:
+    """Charts with something that CoDeSys 2.3 has no words for were written in terms of their source the second time."""
+    data = sfc.dumps(project, format="codesys23", partial=True)
+    again = sfc.loads(data)
+    again.accept_errors()
+    assert sfc.dumps(again, format="codesys23", fresh=True, partial=True) == data
