@@ -321,6 +321,8 @@ def report_execution(
     mistake of this package, and the item says so. `called` gives the paths in the source of what has another name in
     the target.
     """
+    refused = {item.path for item in report.losses if item.what == "hierarchy"}
+    report.items = [item for item in report.items if not _is_of_refused(item, refused)]
     settled = Counter(
         (in_the_source(item.path, called), item.what)
         for item in report.items
@@ -347,6 +349,12 @@ def report_execution(
         place = in_the_source(difference.path, called)
         names = {(place, each) for each in (what, *_ALSO_CALLED.get(what, ()))}
         names |= {(place, each) for each in OPERATING_KINDS if what in OPERATING_KINDS}
+        if difference.kind == "chart" and place in refused:
+            continue
+        if difference.kind == "global variable" and any(
+            aspect == difference.aspect and path.endswith(f" / {difference.name}") for path, aspect in lost
+        ):
+            continue  # a variable of a program that is a tag
         if difference.kind == "method":
             names.add((ObjectPath.of(place).around, "methods"))
         if difference.left is None and difference.kind in (UNDECLARED, "action") and difference.name in said:
@@ -373,6 +381,18 @@ def report_execution(
             why += UNSAID
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
+
+
+def _is_of_refused(item: Item, refused: Iterable[str]) -> bool:
+    """True for a loss that is that of the whole chart of a GRAFCET, whose hierarchy the target cannot have."""
+    of_chart = item.what in _OF_PARTIAL_CHARTS and item.path in refused
+    as_it_stands = item.what == "text" and "notation of GRAFCETs" in item.why
+    return item.outcome in LOSSES and (
+        of_chart or (as_it_stands and any(item.path.startswith(f"{path} / ") for path in refused))
+    )
+
+
+_OF_PARTIAL_CHARTS = ("partial charts", "chart partial charts", "chart")
 
 
 def report_errors(report: ConversionReport, found: Iterable[Diagnostic], tool: str, called: Mapping[str, str]) -> None:

@@ -247,16 +247,16 @@ def left_out(project: Project) -> Iterator[tuple[str, str, str]]:
         local = tags.get(pou.name.casefold(), {})
         for section in pou.interface.sections if local and pou.interface is not None else ():
             for variable in (each for each in section.variables if each.name.casefold() in local):
-                for why in _not_of_tags(variable, section):
-                    yield "variable", f"{pou.report_path} / {variable.name}", why
+                for what, why in _not_of_tags(variable, section):
+                    yield what, f"{pou.report_path} / {variable.name}", why
 
 
-def _not_of_tags(variable: Variable, section: VariableSection) -> Iterator[str]:
-    """Yield what a tag leaves out of a variable."""
+def _not_of_tags(variable: Variable, section: VariableSection) -> Iterator[tuple[str, str]]:
+    """Yield what a tag leaves out of a variable, and why."""
     if variable.initial is not None:
-        yield "it is a tag, which has no start value: it starts as FALSE or 0"
+        yield "initial value", "it is a tag, which has no start value: it starts as FALSE or 0"
     if is_retained(section, variable):
-        yield "it is a tag: whether it is retained is set for the memory of the controller"
+        yield "retain", "it is a tag: whether it is retained is set for the memory of the controller"
 
 
 def _left_out_globals(project: Project) -> Iterator[tuple[str, str]]:
@@ -274,7 +274,7 @@ def _left_out_globals(project: Project) -> Iterator[tuple[str, str]]:
             if isinstance(listed, Variable):
                 continue
             if is_tag or listed is not None:
-                yield from ((place, why) for why in _not_of_tags(variable, section))
+                yield from ((place, why) for _, why in _not_of_tags(variable, section))
             elif not name and variable.name.casefold() in known:
                 continue
             elif _is_instance(variable, blocks):

@@ -341,6 +341,17 @@ def test_what_the_first_scan_misses_is_told(form: str) -> None:
     assert told == {"plcopen": ["translated"], "codesys": [], "simaticml": ["approximated"]}[form]
 
 
+@pytest.mark.parametrize("form", ["plcopen", "codesys", "codesys23", "twincat", "iec-text", "simaticml"])
+def test_one_fault_is_told_once(form: str) -> None:
+    missing = HIERARCHY.replace("FORCE G1", "FORCE G9").replace("/d * ↑c", "/d * 3s/c")
+    report = converted(missing, form)[1]
+    told = [(item.what, item.path) for item in report.items if item.outcome == "not executed"]
+    assert told == [("hierarchy", "POU Ofen")]
+    starting = MIXED.replace("INITIAL STEP 1\n", "INTERNALS\n    n %MW4 : INT := 3\nINITIAL STEP 1\n")
+    told = [(item.what, item.path) for item in converted(starting, form)[1].items if item.outcome == "not executed"]
+    assert told == ([("initial value", "POU M / n")] if form == "simaticml" else [])
+
+
 def test_a_wrong_hierarchy_is_found() -> None:
     """The comparison of the test above can fail: it does where the forcing transitions are taken away."""
     result, _ = converted(HIERARCHY, "plcopen")
