@@ -16,10 +16,11 @@ if TYPE_CHECKING:
 
 def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
     """Return the paths in the source of what has another name in the `copy` that was written."""
-    called = {new.report_path: old.report_path for old, new in zip(project.pous, copy.pous, strict=True)}
+    both = list(zip(project.pous, copy.pous, strict=False))  # blocks of libraries are added behind them
+    called = {new.report_path: old.report_path for old, new in both}
     pairs = [
         (old, new)
-        for a, b in zip(project.pous, copy.pous, strict=True)
+        for a, b in both
         for old, new in zip(_charts_of(a), _charts_of(b), strict=False)  # a writer may have none in actions
     ]
     for old, new in pairs:
@@ -77,7 +78,7 @@ def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:
 
     types = {each.name.casefold(): each.type for each in copy.data_types}
     found = {}
-    for old_pou, pou in zip(project.pous, copy.pous, strict=True):
+    for old_pou, pou in zip(project.pous, copy.pous, strict=False):
         known = {variable.name.casefold(): variable.name for variable in old_pou.variables()}
         for name, before in paths(pou.variables(), NameScope.LOCAL):
             first, dot, rest = before.partition(".")

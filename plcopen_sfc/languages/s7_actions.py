@@ -12,6 +12,8 @@ exports)::
 A method has parameters and variables of its own. It becomes a function that gets the variables of the block, too::
 
     #n := #Gripper.Lift(height := 3);    #n := "Gripper_Lift"(Valve := #Gripper.Valve, height := 3);
+
+Calls of timers and counters pass the start values that their instances cannot have in S7 (`s7_start_values`).
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from plcopen_sfc.languages.binding.text_sites import Site, TextSite
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_programs import names_of_programs
+from plcopen_sfc.languages.s7_start_values import InstanceStarts
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, walk
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -70,11 +73,15 @@ class _NoStatementsError(Exception):
 
 @dataclass(slots=True)
 class InlinedText:
-    """A text without calls of actions and methods: `text`, those that it called, and why a call is still there."""
+    """A text without calls of actions and methods: `text`, those that it called, and why a call is still there.
+
+    `started` are the instances whose calls pass start values.
+    """
 
     text: str
     called: list[str] = field(default_factory=list)
     methods: list[str] = field(default_factory=list)
+    started: list[str] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
 
 
@@ -88,6 +95,7 @@ class ActionCalls:
         """Returns the function for a method; a reason where there is none."""
         self.reached: set[int] = set()
         """Ids of the actions whose statements are in the place of a call."""
+        self.starts = InstanceStarts(project)
         self._resolver = Resolver(project, Dialect.SCL)
         self._methods = frozenset(method.name.casefold() for pou in project.pous for method in pou.methods)
         self._names = self._methods | {action.name.casefold() for pou in project.pous for action in pou.actions}
@@ -101,7 +109,7 @@ class ActionCalls:
 
         Statements are in place of actions, calls of functions in place of methods.
         """
-        if not self._names:
+        if not self._names and not self.starts.of(pou):
             return InlinedText(text)
         key = (id(pou), id(method), text)
         if key not in self._inlined:
@@ -129,8 +137,12 @@ class ActionCalls:
         if parsed.problems:
             is_suspect = any(name in text.casefold() for name in self._names)
             return InlinedText(text, problems=["the text cannot be read"] if is_suspect else [])
+        started: list[str] = []
+        if site.pou is not None:
+            text, started = self.starts.completed(text, site.pou)
         found = self._without_methods(text, site)
-        if found.methods:
+        found.started = started
+        if found.methods or started:
             text = found.text
             parsed = parse_statements(text, Dialect.SCL)
         edits: list[Edit] = []

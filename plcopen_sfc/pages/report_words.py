@@ -956,6 +956,14 @@ _TRANSLATED = {
     "a permanent instruction before the sequences": "eine permanente Anweisung vor den Ketten",
     "in an action; the association in pragmas": "in einer Aktion; die Zuordnung in Pragmas",
     "a program of a task without a cycle time": "ein Programm einer Task ohne Zykluszeit",
+    "calls pass it": "Aufrufe übergeben ihn",
+    "without effect: all calls pass these inputs": "ohne Wirkung: alle Aufrufe übergeben diese Eingänge",
+    "the calls of {} pass the start values of inputs, which the instance cannot have": (
+        "die Aufrufe von {} übergeben die Startwerte von Eingängen, die die Instanz nicht haben kann"
+    ),
+    "{} has no library with it: its statements are in the file": (
+        "{} hat keine Bibliothek damit: seine Anweisungen stehen in der Datei"
+    ),
     "its statements are in place of the calls of it": "ihre Anweisungen stehen an Stelle ihrer Aufrufe",
     "with all inputs the target, which fires transitions once in a scan, does the same": (
         "mit allen Eingängen tut das Ziel, das Transitionen einmal je Zyklus schaltet, dasselbe"

@@ -133,15 +133,51 @@ def test_a_text_that_begins_with_such_a_unit_is_recognised(first: str) -> None:
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_library_blocks_of_another_tool_are_not_declared(target: str) -> None:
-    text = HEAD + MAIN % ("b : BLINK; t : TON;", "b(ENABLE := TRUE); t(IN := TRUE); n := MyLibrary(n);")
+    text = HEAD + MAIN % ("b : HYSTERESIS; t : TON;", "b(IN := n); t(IN := TRUE); n := MyLibrary(n);")
     found = losses(text, target)
     if target == "codesys":  # the tool of the source, which has the library
         assert not found
         return
     why = next(why for (_, what), why in found.items() if what == "undeclared type")
-    assert "the type `BLINK` is declared neither in the source nor in" in why
+    assert "the type `HYSTERESIS` is declared neither in the source nor in" in why
     assert any("MyLibrary" in why for why in found.values())
     assert not any("`TON`" in why for why in found.values())
+
+
+BLINKING = """PROGRAM Main
+VAR_INPUT x : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+VAR b : BLINK; END_VAR
+b(ENABLE := x, TIMELOW := T#20ms, TIMEHIGH := T#30ms);
+q := b.OUT;
+END_PROGRAM"""
+
+
+@pytest.mark.parametrize("target", ["simaticml", "plcopen-2.01", "plcopen-1.01"])
+def test_blink_of_codesys_is_written_out(target: str) -> None:
+    text = sfc.convert(sfc.loads(BLINKING.encode(), format="iec-text"), "codesys")[0]
+    project = sfc.loads(text)
+    data, report = sfc.convert(project, target)
+    assert not report.losses
+    assert [pou.name for pou in sfc.loads(data).pous] == ["Main"]
+    tool = sfc.loads(data, as_tool=True)
+    assert {pou.name for pou in tool.pous} == {"Main", "BLINK"}
+    for seed in range(3):
+        source = sfc.simulate(project, pou="Main", inputs=sfc.RandomInputs(seed), scans=200)
+        written = sfc.simulate(tool, pou="Main", inputs=source)
+        assert [*source["q"]] == [*written["q"]]
+        assert {*source["q"]} == {True, False}
+
+
+@pytest.mark.parametrize(
+    ("target", "old"), [("plcopen-2.01", "NOT Running OR"), ("plcopen-2.01", '"Phase"'), ("simaticml", '"Phase"')]
+)
+def test_an_edit_of_a_block_that_was_written_out_is_kept(target: str, old: str) -> None:
+    text = sfc.convert(sfc.loads(BLINKING.encode(), format="iec-text"), "codesys")[0]
+    data = sfc.convert(sfc.loads(text), target)[0].decode()
+    new = old.replace("Phase", "Stage").replace("NOT Running", "Running AND NOT OUT AND")
+    assert old not in data.replace(old, new)
+    assert "BLINK" in [pou.name for pou in sfc.loads(data.replace(old, new).encode()).pous]
 
 
 @pytest.mark.parametrize("target", ["codesys", "simaticml", "scl"])

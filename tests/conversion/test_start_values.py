@@ -181,3 +181,43 @@ def test_start_values_in_members_of_simaticml_are_edited() -> None:
     second.members[0].value = m.SimpleValue(text="10")
     data = sfc.dumps(project)
     assert data.decode() == NESTED.replace(">9<", ">10<")
+
+
+INSTANCE = """
+FUNCTION_BLOCK Main
+  VAR_INPUT a : BOOL; END_VAR
+  VAR_OUTPUT q : BOOL; END_VAR
+  VAR t : TON := (PT := T#100ms); last : TIME; END_VAR
+  {body}
+END_FUNCTION_BLOCK
+"""
+CHART = """INITIAL_STEP S: Act(N); END_STEP
+TRANSITION FROM S TO Z := {condition}; END_TRANSITION
+STEP Z: END_STEP
+TRANSITION FROM Z TO S := NOT a; END_TRANSITION
+ACTION Act: t(IN := a{passed}); q := t.Q; END_ACTION"""
+
+
+@pytest.mark.parametrize(
+    ("body", "becomes"),
+    [
+        ("t(IN := a); q := t.Q;", "calls pass it"),
+        ("IF a THEN t(IN := a); ELSE t(IN := FALSE); END_IF; q := t.Q;", "calls pass it"),
+        ("t(IN := a, PT := T#50ms); q := t.Q;", "without effect: all calls pass these inputs"),
+        (CHART.format(condition="t.Q", passed=""), "calls pass it"),
+        (CHART.format(condition="t.Q", passed=", PT := T#50ms"), "without effect: all calls pass these inputs"),
+        ("t(IN := a); t(IN := a, PT := T#50ms); q := t.Q;", ""),
+        ("t.PT := T#50ms; t(IN := a); q := t.Q;", ""),
+        ("t(IN := a); last := t.PT; q := t.Q;", ""),
+        ("t(a); q := t.Q;", ""),
+    ],
+)
+def test_calls_pass_start_values_of_timers_to_tia_portal(body: str, becomes: str) -> None:
+    project = sfc.loads(INSTANCE.format(body=body).encode(), format="iec-text")
+    data, report = convert(project, "simaticml", partial=True, limit=3)
+    lost = [item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)]
+    assert lost == ([] if becomes else ["initial"])
+    assert next(item.why for item in report.items if item.what == "initial").startswith(becomes)
+    assert not any(verdict.startswith("different") for verdict in report.compared.values())
+    back = sfc.loads(convert(sfc.loads(data), "codesys")[0])
+    assert not list(compare(executed(project), executed(back)))

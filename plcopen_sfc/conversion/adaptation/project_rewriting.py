@@ -27,8 +27,10 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     REWRITTEN_FIELD,
     SYSTEM_DATA_FIELD,
     SourceMarks,
+    added_pou,
 )
 from plcopen_sfc.formats.provenance import is_untouched
+from plcopen_sfc.languages.library_blocks import library_blocks
 from plcopen_sfc.languages.networks.network_graph import Graph, is_memory_pin
 from plcopen_sfc.languages.s7_globals import by_retention
 from plcopen_sfc.languages.s7_programs import is_void
@@ -128,6 +130,14 @@ def _charts(this: ProjectAdaptation) -> None:
 
 def _globals(this: ProjectAdaptation) -> None:
     add_globals(this.project, this.host, this.report, this.marks)
+
+
+def _libraries(this: ProjectAdaptation) -> None:
+    for block in library_blocks(this.project):
+        this.project.pous = [*this.project.pous, block]
+        this.marks[id(block)] = added_pou(block)
+        why = f"{this.host.title} has no library with it: its statements are in the file"
+        this.report.add(Outcome.TRANSLATED, "POU", block.report_path, why)
 
 
 def _results(this: ProjectAdaptation) -> None:
@@ -240,6 +250,14 @@ RULES = (
         "global variables at their addresses, lists or structures, programs of a task",
         lambda this: has_globals(this.project),
         _globals,
+        keeps_source=True,
+    ),
+    AdaptationRule(
+        "`BLINK` of the library Util of CODESYS",
+        "TC6, TwinCAT",
+        "a function block with its name and its statements",
+        lambda this: (not this.host.is_codesys or this.host.by_bytes) and bool(library_blocks(this.project)),
+        _libraries,
         keeps_source=True,
     ),
     AdaptationRule(

@@ -20,6 +20,7 @@ from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
 from plcopen_sfc.model.drawing import Drawing
 from plcopen_sfc.model.network import Node
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Configuration
 from plcopen_sfc.model.sfc import FlagUse, GraphSettings, SfcFlag, SfcNetwork, SfcSettings, Step, Transition
 from plcopen_sfc.model.variables import VariableSection
@@ -34,7 +35,7 @@ OF_FLAGS, OF_ENDS = "flags", "ends"
 DRAWING_FIELD = "source_drawing"
 """Field beside a chart with added steps or transitions: the drawing without them."""
 ADDED_FIELD = "added"
-"""At an action, a transition object or a list of variables that the source does not have: the digest of its content."""
+"""At a block, action, transition object or list of variables that the source does not have: a digest of its content."""
 TEXTS_FIELD = "texts"
 """At a body: texts of the source by their fields, each with the digest of what was written for it."""
 NO_RESULT_FIELD = "no_result"
@@ -174,6 +175,11 @@ def _put_sequences(chart: SfcNetwork, mark: Mapping[str, Any]) -> None:
 def added_part(body: StBody | IlBody) -> dict[str, Any]:
     """Return the mark of an action or transition object that the source does not have."""
     return {ADDED_FIELD: text_digest(body.text)}
+
+
+def added_pou(pou: Pou) -> dict[str, Any]:
+    """Return the mark of a block in structured text that the source does not have."""
+    return {ADDED_FIELD: _of_pou(pou)}
 
 
 def added_section(section: VariableSection) -> dict[str, Any]:
@@ -473,6 +479,13 @@ def added_configuration(configuration: Configuration) -> dict[str, Any]:
     return {ADDED_FIELD: list(_executed(configuration))}
 
 
+def is_added_pou(pou: Fields) -> bool:
+    """True if a block is as it was added. Takes its mark."""
+    added = pou.pop(ADDED_FIELD, None)
+    read = _fitting(Pou, pou) if added is not None else None
+    return read is not None and added == _of_pou(read)
+
+
 def is_added_configuration(configuration: Fields) -> bool:
     """True if a configuration is as it was added, and has nothing else but lists of variables. Takes its mark."""
     added = configuration.pop(ADDED_FIELD, None)
@@ -529,6 +542,12 @@ def _of_condition(condition: Condition | None) -> str:
 
 def _of_section(section: VariableSection) -> str:
     return text_digest(json.dumps(_plain_fields(section), sort_keys=True))
+
+
+def _of_pou(pou: Pou) -> str:
+    sections = [_plain_fields(section) for section in (pou.interface.sections if pou.interface is not None else ())]
+    rest = [len(pou.actions), len(pou.transitions), len(pou.methods)]
+    return text_digest(json.dumps([pou.name, pou.kind, sections, [*map(_plain, pou.bodies)], rest], sort_keys=True))
 
 
 def _plain_fields(thing: Model) -> Any:

@@ -19,7 +19,7 @@ from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_project import fit_project
-from plcopen_sfc.formats.plcopen.source_marks import is_added_configuration
+from plcopen_sfc.formats.plcopen.source_marks import is_added_configuration, is_added_pou
 from plcopen_sfc.formats.plcopen.tc6_bodies import read_pou, write_pou
 from plcopen_sfc.formats.plcopen.tc6_charts import unchanged_symbols
 from plcopen_sfc.formats.plcopen.tc6_configurations import read_configuration, write_configuration
@@ -223,7 +223,9 @@ def _read_types(ctx: Tc6ReadContext, element: etree._Element, fields: Fields) ->
             if kind == "dataType" and local == "dataTypes":
                 ctx.data_types.append(read_data_type_declaration(ctx, part, ""))
             elif kind == "pou" and local == "pous":
-                ctx.pous.append(read_pou(ctx, part, ""))
+                pou = read_pou(ctx, part, "")
+                if not is_added_pou(pou):
+                    ctx.pous.append(pou)
             else:
                 keep_element(ctx, fields, part)
         if local not in ("dataTypes", "pous"):

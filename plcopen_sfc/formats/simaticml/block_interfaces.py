@@ -585,6 +585,11 @@ def write_member(
     elif start is not None and variable.initial is None:
         why = "its elements do not start with the initial value of their type, which TIA Portal cannot express here"
         ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, why)
+    passed = ctx.action_calls.starts.of(ctx.pou) if ctx.pou is not None and isinstance(start, StructValue) else {}
+    if (by_calls := passed.get(variable.name.casefold())) is not None and "initial" not in native:
+        reported.add("initial")
+        why = "calls pass it" if by_calls.values else "without effect: all calls pass these inputs"
+        ctx.note(Outcome.TRANSLATED, "initial", variable.name, why)
     if start is not None and variable.initial is None:
         also = {"initial": None}
     if type_ is not variable.type:

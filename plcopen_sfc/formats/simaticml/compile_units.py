@@ -116,6 +116,9 @@ def _without_calls(ctx: DocumentWriting, body: StBody) -> StBody:
     if found.methods:
         why = f"functions are called in place of the methods {', '.join(dict.fromkeys(found.methods))}"
         ctx.note(Outcome.TRANSLATED, "code", why=why)
+    if found.started:
+        why = f"the calls of {', '.join(found.started)} pass the start values of inputs, which the instance cannot have"
+        ctx.note(Outcome.TRANSLATED, "code", why=why)
     for problem in found.problems:
         why = f"a call stays that TIA Portal does not have, as blocks have no actions there: {problem}"
         ctx.note(Outcome.NOT_EXECUTED, "code", why=why)

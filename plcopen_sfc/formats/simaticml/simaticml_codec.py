@@ -37,6 +37,7 @@ from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT, TiaVersion, vers
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup, markup_of, misfit
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
+from plcopen_sfc.languages.library_blocks import library_blocks
 from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_boxes import put_boxes
 from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of, unconnected
@@ -185,7 +186,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
 
 
 def added_objects(project: Project) -> list[Pou | DataBlock | TagTable]:
-    """Return the objects that only S7 has: those of enumerations, global variables, programs, tasks and actions."""
+    """Return what only S7 has: objects for enumerations, global variables, programs, tasks, actions and libraries."""
     programs = s7_programs(project)
     for caller in programs.callers:
         caller.block.extension_data = ExtensionData(attributes={"SecondaryType": caller.event_class})
@@ -193,7 +194,7 @@ def added_objects(project: Project) -> list[Pou | DataBlock | TagTable]:
     tables = [*s7_types(project).tables(), *tag_tables_of(project)]
     blocks = [*data_blocks_of(project), *programs.blocks]
     functions = action_functions(project, ActionCalls(project)).made
-    return [*tables, *blocks, *functions, *(caller.block for caller in programs.callers)]
+    return [*tables, *blocks, *library_blocks(project), *functions, *(caller.block for caller in programs.callers)]
 
 
 def _call(block: str, program: str) -> LogicNetwork:
