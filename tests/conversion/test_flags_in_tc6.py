@@ -122,3 +122,22 @@ def test_an_edit_of_the_written_chart_counts() -> None:
     assert chart.settings is not None
     assert not chart.settings.flags[m.SfcFlag.TIP].use  # whose edge would fire those
     assert "XML214" in {found.code for found in back.diagnostics}
+
+
+@pytest.mark.parametrize("flags", [("SFCReset",), FLAGS])
+def test_the_step_of_sfcreset_does_what_the_initial_step_does(flags: tuple[str, ...]) -> None:
+    """It has a stored action and an exit action that another step has too, as in a corpus chart of TwinCAT."""
+    source = chart_with(*flags, idle="Count(S);", actions=f"{COUNT} ACTION Leave: n := 2; END_ACTION")
+    for name in ("Idle", "Work"):
+        source.pou("Main").chart.step(name).exit_action = "Leave"
+    data, report = sfc.convert(source, "plcopen-2.01", partial=True)
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    steps = sfc.loads(data, as_tool=True).pou("Main").chart.steps
+    does = {step.name: len(step.actions) for step in steps}
+    assert does["SFCReset_begins"] >= does["Work"] == 2
+    back = sfc.loads(data).pou("Main").chart
+    assert [(step.name, step.exit_action) for step in back.steps] == [
+        ("Idle", "Leave"),
+        ("Work", "Leave"),
+        ("Done", None),
+    ]

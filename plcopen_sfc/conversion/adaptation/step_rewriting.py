@@ -216,9 +216,9 @@ class StepRewriter:
     def _mark(self, step: Step) -> None:
         source = self._rewriting.source_steps.get(step.id)
         if source is None:
-            self._rewriting.marks[id(step)] = changed_element(
-                step, self._rewriting.marks[id(step)], self._uses.get(step.id, ())
-            )
+            known = self._rewriting.marks.get(id(step))
+            if known is not None:  # else what has added it marks it at last
+                self._rewriting.marks[id(step)] = changed_element(step, known, self._uses.get(step.id, ()))
             return
         if any(getattr(step, name) != getattr(source, name) for name in STEP_FIELDS):
             permanent = self._permanent.get(step.id, ())
