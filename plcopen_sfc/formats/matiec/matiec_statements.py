@@ -17,7 +17,17 @@ from dataclasses import replace
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
-from plcopen_sfc.languages.expression_types import INSTANTS, OF_ONE_TYPE, ORDER, ExpressionTypes, fits
+from plcopen_sfc.languages.expression_types import (
+    CALCULATING,
+    COMPARING,
+    INSTANTS,
+    LOGIC,
+    OF_ONE_TYPE,
+    ORDER,
+    REALS,
+    ExpressionTypes,
+    fits,
+)
 from plcopen_sfc.languages.il import CALLS
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform, walk
@@ -354,22 +364,7 @@ _CONVERSION = re.compile(r"TO_(?:[SDL]?INT|U[SDL]?INT|L?REAL|BOOL|BYTE|[DL]?WORD
 _SIGNED = ("SINT", "INT", "DINT", "LINT")
 _UNSIGNED = ("USINT", "UINT", "UDINT", "ULINT")
 _BITS = ("BYTE", "WORD", "DWORD", "LWORD")
-_REALS = ("REAL", "LREAL")
-_NUMBERS = frozenset({*_SIGNED, *_UNSIGNED, *_BITS, *_REALS})
-_COMPARISONS = frozenset(
-    {
-        n.Operator.EQUAL,
-        n.Operator.UNEQUAL,
-        n.Operator.LESS,
-        n.Operator.GREATER,
-        n.Operator.LESS_OR_EQUAL,
-        n.Operator.GREATER_OR_EQUAL,
-    }
-)
-_ARITHMETIC = frozenset(
-    {n.Operator.ADD, n.Operator.SUBTRACT, n.Operator.MULTIPLY, n.Operator.DIVIDE, n.Operator.MODULO}
-)
-_LOGIC = frozenset({n.Operator.AND, n.Operator.OR, n.Operator.XOR})
+_NUMBERS = frozenset({*_SIGNED, *_UNSIGNED, *_BITS, *REALS})
 _TYPED = re.compile(r"([A-Z]+)#", re.IGNORECASE)
 REAL_LITERAL = re.compile(r"[\d_]+\.[\d_]+(?:[eE][+-]?\d+)?")
 _WHOLE = re.compile(r"\d[\d_]*")
@@ -397,7 +392,7 @@ class OperandConverter:
             typed = _TYPED.match(value.text)
             found = typed[1].upper() if typed is not None else ""
         elif isinstance(value, n.Operation):
-            is_number = value.operator in _ARITHMETIC | _LOGIC
+            is_number = value.operator in CALCULATING | LOGIC
             found = next(filter(None, map(self.kind, value.operands)), "") if is_number else ""
         elif isinstance(value, n.Call):
             name = value.callee.identifier if isinstance(value.callee, n.Name) else ""
@@ -409,13 +404,13 @@ class OperandConverter:
 
     def operation(self, node: n.Operation) -> n.Node:
         """Return an operation with operands of one type."""
-        if node.operator not in _ARITHMETIC | _LOGIC | _COMPARISONS:
+        if node.operator not in CALCULATING | LOGIC | COMPARING:
             return node
         kinds = [self.kind(operand) for operand in node.operands]
         known = {kind for kind in kinds if kind}
-        if known and known.isdisjoint(_REALS) and any(map(_is_real, node.operands)):
+        if known and known.isdisjoint(REALS) and any(map(_is_real, node.operands)):
             known.add("REAL")
-        if node.operator in _LOGIC and not known <= set(_BITS):
+        if node.operator in LOGIC and not known <= set(_BITS):
             self._missing.append(("operation", f"matiec has no {node.operator.value} of {' and '.join(sorted(known))}"))
             return node
         common = next((kind for kind in sorted(known) if all(_widens(other, kind) for other in known)), "")
@@ -433,7 +428,7 @@ class OperandConverter:
         target, kind = self.kind(node.target), self.kind(node.value)
         if not target or node.kind is not n.AssignmentKind.ASSIGN:
             return node
-        if not kind and target not in _REALS and _is_real(node.value):
+        if not kind and target not in REALS and _is_real(node.value):
             kind = "REAL"
         if kind and not _widens(kind, target):
             self._missing.append(("assignment", f"matiec does not assign {kind} to {target}"))
@@ -450,7 +445,8 @@ _TIMES = frozenset({"TIME"})
 class _TypeCheck:
     """Finds operations, assignments and calls of standard functions with types that matiec does not take.
 
-    Unknown types are never errors: the values of enumerations, generic parameters, parts of structures.
+    matiec wants equal types, where `compile_mistakes` finds what no tool takes: values of another kind. Unknown types
+    are never errors: the values of enumerations, generic parameters, parts of structures.
     """
 
     def __init__(self, types: ExpressionTypes) -> None:
@@ -476,7 +472,7 @@ class _TypeCheck:
         if not all(kinds) or not kinds:
             return
         known, is_mixed = set(kinds), len(kinds) < len(values)
-        if node.operator in _ARITHMETIC:
+        if node.operator in CALCULATING:
             scaled = node.operator in (n.Operator.MULTIPLY, n.Operator.DIVIDE)
             if known <= _NUMBERS - set(_BITS) or (known & INSTANTS and not is_mixed):
                 wrong = False  # operands of several types have been converted
@@ -484,7 +480,7 @@ class _TypeCheck:
                 wrong = (
                     "TIME" not in known or (is_mixed and not scaled) or not known <= _TIMES | (_NUMBERS - set(_BITS))
                 )
-        elif node.operator in _LOGIC:
+        elif node.operator in LOGIC:
             wrong = not known <= {"BOOL", *_BITS} or len(known) > 1
         else:
             wrong = len(known) > 1 or (is_mixed and not known <= _NUMBERS)
@@ -503,14 +499,14 @@ class _TypeCheck:
             wrong = wrong or (target == "BOOL" and not 0 <= value.low <= value.high <= 1)
             kind = f"the number {value.low}" if value.low == value.high else "a number"
         else:
-            wrong, kind = value.type != target and not {value.type, target} <= set(_REALS), value.type
+            wrong, kind = value.type != target and not {value.type, target} <= set(REALS), value.type
         if wrong:
             yield f"assignment of {kind} to {target}"
 
     def _call(self, name: str, arguments: list[n.Expression]) -> Iterator[str]:
         values = [self._types.value(each) for each in arguments]
         kinds = [value.type for value in values if value.type]
-        if name in _OF_REALS and kinds and kinds[0] not in _REALS:
+        if name in _OF_REALS and kinds and kinds[0] not in REALS:
             yield f"{name} of {kinds[0]}"
         elif name in _SHIFTS and values and values[0].type and values[0].type not in {"BOOL", *_BITS}:
             yield f"{name} of {values[0].type}"
@@ -536,10 +532,10 @@ def _widens(kind: str, to: str) -> bool:
     """True if every value of a type is one of another, or CODESYS takes it for one (integers as REAL)."""
     if kind == to:
         return True
-    for family in (_SIGNED, _UNSIGNED, _BITS, _REALS):
+    for family in (_SIGNED, _UNSIGNED, _BITS, REALS):
         if kind in family and to in family:
             return family.index(kind) < family.index(to)
-    if to in _REALS:
+    if to in REALS:
         return kind in _SIGNED or kind in _UNSIGNED
     return kind in _UNSIGNED and to in _SIGNED and _UNSIGNED.index(kind) < _SIGNED.index(to)
 
@@ -548,11 +544,11 @@ def _as(common: str, kind: str, value: n.Expression) -> n.Expression:
     """Return an operand as one of the type `common`; literals without a type take any, whole ones but those of REAL."""
     if kind and kind != common:
         return n.Call(n.Name(f"{kind}_TO_{common}"), (n.Argument(_without_parentheses(value)),))
-    if kind or common not in _REALS:
+    if kind or common not in REALS:
         return value
     if isinstance(value, n.Literal) and _WHOLE.fullmatch(value.text):
         return replace(value, text=f"{value.text}.0")
-    if isinstance(value, n.Operation) and value.operator in _ARITHMETIC:
+    if isinstance(value, n.Operation) and value.operator in CALCULATING:
         operands = tuple(_as(common, kind, each) for each in value.operands)
         changed = any(a is not b for a, b in zip(operands, value.operands, strict=True))
         return replace(value, operands=operands) if changed else value

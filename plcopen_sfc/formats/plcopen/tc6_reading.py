@@ -15,7 +15,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, TypeVar
 
 from lxml import etree
 
@@ -275,25 +275,32 @@ def read_point(element: etree._Element) -> tuple[float, float] | None:
 
 def take_number(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> float | None:
     """Take a decimal attribute. A damaged one is left, and so kept, with a warning."""
-    text = left.get(name)
-    if text is None:
-        return None
-    value = decimal_or_none(text)
-    if value is None:
-        ctx.warn("XML202", f"{name}={text!r} is not a number; it is kept as it is", element)
-        return None
-    del left[name]
-    return value
+    return _taken(ctx, element, left, name, read=decimal_or_none, wanted="a number")
 
 
 def take_integer(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> int | None:
     """Take a whole, non-negative number. A damaged one is left, and so kept, with a warning."""
+    return _taken(ctx, element, left, name, read=xml_number, wanted="a whole number")
+
+
+_N = TypeVar("_N", int, float)
+
+
+def _taken(
+    ctx: Tc6ReadContext,
+    element: etree._Element,
+    left: dict[str, str],
+    name: str,
+    *,
+    read: Callable[[str], _N | None],
+    wanted: str,
+) -> _N | None:
     text = left.get(name)
     if text is None:
         return None
-    value = xml_number(text)
+    value = read(text)
     if value is None:
-        ctx.warn("XML202", f"{name}={text!r} is not a whole number; it is kept as it is", element)
+        ctx.warn("XML202", f"{name}={text!r} is not {wanted}; it is kept as it is", element)
         return None
     del left[name]
     return value
