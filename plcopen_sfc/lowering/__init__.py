@@ -8,7 +8,7 @@
 `enumeration_constants`  values of enumerations as constants of blocks in SCL
 `faults`             the faults of textbook sequences, and the search for them
 `construction`       the choice of encoding and language, and the code as a POU
-`grafcet`, `graph`   what only GRAFCET and S7-GRAPH have
+`grafcet`, `graph`   what only GRAFCET and S7-GRAPH have, such as interlocks and supervisions (`graph`)
 `encodings`          what holds the situation: step bits, flip-flops, state variables with CASEs
 `schedule`           what happens in a scan, and in which order
 `actions`            when an action is executed, and its code

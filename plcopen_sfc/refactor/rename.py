@@ -1,7 +1,8 @@
 """Renaming: what is declared gets another name, and every use of it in every body follows.
 
-Only the name itself is changed in a text: layout and comments stay. Where it is not known what a name means, it stays
-as it is and is listed.
+The uses are those that `languages.binding` finds: in program text, and in fields of the model that name something
+(the table `NAMING` of `text_sites`). Only the name itself is changed in a text: layout and comments stay. A name
+whose meaning is not known stays, and is listed.
 """
 
 from __future__ import annotations

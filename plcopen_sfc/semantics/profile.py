@@ -196,7 +196,9 @@ class Profile:
 
     order: ScanOrder = ScanOrder.TRANSITIONS_FIRST
     """Actions or transitions first. CODESYS: "Processing order" steps 2 to 6, actions first. GRAPH: conditions, step
-    change, actions, the old and the new step in the same cycle. matiec: transitions first. IEC does not say."""
+    change, actions, the old and the new step in the same cycle. matiec: transitions first. IEC does not say.
+
+    It decides when a new step acts: in the scan that activates it where transitions come first, else in the next."""
 
     initial_situation_held: bool = False
     """True if the transitions are not yet tested in the scan that activates the initial steps. GRAPH: the first call

@@ -1,4 +1,4 @@
-"""Rules about GRAFCETs: macro-steps, enclosing steps, forcing orders, conditions and events of actions, step times."""
+"""Rules about GRAFCETs: macro-steps, enclosing steps, forcing orders, conditions and events of actions."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ from itertools import combinations
 
 from plcopen_sfc.analysis.checks.action_targets import Manner, uses
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet, Finding, FindingPlace, Rule
-from plcopen_sfc.analysis.regions import Obstacle, Unstructured, find_regions
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
-from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.network import Block, Contact, Edge, InputVariable
@@ -133,40 +131,6 @@ TRANSITION FROM S2 TO S1 := b; END_TRANSITION
 """,
     check=_not_boolean,
     severity=Severity.ERROR,
-)
-
-
-def _nanoseconds(text: str | None) -> int | None:
-    """A time literal; None for anything else, and for 0, which tools write for no time."""
-    if not text:
-        return None
-    try:
-        found = literal_value(text)
-    except LiteralError:
-        return None
-    return found.value if found.kind is LiteralKind.DURATION and isinstance(found.value, int) and found.value else None
-
-
-def _order(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            greatest = _nanoseconds(step.max_time)
-            for what, time in (("minimum", step.min_time), ("warning", step.warning_time)):
-                given = _nanoseconds(time)
-                if greatest is not None and given is not None and given > greatest:
-                    message = f"the {what} time {time} is longer than the maximum time {step.max_time}"
-                    yield Finding(sheet.at(step), message)
-
-
-TIM01 = Rule(
-    code="TIM01",
-    title="The maximum time of a step is its longest",
-    why="A step that must stay active longer than it may reports an error in every round (CODESYS, minimum and "
-    "maximum time); a warning after the error warns of nothing (S7-GRAPH, warning time).",
-    hint="Correct one of the times.",
-    example="a step with the minimum time T#5s and the maximum time T#3s",
-    check=_order,
-    severity=Severity.WARNING,
 )
 
 
@@ -488,44 +452,4 @@ EXPANSION M9
     check=_unused,
     severity=None,
     severities={"grafcet": Severity.WARNING},
-)
-
-
-_CROSSING = frozenset(
-    {
-        Obstacle.JUMP_ACROSS_BORDER,
-        Obstacle.BRANCHES_RUN_TOGETHER,
-        Obstacle.UNMATCHED_JOIN,
-        Obstacle.UNMATCHED_FORK,
-    }
-)
-
-
-def _crossing(chart: CheckedChart) -> Iterator[Finding]:
-    if chart.net.hierarchy:
-        return
-    found = find_regions(chart.net)
-    if isinstance(found, Unstructured) and found.obstacle in _CROSSING and found.transitions:
-        place = chart.place_of(chart.net.transitions[found.transitions[0]])
-        yield Finding(place, found.message)
-
-
-STR13 = Rule(
-    code="STR13",
-    title="Simultaneous branches are nested, and nothing leads into them or out of them",
-    why="Branches that begin together end together. A jump out of a branch leaves the others active, one into a "
-    "branch starts it without the others (IEC 61131-3 ed. 3, 6.7.5). CODESYS and S7-GRAPH draw branches in each other "
-    "only, but CODESYS lets jumps cross their borders.",
-    hint="Let the branches meet in one convergence; where one shall end early, let its last step wait for the others.",
-    example="""
-INITIAL_STEP S1: END_STEP
-STEP A: END_STEP
-STEP B: END_STEP
-TRANSITION FROM S1 TO (A, B) := a; END_TRANSITION
-TRANSITION FROM (A, B) TO S1 := b; END_TRANSITION
-TRANSITION FROM A TO S1 := stop; END_TRANSITION
-""",
-    check=_crossing,
-    severity=Severity.WARNING,
-    severities={"grafcet": Severity.INFO},
 )

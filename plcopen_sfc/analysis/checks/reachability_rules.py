@@ -1,4 +1,4 @@
-"""Rules on what a chart can reach and leave: on its marking graph, with all conditions taken as free.
+"""Rules on what a chart can reach and leave: on its marking graph and its branches, with all conditions taken as free.
 
 Some of these charts do not come to rest.
 """
@@ -12,6 +12,7 @@ from operator import or_
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rule
 from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.analysis.marking import Firing
+from plcopen_sfc.analysis.regions import Obstacle, Unstructured, find_regions
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.analysis.soundness import soundness
 from plcopen_sfc.diagnostics import Severity
@@ -367,4 +368,44 @@ TRANSITION FROM S3 TO S2 := c; END_TRANSITION
 """,
     check=_one_way,
     severity=Severity.INFO,
+)
+
+
+_CROSSING = frozenset(
+    {
+        Obstacle.JUMP_ACROSS_BORDER,
+        Obstacle.BRANCHES_RUN_TOGETHER,
+        Obstacle.UNMATCHED_JOIN,
+        Obstacle.UNMATCHED_FORK,
+    }
+)
+
+
+def _crossing(chart: CheckedChart) -> Iterator[Finding]:
+    if chart.net.hierarchy:
+        return
+    found = find_regions(chart.net)
+    if isinstance(found, Unstructured) and found.obstacle in _CROSSING and found.transitions:
+        place = chart.place_of(chart.net.transitions[found.transitions[0]])
+        yield Finding(place, found.message)
+
+
+STR13 = Rule(
+    code="STR13",
+    title="Simultaneous branches are nested, and nothing leads into them or out of them",
+    why="Branches that begin together end together. A jump out of a branch leaves the others active, one into a "
+    "branch starts it without the others (IEC 61131-3 ed. 3, 6.7.5). CODESYS and S7-GRAPH draw branches in each other "
+    "only, but CODESYS lets jumps cross their borders.",
+    hint="Let the branches meet in one convergence; where one shall end early, let its last step wait for the others.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP A: END_STEP
+STEP B: END_STEP
+TRANSITION FROM S1 TO (A, B) := a; END_TRANSITION
+TRANSITION FROM (A, B) TO S1 := b; END_TRANSITION
+TRANSITION FROM A TO S1 := stop; END_TRANSITION
+""",
+    check=_crossing,
+    severity=Severity.WARNING,
+    severities={"grafcet": Severity.INFO},
 )

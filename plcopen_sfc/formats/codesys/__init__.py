@@ -4,5 +4,6 @@ Public: `codesys_codec.CODEC` and `validate_codesys`.
 
 * `codesys_codec`: the entry in the table of formats, with the fields, the order and the schema of the data of these
   tools.
-* `element_data`, `object_data`: these data, read and written. `codesys_names`: their names.
+* `element_data`: these data of charts and of elements (entry, main and exit actions of steps, times, settings), read
+  and written; `object_data`: those of projects and POUs. `codesys_names`: their names.
 """

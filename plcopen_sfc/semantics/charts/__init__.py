@@ -1,6 +1,12 @@
 """The interpreter of charts: what happens in a scan, under any profile.
 
 `compile_chart` is the chart compiler of a `Controller`. docs/semantics.md tells what a chart does in a scan.
+
+`chart_program`       the scan of a chart; `step_state` has the data of its steps
+`transition_firing`   which transitions fire, and competing ones
+`chart_actions`       actions, and when they are executed; `qualifier_control` has the qualifiers
+`sfc_flags`           SFCInit, SFCPause and the other flags of CODESYS
+`graph`, `grafcet`    sequencers of S7-GRAPH, and GRAFCETs
 """
 
 from __future__ import annotations
