@@ -652,6 +652,12 @@ _OTHERWISE = {
     "S7-GRAPH tests no transition in its first scan: what is TRUE in that scan only is missed": (
         "S7-GRAPH prüft in seinem ersten Zyklus keine Transition: was nur in diesem TRUE ist, geht verloren"
     ),
+    "terms have no times: `{}` is an input of this name there, as people declare it": (
+        "Terme haben keine Zeiten: `{}` ist dort ein Eingang dieses Namens, wie man ihn eben anlegt"
+    ),
+    "{} is a time of an edge or of a time: no term has one, and no variable is one": (
+        "{} ist eine Zeit von einer Flanke oder einer Zeit: kein Term hat eine, und keine Variable steht dafür"
+    ),
     "where it leaves {}, actions on deactivation miss it: they have not seen the step": (
         "wo er {} verlässt, versäumen das Aktionen bei Deaktivierung: sie haben den Schritt nicht gesehen"
     ),

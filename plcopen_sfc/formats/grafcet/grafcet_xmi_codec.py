@@ -105,7 +105,7 @@ class XmiWriter:
             for name in (step.name, "" if step.number is None else str(step.number)):
                 self._steps.setdefault(name.casefold(), reference)
 
-    def _variables(self, pou: Pou, networks: Iterable[SfcNetwork]) -> None:
+    def _variables(self, pou: Pou, networks: Sequence[SfcNetwork]) -> None:
         container = etree.SubElement(self._root, "variableDeclarationContainer")
         positions: dict[str, str] = {}
         words = {kind: word for word, kind in SECTIONS.items()}
@@ -136,6 +136,9 @@ class XmiWriter:
                     "variable", f"POU {pou.name} / {variable.name}", "a .grafcet file has BOOL and integers only"
                 )
             entries.append((variable.name, words.get(kind, "internal"), sort))
+        known = {name.casefold() for name, _, _ in entries}
+        times = dict.fromkeys(name for text in _conditions(networks) for name in _times_in(text))
+        entries += [(name, "input", "Bool") for name in times if name.casefold() not in known]
         entries += [(name, "step", "Bool") for name in flags]
         for name, word, sort in _arranged(entries, lambda entry: entry[0], self._order.variables):
             made = add(name, word, sort)
@@ -287,6 +290,9 @@ class XmiWriter:
                     if time is not None:
                         _set_time(made, time, name)
             self._terms.write(made, tag, read.tree, read, f"{own}/@{tag}")
+            for time in read.times():
+                why = f"terms have no times: `{time}` is an input of this name there, as people declare it"
+                self._report.add(Outcome.APPROXIMATED, "time", label, why)
         except TermError as error:
             self._lost("condition", label, str(error))
             for child in made.findall(tag):
@@ -336,14 +342,26 @@ def _id_of(step: Step, tag: str) -> str:
     return text if text.isdecimal() else str(step.number if step.number is not None else step.id)
 
 
-def _texts(networks: Iterable[SfcNetwork]) -> Iterator[str]:
+def _conditions(networks: Iterable[SfcNetwork]) -> Iterator[str]:
     for network in networks:
         conditions = [transition.condition for transition in network.transitions]
+        conditions += [action.condition for _, action in network.associations()]
+        yield from (each.text for each in conditions if isinstance(each, Expression))
+
+
+def _times_in(text: str) -> list[str]:
+    try:
+        return ReadCondition(text).times()
+    except TermError:
+        return []  # it is not written
+
+
+def _texts(networks: Sequence[SfcNetwork]) -> Iterator[str]:
+    for network in networks:
         for _, action in network.associations():
-            conditions.append(action.condition)
             yield action.value or ""
             yield action.target or ""
-        yield from (each.text for each in conditions if isinstance(each, Expression))
+    yield from _conditions(networks)
 
 
 def _set_time(element: etree._Element, literal: str, name: str) -> None:

@@ -10,7 +10,7 @@ from lxml import etree
 
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.languages.st import parse_expression, print_node
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 
 XSI_TYPE = "{http://www.w3.org/2001/XMLSchema-instance}type"
@@ -111,6 +111,12 @@ class ReadCondition:
         parts = (found.first, found.operand, found.last)
         return "/".join(part.removeprefix("T#") for part in parts if part is not None)
 
+    def times(self) -> list[str]:
+        """Return the times in terms that a variable can be called after: those of operands without edges and times."""
+        inner = [name for name, found in self._delays.items() if found is not self.delay_of_all]
+        names = [name for name in inner if "GRAFCET_" not in self._delays[name].operand]
+        return [name for name in map(self.time_of, names) if name is not None]
+
 
 class TermWriter:
     """Writes terms. `positions` are the references to declared variables by their names in lower case."""
@@ -141,7 +147,8 @@ class TermWriter:
             # the editor has no times in terms; people declare a variable that is called like one
             time = condition.time_of(tree.identifier)
             if time is not None and time.casefold() not in self._positions:
-                raise TermError(f"{time} is no part of a term: only a condition as a whole has a time")
+                shown = re.sub(r"GRAFCET_\w+", lambda name: self._shown(name[0], condition), time)
+                raise TermError(f"{shown} is a time of an edge or of a time: no term has one, and no variable is one")
             element.set(XSI_TYPE, "terms:Variable")
             self.variable(element, time or tree.identifier, number)
             return
@@ -159,6 +166,12 @@ class TermWriter:
         output = etree.SubElement(element, "output")
         output.set(XSI_TYPE, "terms:Integer" if kind in _INTEGERS else "terms:Bool")
         output.set("id", _number(f"{number}1"))
+
+    def _shown(self, name: str, condition: ReadCondition) -> str:
+        edge = condition.edge_of(name)
+        if edge is not None:
+            return f"{'↑' if edge[1] else '↓'}{print_node(edge[0])}"
+        return condition.time_of(name) or name
 
     def _operation(
         self, tree: n.Expression, edge: tuple[n.Expression, bool] | None
