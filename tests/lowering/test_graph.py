@@ -149,7 +149,7 @@ def test_an_interlock_and_a_supervision_that_nobody_asks_for_are_short() -> None
     project = block(guarded(act("N", interlock=True)), "ok fault", "Q")
     assert verdict(project).proven
     code = text(project)
-    assert "#X2_LS := #X2 AND #ok;" in code
+    assert "#Q := #X2 AND #ok;" in code
     assert "#T2_3 := #X2 AND #c2 AND NOT #fault;" in code
     assert "_VA" not in code
 

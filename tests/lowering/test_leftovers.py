@@ -142,15 +142,16 @@ def test_a_stored_action_is_not_reset_a_second_time(qualifier: str) -> None:
     assert body.text.count("NOT X_Off") <= 1, body.text  # the flip-flop, where X_On does not exclude it already
 
 
-def test_a_step_that_is_asked_not_to_be_active_is_another_number() -> None:
+def test_a_branch_knows_which_steps_of_its_part_are_active() -> None:
     chart = m.SfcNetwork()
     wait, work = chart.add_step("Wait", initial=True), chart.add_step("Work")
-    chart.add_transition(wait, work, "a AND NOT Work.X")
+    chart.add_transition(wait, work, "a AND NOT Work.X AND Wait.X")
+    chart.add_transition(wait, wait, "b AND Work.X")
     chart.add_transition(work, wait, "NOT (b = c)")
     pou = m.Pou(name="Ablauf", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.SfcBody(chart=chart)])
     body = sfc.lower(pou, "case", verify=False).pou.body
     assert isinstance(body, m.StBody)
-    assert "a AND step_number <> 2" in body.text
+    assert "        IF a THEN\n            step_number := 2;\n        END_IF;\n    2:" in body.text
     assert "NOT (b = c)" in body.text  # as it was written
 
 
@@ -181,11 +182,7 @@ def test_a_transition_that_always_fires_needs_no_question() -> None:
         "        END_IF;",
         "",
         "    3: // Step End",
-        "        IF TRUE THEN",
-        "            step_number := 1;",
-        "        ELSIF a THEN",
-        "            step_number := 2;",
-        "        END_IF;",
+        "        step_number := 1;",
         "END_CASE;",
     ]
 

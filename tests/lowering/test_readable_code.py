@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from plcopen_sfc.documents.lowered import lower_to_file
 from plcopen_sfc.languages.st import parse_statements, print_node
 from plcopen_sfc.languages.st.nodes import Name, Statement
 from plcopen_sfc.lowering.code.boolean_logic import one_of_values, with_distinct
+from plcopen_sfc.lowering.code.code_bodies import wrapped
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 RING = """PROGRAM Main
@@ -49,7 +51,7 @@ def test_comparisons_that_another_one_decides_are_left_out() -> None:
     assert without("q := s = A AND s <> B;") == "q := s = A;"
     assert without("q := s = A AND x AND NOT (s = B OR s = C);") == "q := s = A AND x;"
     assert without("q := s = A AND NOT (s = B OR y);") == "q := s = A AND NOT y;"
-    assert without("q := s = A AND s = B OR x;") == "q := FALSE OR x;"
+    assert without("q := s = A AND s = B OR x;") == "q := x;"
     assert without("q := s = A AND s <> A;") == "q := FALSE;"
 
 
@@ -246,3 +248,36 @@ def test_a_branch_does_not_ask_for_its_own_step() -> None:
     assert isinstance(made.pou.body, m.StBody)
     branch = made.pou.body.text.partition("STEP_Warten: // Step Warten\n")[2].partition("\n\n")[0]
     assert branch.splitlines()[:2] == ["        Band_Rechts := FALSE;", "        Wartezeit(IN := TRUE, PT := t#3s);"]
+
+
+def test_conditions_that_never_change_are_no_branches() -> None:
+    """A transition that never fires has no branch; what comes behind one that always does has none either."""
+    text = RING.format(outputs="q : BOOL;", first="", second="q;", third="", actions="")
+    text = text.replace("S1 TO S2 := a;", "S1 TO S2 := FALSE;").replace("S2 TO S3 := b;", "S2 TO S3 := TRUE;")
+    more = "TRANSITION FROM S1 TO S3 := a AND NOT S2.X; END_TRANSITION TRANSITION FROM S2 TO S1 := b; END_TRANSITION"
+    project = sfc.loads(text.replace("END_PROGRAM", f"{more}\nEND_PROGRAM").encode(), format="iec-text")
+    made = sfc.lower(project, "case", profile="iec")
+    assert made.proof is not None
+    assert made.proof.proven
+    assert isinstance(made.pou.body, m.StBody)
+    first, second = made.pou.body.text.split("// Step 1 – initial step\n")[1].split("    2: // Step 2\n")
+    assert first.split() == "IF a THEN step_number := 3; END_IF;".split()
+    assert second.partition("    3:")[0].split() == ["step_number", ":=", "3;"]
+
+
+def test_long_lines_are_broken_before_or_and_and() -> None:
+    """Neither inside of a text nor of parentheses, where it can be outside."""
+    names = [f"SomeLongInputName_{i}" for i in range(9)]
+    condition = " OR ".join(f"({a} AND {b})" for a, b in pairwise(names))
+    text = RING.format(outputs="q : BOOL;", first="", second="q;", third="", actions="")
+    text = text.replace(":= a;", f":= {condition};")
+    for form, start in (("case", "IF (SomeLong"), ("bits", "T1_2 := X1")):
+        made = sfc.lower(sfc.loads(text.encode(), format="iec-text"), form, verify=False)
+        assert isinstance(made.pou.body, m.StBody)
+        lines = made.pou.body.text.splitlines()
+        assert max(map(len, lines)) <= 120
+        (first,) = (place for place, line in enumerate(lines) if line.strip().startswith(start))
+        assert lines[first + 1].strip().startswith(("OR ", "AND "))
+    quoted = "'Inputs.Place1 OR a very long text with AND (and more)');"
+    call = f"ErrorAnalyzation := CONCAT(CONCAT(ErrorAnalyzation, SEL(a, 'b OR c', '')), {quoted}"
+    assert wrapped(call, "    ").splitlines()[1].strip() == quoted

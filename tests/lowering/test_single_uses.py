@@ -62,3 +62,28 @@ def test_helpers_that_others_read_stay() -> None:
 
 def test_a_second_name_for_a_value_goes() -> None:
     assert inlined("edge := a OR b; q := edge;")[0] == "q := a OR b;"
+
+
+def test_a_helper_inside_of_branches_goes_where_nothing_before_it_changes_its_value() -> None:
+    asked = "IF c THEN q := 2; ELSIF edge THEN q := 3; END_IF;"
+    case = "edge := s = 2 AND a; CASE s OF 1: q := 1; 2: {before}" + asked + " END_CASE;"
+    made, variables = inlined(case.format(before=""), helpers="edge")
+    assert made == "CASE s OF 1: q := 1; 2: IF c THEN q := 2; ELSIF a THEN q := 3; END_IF; END_CASE;"
+    assert variables == []
+    for text in (
+        case.format(before="a := FALSE; "),
+        "edge := a; WHILE b DO a := edge AND NOT a; b := a; END_WHILE;",
+        "edge := a; IF b THEN foreign(); IF edge THEN q := 1; END_IF; END_IF;",
+    ):
+        assert inlined(text, helpers="edge")[1] == ["edge"], text
+
+
+def test_a_helper_of_another_network_goes_but_not_into_a_long_line() -> None:
+    code = LoweredCode(Naming(m.Dialect.IEC, ()))
+    code.declare("edge")
+    code.add("", statements_of("edge := a AND b;").statements)
+    code.add("", statements_of("q := c OR edge;").statements)
+    inline_single_uses(code, [])
+    assert [print_node(Statements(each.statements)) for each in code.networks] == ["q := c OR a AND b;"]
+    long = " OR ".join(f"some_long_name_{i}" for i in range(6))
+    assert inlined(f"edge := a AND b; q := {long} OR edge;", helpers="edge")[1] == ["edge"]

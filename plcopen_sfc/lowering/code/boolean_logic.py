@@ -65,14 +65,20 @@ def equal(left: Expression, right: Expression) -> Expression:
 
 
 def without_constant(statement: Statement) -> Sequence[Statement]:
-    """Return what is executed of an IF whose first condition is constant; any other statement as it is."""
-    match statement:
-        case n.If((n.Branch(condition, statements), *others), otherwise):
-            if is_constant(condition, TRUE):
-                return statements
-            if is_constant(condition, FALSE):
-                return without_constant(n.If(tuple(others), otherwise)) if others else otherwise or ()
-    return (statement,)
+    """Return an IF without branches that are never executed, or what it always executes; others as they are."""
+    if not isinstance(statement, n.If):
+        return (statement,)
+    kept: list[n.Branch] = []
+    otherwise = statement.otherwise
+    for branch in statement.branches:
+        if is_constant(branch.condition, TRUE):
+            otherwise = branch.statements
+            break
+        if not is_constant(branch.condition, FALSE):
+            kept.append(branch)
+    if not kept:
+        return otherwise or ()
+    return (n.If(tuple(kept), otherwise) if len(kept) < len(statement.branches) else statement,)
 
 
 def simplified(tree: N) -> N:
@@ -116,6 +122,9 @@ def with_distinct(tree: Statement, alternative: Alternative) -> Statement:
     """
 
     def simpler(node: n.Node) -> n.Node:
+        if isinstance(node, n.Operation) and node.operator is Operator.OR:
+            constant = any(is_constant(each, FALSE) for each in node.operands)
+            return disjunction(node.operands) if constant else node
         if not (isinstance(node, n.Operation) and node.operator is Operator.AND):
             return node
         known = dict(filter(None, map(alternative, map(n.bare, node.operands))))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import count
@@ -116,7 +117,50 @@ class _CodePrinter(Printer):
         if isinstance(node, n.RegionBlock):
             start, end = region_marks(" ".join(node.title.split()), self._dialect)
             return self._block(start, node.statements, end, indent)
-        return super()._statement(node, indent)
+        text = super()._statement(node, indent)
+        return wrapped(text, indent) if isinstance(node, n.Assignment | n.CallStatement) else text
+
+    def _branch(self, word: str, node: n.Branch, indent: str) -> str:
+        head, then, below = super()._branch(word, node, indent).partition(" THEN")
+        above, line_end, condition = head.rpartition("\n")
+        return above + line_end + wrapped(condition, indent, deeper=2 * INDENT, ends=len(then)) + then + below
+
+
+_WIDTH = 120
+_BREAKS = re.compile(r"""'[^']*'|"[^"]*"|[()\[\]]| (?=(?:OR|XOR|AND) )|(?<=,) """)
+_RANKS = {"O": 0, "X": 0, "A": 1}
+
+
+def wrapped(line: str, indent: str, *, deeper: str = INDENT, ends: int = 0) -> str:
+    """Return a line that is too long as several, broken where a person would: before OR, then AND, outer ones first.
+
+    `ends`: so many characters follow it. Lines behind the first one are further to the right.
+    """
+    room = _WIDTH - len(indent) - len(deeper) - ends
+    if len(line.lstrip()) <= _WIDTH - len(indent) - ends:
+        return line
+    return f"\n{indent}{deeper}".join(_broken(line, room))
+
+
+def _broken(text: str, room: int) -> list[str]:
+    depth = 0
+    places: dict[tuple[int, int], list[int]] = {}
+    for found in _BREAKS.finditer(text):
+        sign = found.group()
+        depth += (sign in "([") - (sign in ")]")
+        if sign == " ":
+            rank = _RANKS.get(text[found.end()], 0)
+            places.setdefault((depth, rank), []).append(found.end())
+    if len(text) <= room or not places:
+        return [text]
+    lines: list[str] = []
+    start = 0
+    ends = [*places[min(places)], len(text)]
+    for end, following in zip(ends, [*ends[1:], None], strict=True):
+        if following is None or len(text[start:following].strip()) > room:
+            lines += _broken(text[start:end].rstrip(), room)
+            start = end
+    return lines
 
 
 def titled(network: CodeNetwork) -> tuple[n.Statement, ...]:

@@ -29,7 +29,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     conjunction,
     disjunction,
     equal,
-    is_constant,
     negation,
     remark,
     simplified,
@@ -101,7 +100,6 @@ class StateNames:
             written = self._enumeration(states, source, surroundings)
             self._initial = [print_node(value) for value in written]
         self.all: frozenset[Expression] = frozenset(written)
-        self.numbers = self.all if rules.states is States.NUMBERS else frozenset()
         self._steps = written[: len(steps)]
         self._waiting = written[len(steps) : len(steps) + len(waiting)]
         self._none = written[-1]
@@ -424,7 +422,9 @@ class StateVariables:
             # an empty branch is no error: the region waits in it until the join is tried by the parent
             joined = any(len(self._net.transitions[t].sources) > 1 for t in self._net.leaving[i])
             until = [beside(self._texts.until_joined)] if joined else []
-            content, remarks = leaving(step), self.remarks(step.step)
+            # a condition may ask for the step itself, or for others of its part
+            content = self.in_branch(machine.state, self.names.step(i), leaving(step))
+            remarks = self.remarks(step.step)
             is_idle &= not (content or remarks)
             done = [*remarks, *(content or [self._nothing(machine), *until])]
             branches.append(self.branch(self.names.step(i), self.heading(step), done))
@@ -457,9 +457,8 @@ class StateVariables:
         branches: list[n.CaseBranch] = []
         for state, these in by_state.items():
             found = [each for part in these for each in self.in_branch(selector, state, part.statements, other)]
-            # numbers tell nothing, names are those of the steps
-            title = [beside(self.heading(self._net.steps[these[0].step]))] if state in self.names.numbers else []
-            branches.append(n.CaseBranch((state,), (*title, *found)))
+            title = beside(self.heading(self._net.steps[these[0].step]))
+            branches.append(n.CaseBranch((state,), (title, *found)))
         return n.Case(selector, tuple(branches))
 
     def in_branch(
@@ -545,10 +544,8 @@ class StateVariables:
             done = (*each.remarks, *each.effect)
             if each.before:
                 ahead, done = [*each.remarks, *each.before], (*each.effect,)
-            if number == len(choice) - 1 and is_constant(each.condition, TRUE):
-                return [*ahead, n.If(tuple(branches), done)] if branches else [*ahead, *done]
             branches.append(n.Branch(each.condition, done))
-        return [*ahead, n.If(tuple(branches))] if branches else []
+        return [*ahead, *without_constant(n.If(tuple(branches)))] if branches else []
 
 
 def branch_content(branch: n.CaseBranch) -> tuple[Statement, ...]:

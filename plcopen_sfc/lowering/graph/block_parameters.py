@@ -16,6 +16,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     is_constant,
     negation,
     when,
+    without_constant,
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import INT, LoweredCode
@@ -194,7 +195,7 @@ class _Display:
             edge = self._commands.edge(command)
             if not is_constant(edge, FALSE) and steps:
                 branches.append(n.Branch(edge, tuple(self._other(steps, beyond))))
-        yield n.If(tuple(branches))
+        yield from without_constant(n.If(tuple(branches)))
 
     def _shown_is_active(self) -> tuple[Sequence[Statement], Expression]:
         """Return an expression that is TRUE if the step displayed is active, and the statements that find that out."""
