@@ -230,34 +230,35 @@ class _Reader:
     # -- operands
 
     def _operand(self, start: int, end: int) -> tuple[str, int]:
-        """Return an operand with its negations, edges and times, and the index behind it."""
-        if start == end:
-            raise self._missing(start)
-        token = self.tokens[start]
-        if token.kind == "not" or token.text == "/":
-            operand, behind = self._operand(start + 1, end)
-            # a time may become a comparison (Step1.T >= T#3s), of which NOT alone would take the first operand
-            return f"NOT ({operand})" if _COMPARISON.match(operand) else f"NOT {operand}", behind
-        if token.text in ("↑", "↓"):
-            operand, behind = self._operand(start + 1, end)
-            return self._terms.edge(operand, rising=token.text == "↑"), behind
+        """Return an operand with its times, negations and edges, and the index behind it."""
         first = None
-        if token.kind == "time":
+        if start < end and self.tokens[start].kind == "time":
+            token = self.tokens[start]
             if not self._is(start + 1, end, "/"):
                 raise ConditionError(f"a time needs what it is the time of: {token.text}/X1", token.span)
             first, start = token.text, start + 2
-            if start == end:
-                raise self._missing(start)
-            if self.tokens[start].text == "/" or self.tokens[start].kind == "not" or self.tokens[start].text in "↑↓":
-                operand, behind = self._operand(start, end)
-                return self._terms.delay(operand, _time(first), None), behind
-        operand, behind = self._primary(start, end)
+        operand, behind = self._signed(start, end)
         last = None
         if self._is(behind, end, "/") and behind + 1 < end and self.tokens[behind + 1].kind == "time":
             last, behind = self.tokens[behind + 1].text, behind + 2
         if first is None and last is None:
             return operand, behind
         return self._terms.delay(operand, _time(first), _time(last)), behind
+
+    def _signed(self, start: int, end: int) -> tuple[str, int]:
+        """Return an operand with its negations and edges, which are of it alone: ``3s//a/2s`` is ``3s/a̅/2s``."""
+        if start == end:
+            raise self._missing(start)
+        token = self.tokens[start]
+        negates = token.kind == "not" or token.text == "/"
+        if not negates and token.text not in ("↑", "↓"):
+            return self._primary(start, end)
+        is_time = start + 1 < end and self.tokens[start + 1].kind == "time"
+        operand, behind = (self._operand if is_time else self._signed)(start + 1, end)
+        if not negates:
+            return self._terms.edge(operand, rising=token.text == "↑"), behind
+        # a time may become a comparison (Step1.T >= T#3s), of which NOT alone would take the first operand
+        return f"NOT ({operand})" if _COMPARISON.match(operand) else f"NOT {operand}", behind
 
     def _is(self, index: int, end: int, text: str) -> bool:
         return index < end and self.tokens[index].text == text

@@ -435,12 +435,16 @@ class CheckedChart:
         """Return a condition as it is while the steps before its transition are active: their flags are TRUE."""
         flags = {f"x{sheet.names.get(source, '')}".casefold() for source in transition.sources} - self.types.keys()
 
+        # a/3s is true while a is: of another operand a witness would show both
+        after = {timer.name for timer in self._terms.timers if timer.first is None}
+
         def known(node: n.Node) -> n.Node:
             if isinstance(node, n.Operation):
-                is_true = node.operator is n.Operator.OR and any(n.bare(each) == _TRUE for each in node.operands)
-            else:
-                is_true = isinstance(node, n.Name) and node.identifier.casefold() in flags
-            return _TRUE if is_true else node
+                if node.operator is n.Operator.OR and any(n.bare(each) == _TRUE for each in node.operands):
+                    return _TRUE
+                first = node.operands[0]
+                return first if isinstance(first, n.Name) and first.identifier in after else node
+            return _TRUE if isinstance(node, n.Name) and node.identifier.casefold() in flags else node
 
         return transform(tree, known)
 

@@ -55,6 +55,28 @@ def test_edges_and_times_are_taken_out() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("3s//b/2s", "3s/b̅/2s"),
+        ("3s/!b/2s", "3s/(/b)/2s"),
+        ("/b/2s", "b̅/2s"),
+        ("NOT b/2s", "b̅/2s"),
+        ("3s/↑b/2s", "3s/(↑b)/2s"),
+        ("↓b/2s", "(↓b)/2s"),
+        ("/3s/b/2s", "/(3s/b/2s)"),
+        ("3s//↑b", "3s/(/(↑b))"),
+    ],
+)
+def test_negations_and_edges_are_of_the_operand_of_a_time(text: str, same: str) -> None:
+    found = TermTexts(), TermTexts()
+    read = [terms.read(each) for terms, each in zip(found, (text, same), strict=True)]
+    bare = str.maketrans("", "", "()")
+    assert read[0].translate(bare) == read[1].translate(bare)
+    times = [[(t.first, t.operand.translate(bare), t.last) for t in terms.timers] for terms in found]
+    assert times[0] == times[1]
+
+
 def test_messages_have_terms_as_they_are_written() -> None:
     chart = chain("1", "2", "3", conditions="↑a;3s/(b*↓a);c")
     chart.add_transition("1", "3", "X2/5s * ↑(a+b)")
