@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, STABILITY, START
 from plcopen_sfc.languages.binding import SharedScans
-from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.project import Chart
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.object_path import ObjectPath
@@ -82,11 +82,28 @@ def _causes(
         parts |= dict.fromkeys(map(_called, places))
     if evolution or found:
         return "".join([*evolution, *found][:_LISTED])
+    if started := _told_start(example, chart, profiles, tool):
+        return started
     written = _written_at(chart, profiles, tool)
     for name in (each.name for each in example.differences if each.name in written):
         return f"; {written[name]}"
     order = ": tools have an order of their own for what writes a variable in one scan"
     return f"; look at {_listed([*parts])}{order if len(parts) > 1 and not evolves else ''}" if parts else ""
+
+
+def _told_start(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> str:
+    """Return which tool takes its start for no activation of the initial steps, where that matters; else empty."""
+    if profiles[0].initial_steps_entered is profiles[1].initial_steps_entered:
+        return ""
+    side = tool if profiles[0].initial_steps_entered else "the source"
+    begun = {step.name: {"entry action"} for step in chart.chart.steps if step.initial}
+    for step, row in chart.chart.associations():
+        if step.name in begun and row.qualifier is not Qualifier.N:
+            begun[step.name].add(f"action {row.target or 'in place'}")
+    for name in (each.name for each in example.differences if not each.error):
+        if any(last in begun.get(step, ()) for step, last in _writers(name, chart)):
+            return f"; the start is no activation of the initial step in {side}: what begins with that is not executed"
+    return ""
 
 
 def _called(place: str) -> str:

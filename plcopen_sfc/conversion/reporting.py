@@ -269,8 +269,10 @@ def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]
         new.removeprefix(shared): old.removeprefix(shared) for new, old in called.items() if new.startswith(shared)
     }
     plain = [path.removeprefix(own) for path in called if path.startswith(own) and "step " not in path]
+    external = {variable.name for variable in here.pou.variables(SectionKind.EXTERNAL)}
     for variable in here.pou.variables():  # which hides a tag
-        found.pop(variable.name, None)
+        if variable.name not in external:
+            found.pop(variable.name, None)
     return found | {name: ObjectPath.of(called[own + name]).last for name in plain if " / " not in name}
 
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
 
+from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
-
-if TYPE_CHECKING:
-    pass
 
 
 def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
@@ -32,7 +31,7 @@ def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
         for transition in new.chart.transitions:
             if transition.id in earlier:
                 called[f"{new.report_path} / transition {labels[transition.id]}"] = earlier[transition.id]
-    called |= _renamed_variables(project, copy)
+    called |= _without_lists(project, copy) | _renamed_variables(project, copy)
     return {path: old for path, old in called.items() if path != old}
 
 
@@ -51,6 +50,20 @@ def _elements_of(chart: Chart, *, is_flat: bool) -> tuple[dict[int, str], dict[i
         {step.id: f"{path} / step {step.name}" for step in network.steps},
         {number: f"{path} / transition {label}" for number, label in network.labels().items()},
     )
+
+
+def _without_lists(project: Project, copy: Project) -> dict[str, str]:
+    """Return the paths of variables of lists of CODESYS where the other side knows no lists: ``GVL.x`` is ``x``."""
+    if family(project.dialect) is not Dialect.CODESYS or family(copy.dialect) is not Dialect.IEC:
+        return {}
+    sections = [section for section in project.global_sections() if section.name]
+    counts = Counter(variable.name.casefold() for section in sections for variable in section.variables)
+    return {
+        f"global variable {variable.name}": f"global variable {section.name}.{variable.name}"
+        for section in sections
+        for variable in section.variables
+        if counts[variable.name.casefold()] == 1
+    }
 
 
 def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:

@@ -279,6 +279,12 @@ _DIFFERENCES = {
         "die Quelle führt die Aktionen vor den Transitionen aus und sieht darin andere Eingänge"
     ),
     "{} tests no transition in its first scan": "{} prüft im ersten Zyklus keine Transition",
+    "the start is no activation of the initial step in the source: what begins with that is not executed": (
+        "der Start ist in der Quelle keine Aktivierung des Anfangsschritts: was damit beginnt, wird nicht ausgeführt"
+    ),
+    "the start is no activation of the initial step in {}: what begins with that is not executed": (
+        "der Start ist in {} keine Aktivierung des Anfangsschritts: was damit beginnt, wird nicht ausgeführt"
+    ),
     "the source tests no transition in its first scan": "die Quelle prüft im ersten Zyklus keine Transition",
 }
 """What differs, and causes of it."""

@@ -99,3 +99,29 @@ def test_a_name_in_several_lists_is_compared_list_by_list(target: str) -> None:
     _, report = sfc.convert(project, target, partial=True, at_rest=["all"])
     assert not report.with_outcome(Outcome.NOT_EXECUTED)
     assert not [item.path for item in report.losses if item.path.startswith("global variable")]
+
+
+TESTED = """FUNCTION_BLOCK Main
+VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := GVL1.x; END_TRANSITION
+STEP S1: q(N); END_STEP
+TRANSITION FROM S1 TO S0 := NOT {other}; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("other", ["x", "GVL1.x", "GVL1.w"])
+@pytest.mark.parametrize(("target", "flavour"), [("plcopen-2.01", ""), ("plcopen-2.01", "beremiz"), ("simaticml", "")])
+def test_a_run_gives_variables_of_lists_the_same_values(other: str, target: str, flavour: str) -> None:
+    """They were two inputs, `GVL1.x` and `x`, where one tool knows no lists: charts were called different."""
+    project = sfc.loads(TESTED.format(other=other).encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    variables = [m.Variable.model_validate({"name": name, "type": "BOOL"}) for name in ("x", "w")]
+    section = m.VariableSection(kind=m.SectionKind.GLOBAL, name="GVL1", variables=variables)
+    project.applications = [m.Resource(name="Application", global_variables=[section])]
+    source = sfc.loads(sfc.dumps(project, format="codesys"), format="codesys")
+    report = sfc.convert(source, target, flavour=flavour, limit=10)[1]
+    (verdict,) = report.compared.values()
+    assert verdict.startswith("equal"), verdict
+    assert "proof" in verdict

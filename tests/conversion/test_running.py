@@ -90,6 +90,17 @@ def test_inputs_of_the_entry_and_of_the_first_scan_are_no_constant_delay(
     assert german(item.why).startswith("es tut nach ")
 
 
+def test_a_pulse_of_the_initial_step_that_matiec_does_not_execute_is_told_as_such() -> None:
+    text = CHART.format(first="", second="", initial="", edge="", actions="ACTION Set: m := 1; END_ACTION")
+    text = text.replace("INITIAL_STEP S0: ", "INITIAL_STEP S0: Set(P1); ")
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.header.product = "Beremiz"
+    source = sfc.loads(sfc.dumps(project, format="plcopen-2.01"), as_tool=True)
+    (item,) = [item for item in saved(source, "codesys").losses if item.what == "chart"]
+    assert "the start is no activation of the initial step in the source" in item.why
+    assert "keine Aktivierung des Anfangsschritts" in german(item.why)
+
+
 CALLED = """VAR_GLOBAL b : BOOL; END_VAR
 FUNCTION_BLOCK Inner VAR_OUTPUT seen : BOOL; END_VAR VAR_EXTERNAL b : BOOL; END_VAR seen := b; END_FUNCTION_BLOCK
 FUNCTION_BLOCK Sampler VAR inner : Inner; END_VAR VAR_OUTPUT seen : BOOL; END_VAR
