@@ -23,14 +23,15 @@ from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_si
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.effects import ANYTHING, Effects, Path, effects, path_of
-from plcopen_sfc.languages.networks import body_statements
+from plcopen_sfc.languages.library_blocks import library_blocks
+from plcopen_sfc.languages.networks import Helper, body_statements
 from plcopen_sfc.languages.s7_actions import ActionCalls, MethodFunction
 from plcopen_sfc.languages.s7_globals import global_names
 from plcopen_sfc.languages.s7_programs import renamed_local, s7_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, walk
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, StandardBlock, standard_block
+from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_VERSION, StandardBlock, standard_block
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition
@@ -50,6 +51,8 @@ from plcopen_sfc.model.types import (
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
+_OF_EDGES = frozenset({"R_TRIG", "F_TRIG", "BOOL"})
+"""Types of the variables that networks with edges need."""
 _LONGEST = 120
 """Most characters of a name: TIA Portal takes 125, and a number may follow."""
 _LOCAL = (n.Quoting.LOCAL, n.Quoting.LOCAL_QUOTED)
@@ -95,6 +98,14 @@ class ActionChart:
         return f"#{self.instance.name}({', '.join(f'{name} := #{name}' for name in names)});"
 
 
+@dataclass(frozen=True)
+class _DrawnText:
+    """A network as statements, None where it is none, and the variables that are temporary in them."""
+
+    text: str | None
+    temporary: Sequence[Variable]
+
+
 class ActionFunctions:
     """The functions of the actions of a project; they have the same names whenever they are made in the same order."""
 
@@ -109,6 +120,8 @@ class ActionFunctions:
         """Blocks for charts of actions, by their names in lower case."""
         self._of_actions: dict[int, ActionChart | str] = {}
         self._of_methods: dict[int, MethodFunction | str] = {}
+        self._edges: dict[str, list[Variable]] = {}
+        self._drawn: dict[tuple[str, str, int], _DrawnText] = {}
         self._found: dict[tuple[str, str, str], Pou | str] = {}
         self._step_data: dict[str, dict[str, str]] = {}
         self._is_of_folder = (
@@ -118,7 +131,7 @@ class ActionFunctions:
         self._taken = {*global_names(project), *(block.name.casefold() for block in programs.blocks)}
         self._taken |= {caller.block.name.casefold() for caller in programs.callers}
         self._types = {declaration.name.casefold() for declaration in project.data_types}
-        self._pous = {pou.name.casefold(): pou for pou in project.pous}
+        self._pous = {pou.name.casefold(): pou for pou in (*project.pous, *library_blocks(project))}
         self._passed = frozenset(_passed_inputs(project))
         self._kept_inside: dict[str, frozenset[str]] = {}
         types = (each.type for other in project.pous for each in other.variables())
@@ -126,7 +139,8 @@ class ActionFunctions:
 
     def function(self, pou: Pou, label: str, body: Body) -> Pou | str:
         """Return the function for the body of an action of `pou`; a reason where there is none."""
-        text = _text(body)
+        drawn = self._drawn_text(pou, label, body) if isinstance(body, FbdBody | LdBody) else None
+        text = drawn.text if drawn is not None else _text(body)
         if text is None:
             return _NO_TEXT if isinstance(body, FbdBody | LdBody) else f"it is a body in {body.language}"
         calls = self.calls.inlined(text, pou)
@@ -138,7 +152,7 @@ class ActionFunctions:
         key = (pou.name, label, body.text)
         found = self._found.get(key)
         if found is None:
-            found = self._found[key] = self._make(pou, label, body)
+            found = self._found[key] = self._make(pou, label, body, drawn.temporary if drawn is not None else ())
             if isinstance(found, Pou):
                 self.made.append(found)
         return found
@@ -165,7 +179,8 @@ class ActionFunctions:
 
     def arguments(self, called: Pou) -> dict[str, str]:
         """Return what a call passes to the parameters of a function, or of the block for a chart, by their names."""
-        passed = {variable.name: f"#{variable.name}" for variable in called.variables()}
+        parameters = [v for section in _sections(called) if section.kind in _PARAMETERS for v in section.variables]
+        passed = {variable.name: f"#{variable.name}" for variable in parameters}
         return passed | self._step_data.get(called.name, {})
 
     def call(self, function: Pou) -> str:
@@ -174,8 +189,24 @@ class ActionFunctions:
         return f'"{function.name}"({passed});'
 
     def instances(self, pou: Pou) -> list[Variable]:
-        """Return the instances of the blocks for charts of the actions of `pou`."""
-        return [chart.instance for chart in self.charts.values() if chart.owner.name == pou.name]
+        """Return the variables that `pou` gets: instances of blocks for charts of its actions, and of drawn edges."""
+        charts = [chart.instance for chart in self.charts.values() if chart.owner.name == pou.name]
+        return charts + self._edges.get(pou.name, [])
+
+    def _drawn_text(self, pou: Pou, label: str, body: FbdBody | LdBody) -> _DrawnText:
+        """Return a network as statements; what its edges keep are variables of `pou`."""
+        key = (pou.name, label, id(body))
+        if key not in self._drawn:
+            taken = {variable.name for variable in (*pou.variables(), *self.instances(pou))}
+            taken |= {step.name for other in pou.bodies if isinstance(other, SfcBody) for step in other.chart.steps}
+            drawn = body_statements(body, Dialect.SCL, taken=taken)
+            is_text = not drawn.obstacles and not drawn.open_ends
+            is_text = is_text and all(helper.type_name in _OF_EDGES for helper in drawn.helpers)
+            made = [(helper, _helper(helper)) for helper in (drawn.helpers if is_text else ())]
+            temporary = [variable for helper, variable in made if not helper.retained]
+            self._drawn[key] = _DrawnText(print_node(drawn.tree) if is_text else None, temporary)
+            self._edges.setdefault(pou.name, []).extend(variable for helper, variable in made if helper.retained)
+        return self._drawn[key]
 
     def kept_inside(self, pou: Pou) -> frozenset[str]:
         """Return the inputs of a block that no call passes, and that are instances or written by the block itself.
@@ -345,7 +376,7 @@ class ActionFunctions:
                 found[path] = block
         return found
 
-    def _make(self, pou: Pou, label: str, body: StBody) -> Pou | str:
+    def _make(self, pou: Pou, label: str, body: StBody, temporary: Sequence[Variable]) -> Pou | str:
         parsed = parse_statements(body.text, Dialect.SCL)
         if parsed.problems:
             return "its text cannot be read"
@@ -353,6 +384,7 @@ class ActionFunctions:
         if data:
             body, parsed = StBody(text=text), parse_statements(text, Dialect.SCL)
         tree, inputs = parsed.tree, {variable.name.casefold() for variable, _ in data}
+        inside = {variable.name.casefold() for variable in temporary}
         used = {
             each.identifier.casefold() for each in walk(tree) if isinstance(each, n.Name) and each.quoting in _LOCAL
         }
@@ -362,9 +394,11 @@ class ActionFunctions:
             return "it calls what may write variables that its text does not name"
         if not written.isdisjoint(inputs):
             return "it writes data of a step"
-        filled = self._parameters(pou, used - inputs, written)
+        filled = self._parameters(pou, used - inputs - inside, written)
         if isinstance(filled, str):
             return filled
+        if temporary:
+            filled.sections.append(VariableSection(kind=SectionKind.TEMP, variables=[*temporary]))
         if data:
             of_steps = VariableSection(kind=SectionKind.INPUT, variables=[variable for variable, _ in data])
             filled.sections.insert(0, of_steps)
@@ -374,10 +408,28 @@ class ActionFunctions:
         self._step_data[function.name] = {variable.name: value for variable, value in data}
         return function
 
+    def _steps_inside(self, pou: Pou, tree: n.Node, own: Set[str]) -> dict[str, tuple[str, str]]:
+        """Return the steps of charts of actions that statements name, by their names in lower case.
+
+        Each with its name and the instance of the block for its chart. `own`: the steps of the chart of `pou`.
+        """
+        members = [each for each in walk(tree) if isinstance(each, n.Member) and isinstance(each.base, n.Name)]
+        named = {each.base.identifier.casefold() for each in members if isinstance(each.base, n.Name)} - own
+        found: dict[str, tuple[str, str]] = {}
+        for action in pou.actions if pou.name.casefold() not in self.charts else ():
+            steps = action.body.chart.steps if isinstance(action.body, SfcBody) else ()
+            names = [step.name for step in steps if step.name.casefold() in named]
+            chart = self.chart(pou, action) if names else ""
+            if isinstance(chart, ActionChart):
+                found |= {name.casefold(): (name, f"#{chart.instance.name}") for name in names}
+        return found
+
     def _with_step_data(self, pou: Pou, text: str, tree: n.Statements) -> tuple[str, list[tuple[Variable, str]]]:
         """Return a text with variables in place of data of steps, and each of them with the data that it replaces."""
         charts = [body.chart for body in pou.bodies if isinstance(body, SfcBody)]
         steps = {step.name.casefold(): step.name for chart in charts for step in chart.steps}
+        inside = self._steps_inside(pou, tree, steps.keys())
+        steps |= {name: step for name, (step, _) in inside.items()}
         taken = {variable.name.casefold() for variable in pou.variables()} | steps.keys()
         found: dict[tuple[str, str], tuple[Variable, str]] = {}
         edits: list[Edit] = []
@@ -393,7 +445,9 @@ class ActionFunctions:
                     name += "_"
                 taken.add(name.casefold())
                 variable = Variable(name=name, type=ElementaryType(name=_STEP_DATA[member]))
-                found[step, member] = (variable, text[slice(*node.span)])
+                of_step = text[slice(*node.span)]
+                _, instance = inside.get(step.casefold(), ("", ""))
+                found[step, member] = (variable, f"{instance}.{of_step.removeprefix('#')}" if instance else of_step)
             edits.append(Edit(*node.span, f"#{found[step, member][0].name}"))
         return apply_edits(text, edits), list(found.values())
 
@@ -498,6 +552,14 @@ class _Uses:
             if token.value.startswith("#"):
                 name = token.value[1:].strip('"').casefold()
                 self.names |= {name} - actions
+
+
+def _helper(helper: Helper) -> Variable:
+    """Return the variable for one that a network needs."""
+    if helper.type_name == Elementary.BOOL.value:
+        return Variable(name=helper.name, type=ElementaryType(name=Elementary.BOOL))
+    type_ = DerivedType(name=helper.type_name or "")
+    return Variable(name=helper.name, type=type_, attributes={"Version": S7_VERSION})
 
 
 def _text(body: Body) -> str | None:

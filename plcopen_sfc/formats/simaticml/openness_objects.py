@@ -149,7 +149,7 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
         report_program(ctx.project, pou, ctx.report)
     chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
     added = functions.instances(pou)
-    if added and ctx.options.of_codesys:
+    if ctx.options.of_codesys and any(each.owner.name == pou.name for each in functions.charts.values()):
         why = (
             "charts in actions show a new step one call later in CODESYS: where such an action ends just then, the step"
             " acts before it ends in TIA Portal, and when it begins again in CODESYS"

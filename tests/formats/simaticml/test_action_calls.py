@@ -533,3 +533,41 @@ def test_a_method_that_uses_a_step_names_it() -> None:
     (item,) = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "method"]
     assert "it uses data of the step Done, which no call passes" in item.why
     assert item.why.endswith("let the step set a variable (N), and use that in its place")
+
+
+def edges(rig: Rig) -> None:
+    """Two actions in LD with contacts of edges, which need a memory of their own."""
+    for name, edge, storage in (("Mark", m.Edge.RISING, m.Storage.SET), ("Clear", m.Edge.FALLING, m.Storage.RESET)):
+        nodes = [
+            m.LeftPowerRail(id=1, outputs=[m.OutputPin()]),
+            m.Contact(id=2, variable="b", edge=edge, input=wired(1), output=m.OutputPin()),
+            m.Coil(id=3, variable="q", storage=storage, input=wired(2)),
+        ]
+        rig.action(name, m.LdBody(networks=[m.LogicNetwork(nodes=nodes)]))
+        rig.act("Work", name)
+
+
+def wired(source: int) -> m.InputPin:
+    return m.InputPin(connections=[m.Connection(source=source)])
+
+
+def inner_steps(rig: Rig) -> None:
+    """An action that reads steps of the chart of another one."""
+    rig.action("Inner", m.SfcBody(chart=inner_chart("b", "One", "Two")))
+    rig.action("Tell", m.StBody(text="q := Two.X;\nr := NOT Two.X AND g;"))
+    rig.act("Work", "Inner")
+    rig.act("Work", "Tell")
+
+
+@pytest.mark.parametrize("build", [edges, inner_steps])
+def test_functions_get_memories_of_edges_and_steps_of_other_charts(build: object) -> None:
+    source = feature_project(Feature("x", ("plcopen",), build), "plcopen")  # type: ignore[arg-type]
+    data, report = sfc.convert(source, "simaticml", limit=10)
+    assert report.compared["POU Main"].startswith("equal"), report.compared
+    tool = sfc.loads(data, as_tool=True)
+    added = {v.name: str(v.type) for v in tool.pou("Main").variables() if v.name.startswith(("edge", "last", "Inner"))}
+    assert len(added) == (2 if build is edges else 1)
+    back = sfc.loads(data).pou("Main")
+    assert [v.name for v in back.variables()] == [v.name for v in source.pou("Main").variables()]
+    kinds = [(action.name, type(action.body)) for action in source.pou("Main").actions]
+    assert [(action.name, type(action.body)) for action in back.actions] == kinds
