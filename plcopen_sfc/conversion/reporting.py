@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
+from plcopen_sfc.conversion.assumed_types import assumed_types, with_types
 from plcopen_sfc.conversion.causes import concerns, times_among, told_apart, told_difference, told_while_held
 from plcopen_sfc.conversion.comparison import OF_LIBRARY, ExecutionDifference
 from plcopen_sfc.conversion.executed_parts import (
@@ -87,8 +88,11 @@ def report_running(
 
     profiles = default_profile(source), target or default_profile(result)
     end = time.monotonic() + limit
-    losses = [item for item in report.losses if not _is_apart(item)]
-    undeclared = {item.why.split("`")[1].casefold() for item in losses if item.what == UNDECLARED_TYPE}
+    losses = [item for item in report.losses if not _is_apart(item) and item.what != UNDECLARED_TYPE]
+    undeclared = {item.why.split("`")[1].casefold() for item in report.losses if item.what == UNDECLARED_TYPE}
+    assumed = assumed_types(source, undeclared) if undeclared else []
+    undeclared -= {declaration.name.casefold() for declaration in assumed}
+    running = [with_types(project, assumed) if assumed else project for project in (source, result)]
     for there, here in list(_pairs(source, result, called)):
         named = {item.outcome for item in losses if concerns(item, there.report_path)}
         types = [name for variable in there.pou.variables() for name in used_types(variable.type)]
@@ -106,8 +110,8 @@ def report_running(
             continue
         compared = partial(
             equivalent,
-            resolve(source, there.name),
-            resolve(result, here.name),
+            resolve(running[0], there.name),
+            resolve(running[1], here.name),
             profiles,
             step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
             inputs=_renamed_variables(here, called) | _executed_inputs(report, there),
@@ -135,6 +139,8 @@ def report_running(
             is_held = verdict.counterexample is not None and times and left > 0
             held = told_while_held(compared(delay="auto", limit=left, fixed=times), times) if is_held else ""
             _report_run(report, run, held)
+        if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
+            report.compared[there.report_path] += "; types that nothing declares have the members that are used of them"
 
 
 class _Run(NamedTuple):
@@ -524,7 +530,8 @@ def _without_repetition(differences: Iterable[ExecutionDifference], said: set[st
     found = list(differences)
     without = {ObjectPath.of(d.path).around for d in found if d.kind == "action" and d.aspect == "interlock"}
     lists: dict[str, list[str]] = {}
-    missing = {_last(d.name) for d in found if d.right is None and not d.aspect}
+    # an operating input that a chart has no longer may be obeyed all the same: code that writes it needs a variable
+    missing = {_last(d.name) for d in found if d.right is None and not d.aspect and d.kind not in OPERATING_KINDS}
     missing |= {d.name.partition(".")[0].casefold() for d in found if d.kind == "global variable"}
     for difference in found:
         if difference.kind == UNDECLARED and difference.name.casefold() in missing:

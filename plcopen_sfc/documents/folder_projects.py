@@ -206,6 +206,14 @@ def add_document(source: FolderSource, name: str, data: bytes, *, as_tool: bool 
     return things
 
 
+def _pairs_of(
+    ones: Iterable[ProjectObject], things: Iterable[ProjectObject]
+) -> list[tuple[ProjectObject, ProjectObject]]:
+    """Return each of `things` with that of `ones` that has its kind and its name."""
+    found = {(type(each), each.name): each for each in ones}
+    return [(found[type(each), each.name], each) for each in things if (type(each), each.name) in found]
+
+
 def place_objects(things: Iterable[ProjectObject], name: str) -> None:
     """Let objects know that they are those of the document `name`, in their order."""
     folder = PurePosixPath(name).parent.as_posix()
@@ -477,18 +485,27 @@ def _convert(
 
     codec = cast("FolderCodec", kind.codec())
     options = WriteOptions(version, at_rest=at_rest)
-    copy, _, options, behaviour = prepared(project, kind, options, report)
+    copy, meant, options, behaviour = prepared(project, kind, options, report)
     if not copy.header.product:
-        copy.header = codec.new_document(version).header
+        copy.header = meant.header = codec.new_document(version).header
     planned = plan_new(copy, kind, version)
     options = replace(options, whole=copy)
-    contents = _write_each(
-        planned, lambda document: codec.write(document.project(), replace(options, added=document.added), report)
-    )
+
+    def write(document: PlannedDocument) -> bytes:
+        alone = document.project()
+        pairs = _pairs_of(
+            alone.objects(), document.things
+        )  # a document has copies of its objects, with ids of their own
+        marks = {id(one): options.marks[id(thing)] for one, thing in pairs if id(thing) in options.marks}
+        return codec.write(alone, replace(options, added=document.added, marks={**options.marks, **marks}), report)
+
+    contents = _write_each(planned, write)
     for document in planned:
         if not document.added:
             place_objects(document.things, document.path)
-    verify(copy, kind, _read_back(contents, kind, version, as_tool=False), report)
+            if meant is not copy:  # flags of the source, say, are in the conditions of the copy alone
+                place_objects([one for one, _ in _pairs_of(meant.objects(), document.things)], document.path)
+    verify(meant, kind, _read_back(contents, kind, version, as_tool=False), report)
     if behaviour is not None:
         seen = _read_back(contents, kind, version, as_tool=True)
         called = names_in_the_source(project, copy)

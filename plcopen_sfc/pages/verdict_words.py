@@ -48,6 +48,9 @@ _HEADS = {
     "not compared: the report names nothing in {+} that has its name": (
         "nicht verglichen: in {} ist nichts mit diesem Namen"
     ),
+    "{+}; types that nothing declares have the members that are used of them": (
+        "{}; Typen, die nichts deklariert, haben die Elemente, die von ihnen benutzt werden"
+    ),
     "not compared: nothing declares the type `{}` of its variables": (
         "nicht verglichen: nichts deklariert den Typ `{}` seiner Variablen"
     ),

@@ -568,7 +568,7 @@ def _interfaces(site: Site) -> Iterator[Interface]:
 
 
 def _locals(site: Site) -> list[str]:
-    """All that the POU around has itself: its variables and its result, steps, actions and methods.
+    """All that the POU around has itself: its variables and its result, steps, actions and methods, and SFC flags.
 
     External variables are global: S7 has no declaration that brings them in.
     """
@@ -581,7 +581,7 @@ def _locals(site: Site) -> list[str]:
     if site.method is not None and site.method.interface is not None and site.method.interface.return_type is not None:
         names.append(site.method.name)
     names += [step.name for chart in _charts(site) for step in chart.steps]
-    return [*names, *_parts_of(site.pou)]
+    return [*names, *_parts_of(site.pou), *sorted(site.pou.implicit_flags())]
 
 
 def _charts(site: Site) -> Iterator[SfcNetwork]:

@@ -579,15 +579,14 @@ END_FUNCTION_BLOCK
 
 
 PARTIAL = """FUNCTION_BLOCK Fb
-VAR_IN_OUT Io : ST_Io; List : ARRAY[*] OF INT; END_VAR
-VAR i : INT; END_VAR
+VAR_IN_OUT Io : ST_Io; END_VAR
+VAR n : INT; END_VAR
 INITIAL_STEP Idle: END_STEP
 STEP Work: Both(N); END_STEP
 TRANSITION FROM Idle TO Work := Io.Start; END_TRANSITION
 TRANSITION FROM Work TO Idle := io.start; END_TRANSITION
 ACTION Both:
-Io.Valve := TRUE; Io.Lamp := FALSE;
-FOR i := LOWER_BOUND(List, 1) TO UPPER_BOUND(List, 1) DO List[i] := 0; END_FOR
+Io.Valve := TRUE; Io.Lamp := FALSE; n := n * 0;
 END_ACTION
 END_FUNCTION_BLOCK
 FUNCTION_BLOCK Other
@@ -603,19 +602,42 @@ END_FUNCTION_BLOCK
 def test_a_type_that_no_file_declares_is_one_loss_and_its_variables_are_passed() -> None:
     """Actions that use a variable of the type were lost as well, and a chart that shares it ran with another one.
 
-    The other spelling of the type and of a name was a loss, too; and the bounds ``*`` were told as unreadable.
+    The other spelling of the type and of a name was a loss, too.
     """
     project = sfc.loads(PARTIAL.encode(), format="iec-text")
     project.dialect = Dialect.CODESYS
     written = io.BytesIO()
-    report = sfc.save(project, written, format="simaticml", partial=True, limit=1)
+    report = sfc.save(project, written, format="simaticml", partial=True, limit=30)
     lost = [(item.what, item.path) for item in report.losses if item.outcome is Outcome.NOT_EXECUTED]
     assert lost == [("undeclared type", "POU Fb / Io")]
     read = sfc.loads(written.getvalue(), as_tool=True)
     (function,) = [pou for pou in read.pous if pou.kind is PouKind.FUNCTION]
-    assert [variable.name for variable in function.variables(SectionKind.IN_OUT)] == ["Io", "List", "i"]
+    assert [variable.name for variable in function.variables(SectionKind.IN_OUT)] == ["Io", "n"]
+    assert all(each.startswith("equal") for each in report.compared.values()), report.compared
+    told = "types that nothing declares have the members that are used of them"
+    assert all(each.endswith(told) for each in report.compared.values())
+    project.pou("Other").chart.transitions[0].condition = Expression(text="Io.List[1].Start")
+    report = sfc.save(project, io.BytesIO(), format="simaticml", partial=True, limit=1)
     told = "not compared: nothing declares the type `{}` of its variables"
     assert report.compared == {"POU Fb": told.format("ST_Io"), "POU Other": told.format("st_io")}
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl", "codesys"])
+def test_arrays_of_any_length_are_kept(target: str) -> None:
+    """The bounds ``*`` were told as texts that cannot be read."""
+    text = """FUNCTION_BLOCK Clear
+VAR_IN_OUT List : ARRAY[*] OF INT; END_VAR
+VAR i : INT; END_VAR
+FOR i := LOWER_BOUND(List, 1) TO UPPER_BOUND(List, 1) DO List[i] := 0; END_FOR
+END_FUNCTION_BLOCK
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS
+    data, report = sfc.convert(project, target, partial=True)
+    assert report.losses == []
+    assert b"[*]" in data or b'lower="*" upper="*"' in data
+    there, _ = sfc.convert(sfc.loads(data), "iec-text", partial=True)
+    assert b"ARRAY[*] OF INT" in there.replace(b"ARRAY [", b"ARRAY[").upper()
 
 
 CROSSED = b"""PROGRAM Main

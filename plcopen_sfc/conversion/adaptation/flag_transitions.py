@@ -22,16 +22,16 @@ from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOption
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
 from plcopen_sfc.languages.binding import Effects, Names, bind
 from plcopen_sfc.languages.effects import may_change, path_of
-from plcopen_sfc.languages.networks import condition_reader
+from plcopen_sfc.languages.networks import condition_reader, draw_ld
 from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, named_flags
-from plcopen_sfc.languages.st import parse_expression, print_node
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
+from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, Step, Transition
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -119,8 +119,8 @@ class FlagRewriter(ABC):
         """The statements for behind the sequence, which set the memories."""
         self.ends: list[str] = []
         """The flags in use that end actions."""
-        dialect = Dialect.SCL if self.prefix else Dialect.IEC
-        self._bodies = [bind(body, dialect) for _, _, body in chart.pou.named_bodies()]
+        self._dialect = Dialect.SCL if self.prefix else Dialect.IEC
+        self._bodies = [bind(body, self._dialect) for _, _, body in chart.pou.named_bodies()]
         """The texts of the POU before its chart is changed."""
         names = (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.TIP, SfcFlag.TIP_MODE)
         self._init, self._reset, self._tip, self._tip_mode = (f"{self.prefix}{each.variable}" for each in names)
@@ -333,6 +333,11 @@ class FlagRewriter(ABC):
             f"{tests} := {all_of(stopped)};",
         ]
 
+    def _is_pushed_inside(self) -> bool:
+        """True if code of the POU itself writes SFCTip."""
+        flag = path_of(parse_expression(self._tip, self._dialect).tree)
+        return flag in Effects.all(body.code for body in self._bodies).writes
+
     def _memory(self, wish: str) -> str:
         """Declare a Boolean variable that the source does not have; its name in texts."""
         return self._declare(self._new_name(identifier(wish)))
@@ -433,6 +438,18 @@ class _GraphFlags(FlagRewriter):
             if step.entry_action or step.main_action or step.exit_action:
                 return f"the actions of the step {step.name} go on there"
         return None
+
+    def _pushed(self, flags: Collection[SfcFlag], stops: str) -> tuple[str, list[str]]:
+        edge, lines = super()._pushed(flags, stops)
+        if not lines or not self._is_pushed_inside():
+            return edge, lines
+        # Rows are executed behind the transitions. A memory that is set behind the rows would take what they write for
+        # tested already: so it is set where it is tested, in the next cycle.
+        pushed, (tested, *others) = self._memory(f"{SfcFlag.TIP.variable}_pushed"), lines
+        drawn = draw_ld(parse_statements(f"{pushed} := {edge}; {tested}", Dialect.SCL).tree.statements)
+        self._chart.permanent_pre.append(PermanentOperation(body=drawn.body))
+        self._note(Outcome.TRANSLATED, "permanent instruction before the sequence", "", "it tests SFCTip")
+        return pushed, others
 
     def _end_stored(self, flags: Collection[SfcFlag]) -> None:
         """Let what actions store end where a flag ends it."""

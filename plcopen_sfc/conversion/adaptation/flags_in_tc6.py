@@ -106,6 +106,11 @@ class _Tc6Flags(FlagRewriter):
 
     # -- what TC6 has
 
+    def _refusal(self, flag: SfcFlag) -> str | None:
+        if flag is SfcFlag.TIP and self._is_pushed_inside():
+            return "its own actions write it, before or after what remembers it"
+        return super()._refusal(flag)
+
     def _is_declared(self, flag: SfcFlag) -> bool:
         return super()._is_declared(flag) or self._is_global(flag)
 

@@ -80,7 +80,10 @@ def read_type(text: str, members: list[Fields] | None = None) -> Fields:
         if all(separator or lower == "*" for lower, separator, _ in dimensions):
             return {
                 "kind": "array",
-                "dimensions": [{"lower": lower.strip(), "upper": upper.strip()} for lower, _, upper in dimensions],
+                "dimensions": [
+                    {"lower": lower.strip(), "upper": upper.strip() if separator else "*"}
+                    for lower, separator, upper in dimensions
+                ],
                 "base": read_type(found[2], members),
             }
     if len(text) > 2 and text[0] == text[-1] == '"' and '"' not in text[1:-1]:
@@ -95,7 +98,7 @@ def write_type(type: DataType) -> str:
     if isinstance(type, StringType):
         return ("WString" if type.wide else "String") + (f"[{type.length}]" if type.length is not None else "")
     if isinstance(type, ArrayType):
-        bounds = ", ".join(f"{d.lower}..{d.upper}" if d.upper else d.lower for d in type.dimensions)
+        bounds = ", ".join(d.lower if d.lower == d.upper == "*" else f"{d.lower}..{d.upper}" for d in type.dimensions)
         return f"Array[{bounds}] of {write_type(type.base)}"
     if isinstance(type, StructType):
         return "Struct"
