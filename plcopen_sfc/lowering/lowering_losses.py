@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from plcopen_sfc.languages.grafcet_conditions import program_parts
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.lowering.code.lowered_code import names_of, without_marks
 from plcopen_sfc.model.actions import ActionAssociation
@@ -67,8 +68,13 @@ def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption
                 yield from captions(transition, f"{path} / transition {labels[transition.id]}", dialect)
         elif isinstance(value, (Model, list)):
             yield from captions(value, path, dialect)
-    if isinstance(thing, StBody | IlBody | Expression):
+    if isinstance(thing, StBody | IlBody | Expression) and not _is_negated_in_time(thing):
         yield from _inside(thing.text, path, dialect)
+
+
+def _is_negated_in_time(thing: StBody | IlBody | Expression) -> bool:
+    """True for ``3s//a`` in a GRAFCET, which is no comment."""
+    return isinstance(thing, Expression) and "//" in thing.text and bool(program_parts(thing.text))
 
 
 def _inside(text: str, path: str, dialect: Dialect | None) -> Iterator[Caption]:

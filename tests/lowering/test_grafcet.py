@@ -397,6 +397,15 @@ def test_the_textbook_forms_of_the_example_are_those_of_the_same_chart_with_qual
     assert texts[0] == texts[1]
 
 
+def test_a_time_of_an_edge_is_refused_and_one_of_a_negation_is_no_comment() -> None:
+    chart = chain("1", "2", conditions="a;3s/(a * ↑b)")
+    with pytest.raises(LoweringError, match=r"3s/\(a AND ↑b\) is a time of an edge"):
+        lower(pou_with(chart, "a b", "Q"), "bits", profile="grafcet")
+    chart = chain("1", "2", conditions="a;20ms//a * b")
+    lowered = lower(pou_with(chart, "a b", "Q"), "bits", profile="grafcet", verify=False)
+    assert not [item for item in lowered.losses if item.what == "comment"]
+
+
 @pytest.mark.parametrize("kind", ["onDeactivation", "onEvent"])
 def test_what_textbook_forms_have_no_place_for_is_refused(kind: str) -> None:
     chart = seed_chain()

@@ -115,6 +115,9 @@ class _Reader(TextReader):
         return EdgeInCondition(term.name, operand, term.rising, _words(operand))
 
     def _delay(self, term: TimeTerm) -> DelayInCondition:
+        if "GRAFCET_EDGE" in term.operand:
+            why = f"{self._terms.shown(term.name)} is a time of an edge, which lasts for no time"
+            self.refuse(f"{why}: set a variable in an action on that event, and take the time of the variable", "")
         operand, *times = (
             self.expression(text, "a time") if text is not None else None
             for text in (term.operand, term.first, term.last)

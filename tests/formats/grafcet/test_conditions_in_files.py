@@ -26,7 +26,17 @@ FORMS = [
         "3s/X1",
         "X2/5s",
     ),
-    *("2s/a/3s", "1̅B̅1̅ * a", "↑1B1 + ↓START", "a AND NOT (b OR 1B1)", "/(a · b) + [C1≥2] * START", "TRUE", "=1"),
+    *(
+        "2s/a/3s",
+        "3s//a/2s",
+        "a * 3s//START",
+        "1̅B̅1̅ * a",
+        "↑1B1 + ↓START",
+        "a AND NOT (b OR 1B1)",
+        "/(a · b) + [C1≥2] * START",
+        "TRUE",
+        "=1",
+    ),
     "a ∧ b ∨ a",
 ]
 WRONG = ["1B1 a", "a *", "3s", "[C1>]", "a(", "2"]
@@ -56,7 +66,8 @@ def written(project: Project, form: str) -> Project:
     made = project.model_copy(deep=True)
     made.source = None
     data, report = sfc.convert(made, form, partial=True)
-    assert form == "iec-text" or not [item for item in report.losses if item.outcome != "dropped"]
+    lost = {item.what for item in report.losses if item.outcome != "dropped"}
+    assert form == "iec-text" or lost <= {"time"}  # terms of .grafcet files have none
     return sfc.loads(data)
 
 
