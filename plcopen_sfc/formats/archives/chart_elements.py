@@ -25,6 +25,7 @@ from plcopen_sfc.formats.archives.object_archive import (
     number_of,
     text_of,
     type_of,
+    type_of_items,
 )
 from plcopen_sfc.formats.codesys import codesys_names as names
 
@@ -187,10 +188,15 @@ def read_attributes(element: etree._Element, kind: str) -> tuple[Fields, list[et
     fields: Fields = {}
     unknown: list[etree._Element] = []
     table = _BY_GUID[kind]
-    for attribute in items(element, "Attributes"):
+    found_in = items(element, "Attributes")
+    shared = type_of_items(found_in[0]) if found_in else ""
+    for attribute in found_in:
         guid, kind_of_value, text = _stated(attribute)
         field, known = table.get(guid.strip("{}").casefold(), ("", None))
-        if known is None or kind_of_value != known.kind or text is None or type_of(attribute) != "SFCAttribute":
+        if known is None or kind_of_value != known.kind or text is None:
+            unknown.append(attribute)
+            continue
+        if attribute.get("t", shared) != "SFCAttribute":
             unknown.append(attribute)
             continue
         found = known.value(text)
@@ -210,6 +216,8 @@ def _stated(attribute: etree._Element) -> tuple[str, str, str | None]:
             guid = text_of(child) or ""
         elif name == "Value":
             kind, text = child.get("t", ""), text_of(member(child, "Value"))
+            if guid:  # the rest are numbers
+                break
     return guid, kind, text
 
 

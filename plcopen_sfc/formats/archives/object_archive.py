@@ -72,8 +72,13 @@ def unknown_type(archive: etree._Element) -> etree._Element | None:
 def type_of(item: etree._Element) -> str:
     """Return the type of an object: its own, or the one that the list around it gives all of its items."""
     own = item.get("t")
+    return own if own is not None else type_of_items(item)
+
+
+def type_of_items(item: etree._Element) -> str:
+    """Return the type that the list around an object gives all of its items; empty where it gives none."""
     parent = item.getparent()
-    return own if own is not None else (parent.get("cet") or parent.get("cvt") or "") if parent is not None else ""
+    return (parent.get("cet") or parent.get("cvt") or "") if parent is not None else ""
 
 
 def member(thing: etree._Element, name: str) -> etree._Element | None:
@@ -187,7 +192,7 @@ def identity(text: str) -> str:
 
 
 _NAME = "urn:plcopen-sfc:twincat"
-_PLAIN = re.compile(r"\w*")
+_PLAIN = re.compile(r"[\w .\\/-]*", re.ASCII)
 
 
 class Kept(NamedTuple):
@@ -201,11 +206,13 @@ def kept_data(attributes: dict[str, str], elements: Collection[etree._Element] =
     """Return the extension data that keeps attributes and elements; none where there are none."""
     if len(attributes) == 1 and not elements:
         [(name, value)] = attributes.items()
-        if _PLAIN.fullmatch(value):  # a name at each transition: an element for each takes a twentieth of the reading
+        if _PLAIN.fullmatch(value):  # at each transition: an element takes a twentieth of the reading
             return [ForeignData(name=_NAME, content=f'<twincat xmlns="" {name}="{value}"></twincat>')]
+    if not attributes and not elements:
+        return []
     holder = etree.Element("twincat", attributes)
     holder.extend(elements)
-    return [ForeignData(name=_NAME, content=markup(holder))] if attributes or len(holder) else []
+    return [ForeignData(name=_NAME, content=markup(holder))]
 
 
 def kept_in(extension_data: ExtensionData | None) -> Kept:

@@ -34,8 +34,9 @@ from plcopen_sfc.formats.iectext.text_source import (
     wrapped,
 )
 from plcopen_sfc.languages.declarations.kept_texts import Inheritance
-from plcopen_sfc.languages.pragmas import Fields, RemainderEntry
+from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, plain_fields
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.variables import VariableSection
 
 _KINDS = {PartKind.PROGRAM: "program", PartKind.FUNCTION_BLOCK: "functionBlock", PartKind.FUNCTION: "function"}
 
@@ -49,7 +50,7 @@ class UnitText:
     annotations: Annotations
     chart: ChartText = field(default_factory=ChartText)
     body: Fields | None = None
-    sections: list[Fields] = field(default_factory=list)
+    sections: list[VariableSection] = field(default_factory=list)
     actions: list[Fields] = field(default_factory=list)
     transitions: list[Fields] = field(default_factory=list)
     methods: list[Fields] = field(default_factory=list)
@@ -330,9 +331,11 @@ def _finished(src: TextSource, container: UnitText) -> Fields:
         if getattr(container, name):
             fields[name] = getattr(container, name)
     if _is_as_typed(container.annotations):  # tools list no sections without variables
-        container.sections = [section for section in container.sections if section.get("variables")]
+        container.sections = [section for section in container.sections if section.variables]
     if container.sections:
-        fields.setdefault("interface", {})["sections"] = container.sections
+        # to make them again of plain data takes as long as to read them: only pragmas change that
+        parts = map(plain_fields, container.sections) if src.has_changes else container.sections
+        fields.setdefault("interface", {})["sections"] = list(parts)
     for text in container.rest:
         _keep_data(fields, "statements", text)
     fields = _with_changes(src, container.annotations, fields, container.path, container.declared)

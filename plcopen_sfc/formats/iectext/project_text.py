@@ -55,7 +55,7 @@ _LISTS = frozenset({"resources", "global_variables", "access_variables", "config
 
 def read_global_section(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
     """Read a list of global variables with the changes of the pragmas before it."""
-    sections = read_section(src, part, gap, place)
+    sections = [plain_fields(section) for section in read_section(src, part, gap, place)]
     annotations = src.annotations(gap[0], part.start, place)
     for fields in sections[:1]:
         typed = [c for c, _ in annotations.changes if c.path == ("declaration_ends",)]

@@ -17,10 +17,9 @@ from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import Interface, VariableSection
 
 
-def read_section(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
+def read_section(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[VariableSection]:
     """``VAR .. END_VAR`` with the comments before it; nothing where it is a section of configurations."""
-    found = [section for section in _sections(src, part, gap, place) if isinstance(section, VariableSection)]
-    return [plain_fields(section) for section in found]
+    return [section for section in _sections(src, part, gap, place) if isinstance(section, VariableSection)]
 
 
 def read_listing(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
@@ -159,7 +158,7 @@ def _as_typed(printer: TextPrinter, keyword: str, name: str, interface: Interfac
         read_back["return_type"] = read_return_type(src, part.return_type, "")
     position = part.inside[0]
     for inner in part.parts:
-        sections = read_section(src, inner, (position, inner.start), "")
+        sections = [plain_fields(section) for section in read_section(src, inner, (position, inner.start), "")]
         position = inner.end
         if any(section.get("variables") for section in sections):
             read_back.setdefault("sections", []).extend(sections)
@@ -216,7 +215,7 @@ def _section_read_back(printer: TextPrinter, text: str) -> Fields | None:
     src = TextSource(found)
     part = found.parts[0].parts[0]
     sections = read_section(src, part, (found.parts[0].inside[0], part.start), "")
-    return sections[0] if len(sections) == 1 and not src.diagnostics else None
+    return plain_fields(sections[0]) if len(sections) == 1 and not src.diagnostics else None
 
 
 def _expressible(printer: TextPrinter, variable: Variable) -> Variable:

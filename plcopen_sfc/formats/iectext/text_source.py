@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import islice
 from typing import NamedTuple
 from xml.sax.saxutils import escape, unescape
@@ -120,6 +121,7 @@ TEXT_DATA = "urn:plcopen-sfc:iec-text"
 _MANY = 20
 """Findings of one body that are reported; the rest mostly follows from these."""
 _SOLID = re.compile(r"\S+")
+_OF_PROJECT = re.compile(r"\{\s*plcopen_sfc\s+(?:format|project\.dialect)\s*:=")
 _WRAPPED = re.compile(rf'<text xmlns="{TEXT_DATA}" place="([^"]*)">(.*)</text>', re.DOTALL)
 
 
@@ -172,7 +174,7 @@ class Annotations:
             extension_data.setdefault("data", []).append(wrapped("pragma", pragma))
 
 
-@dataclass(slots=True)
+@dataclass
 class TextSource:
     """A text that is being read.
 
@@ -193,6 +195,12 @@ class TextSource:
     def text(self) -> str:
         """Whole text."""
         return self.outline.text
+
+    @cached_property
+    def has_changes(self) -> bool:
+        """True if a pragma of this package may change what the text declares."""
+        own = sum(map(is_own, self.outline.found.comments))
+        return own > len(_OF_PROJECT.findall(self.text))
 
     def location(self, offset: int, path: str = "") -> Location:
         """Return the place of an offset."""
