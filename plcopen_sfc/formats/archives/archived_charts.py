@@ -81,6 +81,10 @@ _FLOW_PIN = "sfc"
 """Name of the output that exports of PLCopen XML give wires into transitions and convergences."""
 
 
+def _is_attribute(thing: etree._Element) -> bool:
+    return type_of(thing) == "SFCAttribute"
+
+
 class ChartReader:
     """Reads one chart. `conditions` are the names of the transition objects of its POU, in lower case."""
 
@@ -93,17 +97,32 @@ class ChartReader:
 
     def read(self, chart: etree._Element) -> Fields:
         """Return the fields of the chart in an ``SFCImplementationObject``."""
-        numbers = [whole_number(text.removesuffix("L")) for text in _IDS(chart)]
+        texts = _IDS(chart)
+        numbers = [whole_number(text.removesuffix("L")) for text in texts]
         self._next = max((number for number in numbers if number is not None), default=-1) + 1
         root = member(chart, "Root")
         if root is None:
             self._ctx.error("TWC101", "the chart has no segment", chart)
         else:
+            if len(set(texts)) < len(texts):
+                self._tell_numbers(root)
             self._segment(root, None)
         fields = self._drawn.interpret()
         if self._macros:
             extension_data(fields)["data"] += kept_data({}, self._macros)
         return fields
+
+    def _tell_numbers(self, root: etree._Element) -> None:
+        """Report attributes with the number of an element or of another attribute; `_symbol` reports elements."""
+        found: dict[str, list[etree._Element]] = {}
+        for value in root.iter("v"):
+            if value.get("n") == "Id":
+                found.setdefault(value.text or "", []).append(value)
+        for text, values in found.items():
+            own = [each for each in values if (parent := each.getparent()) is not None and _is_attribute(parent)]
+            for value in own[0 if len(own) < len(values) else 1 :]:
+                message = f"an attribute has the number {text.removesuffix('L')}, which another one has"
+                self._ctx.warn("TWC105", message, value)
 
     def _segment(self, segment: etree._Element, above: int | None) -> int | None:
         """Read a segment below the symbol `above`; returns the symbol at its end."""
@@ -114,7 +133,10 @@ class ChartReader:
         if left or unknown:
             self._ctx.error("TWC102", "a segment has a name or a comment, or is excluded: not understood", segment)
         held = member(segment, "ElementList")
-        for element in items(held, "InnerList") if held is not None else ():
+        if held is None or member(held, "InnerList") is None:
+            self._ctx.error("TWC101", "a segment has no list of elements", segment)
+            return above
+        for element in items(held, "InnerList"):
             kind = type_of(element)
             if kind == BRANCH:
                 above = self._branch(element, above)

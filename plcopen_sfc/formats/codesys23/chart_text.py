@@ -155,6 +155,7 @@ class _ChartReader:
         self.chart = SfcNetwork()
         self.found = ReadChart(SfcBody(chart=self.chart))
         self.ends: list[tuple[Transition, tuple[list[str], list[str]], int]] = []
+        self.starts: list[int] = []
         self.next_id = 1
 
     def run(self) -> ReadChart:
@@ -240,6 +241,7 @@ class _ChartReader:
             elif own.casefold() in self.names.actions:
                 setattr(step, attribute, own)
         self.chart.steps.append(step)
+        self.starts.append(start)
         key: Key = ("step", name)
         self.found.places.append((key, (start, position), block_span(key, (start, position), places).spans))
         return position
@@ -281,12 +283,22 @@ class _ChartReader:
 
     def _connect(self) -> None:
         known = {step.name.casefold(): step.id for step in reversed(self.chart.steps)}
+        for place, step in zip(self.starts, self.chart.steps, strict=True):
+            if known[step.name.casefold()] != step.id:
+                self.note("EXP106", f"another step of this chart is called {step.name} too", place)
         for transition, (sources, targets), start in self.ends:
             for name in dict.fromkeys((*sources, *targets)):
                 if name.casefold() not in known:
                     self.note("EXP105", f"no step of this chart is called {name}", start)
             transition.sources = [known[name.casefold()] for name in sources if name.casefold() in known]
             transition.targets = [known[name.casefold()] for name in targets if name.casefold() in known]
+            missing = {
+                side: ",".join("" if name.casefold() in known else name for name in names)
+                for side, names in (("sources", sources), ("targets", targets))
+            }
+            missing = {side: names for side, names in missing.items() if names.strip(",")}
+            if missing:
+                transition.extension_data = keep(missing)
 
 
 def _condition_core(text: str, span: Span) -> Span:
@@ -382,7 +394,7 @@ def chart_blocks(body: SfcBody, names: ChartNames, path: str) -> Iterator[Writte
     chart = body.chart
     if plain(body.comment):
         yield WrittenBlock(("comments", ""), plain(body.comment), verbatim=True)
-    waiting = [each for each in _in_order(chart) if each.sources and each.targets]
+    waiting = [each for each in _in_order(chart) if all(_sides(chart, each))]
     labels = chart.labels()
     written: set[int] = set()
 
@@ -458,9 +470,7 @@ def _in_pragma(value: str) -> str:
 
 
 def _transition_block(chart: SfcNetwork, transition: Transition, names: ChartNames, path: str) -> WrittenBlock:
-    called = {step.id: step.name for step in chart.steps}
-    sources = [called[each] for each in transition.sources if each in called]
-    targets = [called[each] for each in transition.targets if each in called]
+    sources, targets = _sides(chart, transition)
     name = f"{transition.name} " if re.fullmatch(r"[^\W\d]\w*", transition.name) else ""
     head = f"TRANSITION {name}FROM {_listed(sources)} TO {_listed(targets)}:= "
     blocks = [WrittenBlock(("head", ""), head)]
@@ -468,6 +478,21 @@ def _transition_block(chart: SfcNetwork, transition: Transition, names: ChartNam
         blocks.append(WrittenBlock(("body", ""), text, verbatim=isinstance(transition.condition, BodyCondition)))
     blocks.append(WrittenBlock(("end", ""), "END_TRANSITION"))
     return WrittenBlock(_transition_key(sources, targets), blocks=tuple(blocks))
+
+
+def _sides(chart: SfcNetwork, transition: Transition) -> tuple[list[str], list[str]]:
+    """Return the names of the steps before and behind a transition, also those that the chart does not have."""
+    called = {step.id: step.name for step in chart.steps}
+    missing = kept(transition.extension_data)
+
+    def names(side: str, ids: list[int]) -> list[str]:
+        found = [called[each] for each in ids if each in called]
+        for place, name in enumerate(missing.get(side, "").split(",")):
+            if name:
+                found.insert(place, name)
+        return found
+
+    return names("sources", transition.sources), names("targets", transition.targets)
 
 
 def _transition_key(sources: list[str], targets: list[str]) -> Key:

@@ -131,7 +131,7 @@ class _Scan:
             start = self._blanks(position)
             solid = after_comments(self.text, position, limit)
             if solid >= limit:
-                return position
+                return header[0] if position == header[1] else position
             found = _UNIT.match(self.text, solid)
             action = _ACTION.match(self.text, solid)
             if action is not None and self.objects and self.objects[-1].body is not None:

@@ -26,7 +26,9 @@ from plcopen_sfc.formats.codesys23.exp_outline import (
     ExpObject,
     ExpOutline,
     Span,
+    after_comments,
     core,
+    is_in_comment,
     outline_of,
 )
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, Entry, put_back, read_entries
@@ -275,6 +277,10 @@ class _Reader:
         if one.kind == OTHER and word and not (word.startswith("_") or word in KNOWN_SECTIONS):
             message = f"a section that begins with {one.name[:30]} is not known; it is kept as it is"
             self._note("EXP107", Severity.WARNING, message, one.span[0])
+        solid = after_comments(self.text, max(one.header[1], one.span[0]), one.span[1])
+        if one.kind == OTHER and not word and solid < one.span[1]:
+            line = self.text[solid : one.span[1]].split("\n", 1)[0].strip()[:30]
+            self._note("EXP107", Severity.WARNING, f"{line} begins no object; it is kept as it is", solid)
         text = plain_lines(self.text[one.span[0] : one.span[1]])
         name = f"section{len(self.others) + 1}"
         self.others[name] = text
@@ -318,9 +324,19 @@ class _Reader:
         if self.others:
             self.project.extension_data = keep(self.others)
         start, end = core(self.text, outline.tail)
+        self._tell_cut(start, end)
         if start < end:
             self.project.comment = said(tokenize(self.text[start:end], Dialect.CODESYS).comments)
             self.places.append((("comment", ""), (start, end), ()))
+
+    def _tell_cut(self, start: int, end: int) -> None:
+        """Report the end of a file that was cut off between two objects: a comment or pragmas with nothing behind."""
+        opener = self.text.rfind("(*", start, end)
+        if is_in_comment(self.text, start, end):
+            self._note("EXP101", Severity.ERROR, "the file ends too early: this comment has no end", opener)
+        elif (header := PRAGMA.search(self.text, start, end)) is not None:
+            message = "the file ends too early: the object is missing that these pragmas begin"
+            self._note("EXP101", Severity.ERROR, message, header.start())
 
     def _with_remainder(self) -> Project:
         entries = self._entries()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -262,3 +264,29 @@ def test_instance_addresses_in_a_pou_are_told() -> None:
     assert "VAR_CONFIG" in found.message
     project.pous[0].variables()[0].comment = "kept"
     assert section.encode() in sfc.dumps(project)
+
+
+def test_a_file_that_is_cut_off_anywhere_tells_so() -> None:
+    """Between objects nothing did, where pragmas or the comment behind a list were cut."""
+    data = BELT.read_bytes()
+    ends = [found.end() for found in re.finditer(rb"^(?:END_\w+|\*\)|\(\* @END_DECL.*?\*\))\r$", data, re.MULTILINE)]
+    for cut in range(data.index(b"PROGRAM"), data.index(b"LIBRARY"), 17):
+        project = sfc.loads(data[:cut], format="codesys23")
+        told = {each.code for each in project.diagnostics} - {"EXP200"}
+        is_between = any(end - 1 <= cut and not data[end:cut].strip() for end in ends)
+        assert told or is_between, data[:cut][-60:]
+        assert sfc.dumps(project) == data[:cut]
+
+
+def test_steps_of_one_name_and_missing_ones_stay_in_the_text_of_a_chart() -> None:
+    """An edit left the missing step out of the transition, and nothing told that."""
+    steps = "INITIAL_STEP A:\nEND_STEP\nSTEP B:\nEND_STEP\nSTEP B:\nEND_STEP\n"
+    moves = "TRANSITION FROM A TO (B,C):=\nTRUE\nEND_TRANSITION\nTRANSITION FROM (C,B) TO A:=\nTRUE\nEND_TRANSITION\n"
+    moves += "TRANSITION FROM D TO A:=\nTRUE\nEND_TRANSITION\n"
+    text = f"PROGRAM Main\nVAR\nEND_VAR\n(* @END_DECLARATION := '0' *)\n{steps}{moves}END_PROGRAM\n"
+    project = sfc.loads(text.encode(), format="codesys23")
+    codes = [each.code for each in project.diagnostics]
+    assert codes == ["EXP106", "EXP105", "EXP105", "EXP105"]
+    project.pous[0].chart.step("A").name = "Z"
+    expected = text.replace("FROM A", "FROM Z").replace("TO A", "TO Z").replace("STEP A", "STEP Z")
+    assert sfc.dumps(project, partial=True).decode() == expected

@@ -288,6 +288,8 @@ def test_several_objects_need_a_folder() -> None:
 DAMAGED = {
     "an element of an unknown type": (b't="SFCJump"', b't="SFCLeap"', "TWC102", "SFCLeap"),
     "a number that is used twice": (b'<v n="Id">3L</v>', b'<v n="Id">0L</v>', "SFC101", "number 0"),
+    "a number that two attributes have": (b'<v n="Id">70L</v>', b'<v n="Id">69L</v>', "TWC105", "number 69"),
+    "a segment without a list": (b'<l2 n="InnerList">', b'<l2 n="InnerLst">', "TWC101", "no list of elements"),
     "another identity of a type": (b"{86ee92a2", b"{96ee92a2", "TWC103", "SFCStep"),
     "code in an element": (
         b'<n n="EmbeddedTransition" />',
