@@ -51,7 +51,9 @@ from plcopen_sfc.formats.format_interface import HEAD, Format, WriteOptions
 from plcopen_sfc.formats.provenance import place_in_folder, put_in_folder, take_provenance
 from plcopen_sfc.formats.registry import all_formats, format_named
 from plcopen_sfc.model.late import ProjectObject
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import ConversionReport
 
 if TYPE_CHECKING:
@@ -254,6 +256,9 @@ def _findings(source: FolderSource, project: Project) -> list[Diagnostic]:
         found += _duplicates(source, group, "DIR102", lambda thing: thing.name.casefold())
     found += _duplicates(source, project.pous, "DIR103", lambda pou: pou.number and (pou.kind, pou.number))
     found += _duplicates(source, project.data_blocks, "DIR103", lambda block: block.number)
+    if format_named(source.format)[0].tool == "TwinCAT":
+        things: list[Pou | DataTypeDeclaration] = [*project.pous, *project.data_types]
+        found += _duplicates(source, things, "DIR106", lambda thing: thing.object_id)
     return found
 
 
@@ -296,6 +301,9 @@ def _duplicates(
             if code == "DIR103":
                 severity = Severity.WARNING
                 message = f"{other.name}, in {_file(other)}, has the same number"
+            elif code == "DIR106":
+                severity = Severity.WARNING
+                message = f"{other.name}, in {_file(other)}, has the same identity {mine}"
             place = Location(str(Path(source.path, _file(thing))), None, None, thing.name)
             yield Diagnostic(code, severity, message, place)
 
