@@ -196,6 +196,7 @@ class _Reading:
                 for part in children(statement):
                     if part not in statement.statements:
                         self.read(part, written)
+                # a loop may make no turn at all, so nothing that it writes is sure to be written behind it
                 self.all(statement.statements, set(written))
             case n.Empty():
                 pass
@@ -233,6 +234,7 @@ class _Reading:
             self._expose(self._canonical(path[start:]), written)
 
     def _expose(self, path: str, written: set[str]) -> None:
+        # what is written as a whole is written in its parts: ``a := b`` writes ``a.x`` too
         if not any(each in written for each in _upwards(path)):
             self.exposed.add(path)
 

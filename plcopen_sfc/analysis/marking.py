@@ -328,6 +328,7 @@ class MarkingGraph:
         """A marking from which there is no way to the initial one, as close to it as can be; None: none is known."""
         if not self.complete:
             return None
+        # one search backwards from the start, where one forwards from each marking would be quadratic
         home = self._explored.before({self.net.initial})
         return next((m for m in self if m not in home), None)
 
@@ -338,6 +339,8 @@ class MarkingGraph:
             return Answer.NO
         if not self.complete:
             return Answer.UNKNOWN
+        # from the start every transition can be enabled, for none is dead: a way back there is enough, and cheaper than
+        # the search backwards for each transition; a chart that never returns to its start can still be live
         return Answer.YES if self.way_home or all(map(self._stays_alive, self.net.transitions)) else Answer.NO
 
     def _stays_alive(self, transition: NetTransition) -> bool:
@@ -353,6 +356,8 @@ class MarkingGraph:
         for marking in self._explored.seen:
             rest = marking
             while rest:
+                # bit by bit, for a marking has few active steps of many: a loop over all steps takes as long as the
+                # chart is large
                 lowest = rest & -rest
                 together[lowest.bit_length() - 1] |= marking
                 rest ^= lowest

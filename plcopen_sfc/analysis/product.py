@@ -95,6 +95,8 @@ class Branching:
             self.values = {}
             self.answers = {}
             yield self.values
+            # an odometer: the inputs of a scan are known only as it reads them, and what is read may depend on values
+            # before
             while self._path and self._path[-1][1] + 1 == len(self._path[-1][0]):
                 self._path.pop()
             if not self._path:
@@ -201,6 +203,7 @@ def search(
             try:
                 return (yield from _search(left, right, domains, split, cap, follow=follow))
             except KeptError as kept:
+                # a term for a number holds in one scan only; of one that is kept the values have to be tried one by one
                 split.remove(kept.name)
             except _Regrown:
                 for domain in domains.values():
@@ -230,6 +233,7 @@ def _search(
     branching = Branching(domains, split)
     if follow is not None:
         follow(branching)
+    # breadth first: the first difference that is found needs the fewest scans
     waiting = deque([0])
     runs = 0
     notes: dict[str, SfcError] = {}
@@ -264,6 +268,7 @@ def _search(
             after = (left.snapshot(), right.snapshot())
             code = key(after)
             if code in seen:
+                # a run that comes back to a known state goes on for ever: not all of them end where both fail
                 closed = True
                 continue
             seen.add(code)
@@ -288,6 +293,7 @@ def _too_many(seen: set[Any], depth: int, limit: int) -> Explored:
 
 def _check_domains(domains: Iterable[Domain]) -> None:
     if any(domain.grown for domain in domains):
+        # inputs were tried with too few values: what was the same for those may differ for the new one
         raise _Regrown
 
 

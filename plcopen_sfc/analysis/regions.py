@@ -148,6 +148,9 @@ class _Finder:
         waiting = deque(reached)
         while waiting:
             for number in self._net.leaving[waiting.popleft()]:
+                # a source counts when it was active at some time, not together with the others: more than can happen,
+                # so that whatever is missing here is really dead; the marking graph would know exactly, at exponential
+                # cost
                 missing[number] -= 1
                 if missing[number] == 0:
                     fresh = set(self._net.transitions[number].targets) - reached
@@ -190,6 +193,9 @@ class _Finder:
     ) -> dict[frozenset[int], tuple[list[NetTransition], list[NetTransition]]]:
         """Put forks and joins of the same branches together; the outside of each block is one region."""
         while True:
+            # the ways around a block are one region, whichever fork or join they belong to; uniting them may make two
+            # branches of a block around it one, whose key then changes: so all are matched again until nothing is
+            # united any more
             blocks: dict[frozenset[int], tuple[list[NetTransition], list[NetTransition]]] = {}
             for fork in forks:
                 blocks.setdefault(self._branches(fork, fork.targets), ([], []))[0].append(fork)
@@ -248,6 +254,7 @@ class _Finder:
         waiting = deque([start])
         while waiting and goal not in came:
             step = waiting.popleft()
+            # a region is connected without regard to direction: a jump back out of a branch leads against the flow
             for number in (*self._net.leaving[step], *self._net.entering[step]):
                 transition = self._net.transitions[number]
                 if len(transition.sources) == len(transition.targets) == 1:

@@ -151,12 +151,14 @@ class ReducedNet:
             return False
         number = next(iter(place.leaving))
         move = self._moves[number]
+        # a join lets the token wait for another branch, a fork makes two of it: then it is not as good as there
         if len(move.pre) != 1 or len(move.post) != 1 or number in place.entering:
             return False
         (target,) = move.post
         if place.entering & self._places[target].entering:
             return False  # it would get two tokens at once
         self._take(number)
+        # a token that the place has from the start goes on, too; two of them are the proof that a step gets two
         self._places[target].tokens += place.tokens
         place.tokens = 0
         if self._places[target].tokens > 1:
@@ -178,6 +180,8 @@ class ReducedNet:
             return False
         entering = [self._moves[m] for m in place.entering]
         leaving = [self._moves[m] for m in place.leaving]
+        # a way out that joins waits for its other token after this one has come; in one move with the way in it would
+        # ask for it before, and whatever happens while this one waits would be lost
         if any(len(move.pre) != 1 for move in leaving) or not all(move.post for move in leaving):
             return False
         if any(a.post & b.post for a in entering for b in leaving):

@@ -190,8 +190,10 @@ MatchedElement = tuple[SourceNode, "etree._Element"]
 
 
 _SAME_THING = 0.5
+"""Share of equal content from which on an element with the keys of a removed one is that one, moved and edited."""
 
 _MAX_INSIDE = 20_000
+"""Elements inside of removed ones that are remembered one by one; those of more are found again as a whole only."""
 
 
 class RemovedElements:
@@ -361,6 +363,7 @@ class SourceMerge:
             new = [self._fragments.attribute(f"xmlns:{prefix}", uri) for prefix, uri in declared.items()]
             new.append(self._fragments.attribute(plain, str(value)))
             position = anchor.end if anchor else self._tree.name_end(node)
+            # a tool that writes each attribute on a line of its own gets the new one so, too
             blank = self._tree.text[anchor.blank : anchor.start] if anchor else " "
             self._replace(position, position, "".join(blank + text for text in new))
 
@@ -380,6 +383,8 @@ class SourceMerge:
         """For every node of `old` its place in the source, and for every node of `new` its index in `old`."""
         item = self._comparison.tree_item
         places = align(
+            # the source has more in each element than `before`: equal bytes mean nothing between these two, keys and
+            # names do
             [self._comparison.source_item(child) for child in node.children],
             [item(element, exact=False) for element in old],
         )
@@ -579,6 +584,7 @@ class SourceMerge:
         self, node: SourceNode, before: etree._Element, after: etree._Element, scope: Mapping[str, str] | None = None
     ) -> str:
         """Return the source text of `node` with the edits inside it, for a place where `scope` holds."""
+        # edits of a moved element belong into its text at the new place, not into the source where it was
         outer = self._edits, self._insertions
         self._edits, self._insertions = [], []
         if scope is not None:
@@ -626,6 +632,8 @@ def patch_xml(
     try:
         edited = SourceMerge(SourceTree(text), encoding.codec, before, after, keys=keys).run()
     except ValueError as error:
+        # `apply_edits` refuses edits that overlap: a mistake of ours, which must end in an error and not in a damaged
+        # file
         if isinstance(error, SfcError):
             raise
         raise PatchError(f"the edits of the source text contradict each other: {error}") from error

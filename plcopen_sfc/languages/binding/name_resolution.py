@@ -118,6 +118,7 @@ class Resolver:
             return Binding(
                 Declaration(Kind.TRANSITION, f"{_name(site.pou)}.{reference.name}", (site.transition,), site.pou)
             )
+        # an inner scope hides an outer one only by what the role can mean: a type is found past a variable of its name
         levels = self._visible(reference, site)
         nearest: list[Declaration] = []
         for index, level in enumerate(levels):
@@ -150,6 +151,8 @@ class Resolver:
             having = [d for d in found if self._may_have(d, reference.access)]
             found = having or found
         if reference.role is Role.VALUE and reference.access.casefold() in _STEP_VARIABLES:
+            # ``S1.x`` is the flag of a step, or a member x of a variable S1: certain only where the type of the
+            # variable is known
             certain = [d for d in found if d.kind is not Kind.STEP and self._has(d, reference.access)]
             steps = [d for d in found if d.kind is Kind.STEP]
             if not certain and steps and len(found) > len(steps):

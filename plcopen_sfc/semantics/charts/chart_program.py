@@ -297,6 +297,8 @@ class ChartProgram:
             for _ in range(self._profile.max_evolutions):
                 if self._grafcet is not None:
                     self._grafcet.begin(frame, now, situation, fresh)
+                # conditions of an evolution are tested on one situation and before any action: what fires first must
+                # not change what the others see
                 cleared = self._clear(frame, self._plans.of(situation), situation)
                 if not cleared.transitions:
                     break
@@ -310,6 +312,7 @@ class ChartProgram:
             else:
                 raise self._unstable(situation)
         v[self._situation] = v[self._shown] = situation
+        # steps that were passed in between have no actions but stored ones and pulses (`seen`): IEC 60848, 4.8
         plan = self._plans.of(situation)
         self._execute(frame, now, plan, SituationChange(before & ~situation, situation & ~before, seen | situation))
         return fired
@@ -370,6 +373,7 @@ class ChartProgram:
         if self._profile.pause_stops_time:
             self._stop_time(frame, now, stopped=order is FlagEffect.STOP)
         if order is FlagEffect.STOP:
+            # a pause from the first scan on: programs see the initial steps, but nothing of them is executed
             if not v[self._started]:
                 self._steps.change(frame, v[self._shown], self.net.initial, self.net.initial, now)
                 v[self._shown] = self.net.initial
@@ -384,6 +388,7 @@ class ChartProgram:
                 self._actions.end(frame)
             self._steps.change(frame, v[self._shown], self.net.initial, self.net.initial, now)
             v[self._shown] = v[self._situation] = self.net.initial
+            # the next scan counts as the first one again, so that entry actions and pulses of the initial steps come
             v[self._started] = False
         if order is FlagEffect.INIT:
             self._steps.restart(frame, self.net.initial, now)

@@ -216,6 +216,7 @@ class _Pulse(_Part):
 
     def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
         v = frame.v
+        # `seen`, not `situation`: a step that is only passed in a scan gives its pulse too
         rising = not v[self._before] and self.input.is_on(seen, frame)
         v[self._before] = still = self.input.is_on(situation, frame)
         return (self._signal if rising else 0) | (BUSY if still else 0)
@@ -264,6 +265,7 @@ class _StoredDelayed(_StoredTimed):
         over = self._over(v, now, seen, frame)
         if over is None:
             return 0
+        # matiec: R does not end a delay that runs, and the action is set behind the R; only what is set ends
         if reset and (over or self._cancels):
             self._timer.stop(v)
             return 0

@@ -190,6 +190,9 @@ def _all(frame: Frame, moves: Sequence[Move]) -> Cleared:
     left = entered = transitions = 0
     for sources, targets, bit, condition, _, _ in moves:
         if condition(frame):
+            # all see the same situation: one step may be left by several transitions, and a step that is left and
+            # entered stays active (IEC 60848, rules 4 and 5); the caller subtracts what is left before it adds what is
+            # entered
             left |= sources
             entered |= targets
             transitions |= bit
@@ -204,6 +207,8 @@ def _numbered_first(frame: Frame, moves: Sequence[Move]) -> Cleared:
             entered |= targets
             transitions |= bit
             if numbered:
+                # only a numbered one resets its sources at once in matiec, so only it hides those that are tested
+                # behind it
                 locked |= sources
     return Cleared(left, entered, transitions)
 
