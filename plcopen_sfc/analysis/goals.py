@@ -30,7 +30,7 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
-from plcopen_sfc.semantics.programs.marks import COMPARING, bounds
+from plcopen_sfc.semantics.programs.marks import bounds
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.types import Family, ScalarType
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
@@ -344,7 +344,7 @@ class Goals:
                 if (operator in (Operator.AND, Operator.AND_THEN)) is wanted:
                     return lambda: sum([part() for part in parts])
                 return lambda: min([part() for part in parts])
-            case n.Operation(operator, (left, right)) if operator in COMPARING:
+            case n.Operation(operator, (left, right)) if operator in n.COMPARISONS:
                 return self._compared(operator if wanted else _OPPOSITE[operator], left, right)
         return self._boolean(tree, wanted=wanted)
 

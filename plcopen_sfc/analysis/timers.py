@@ -35,16 +35,6 @@ from plcopen_sfc.semantics.programs.types import INSTANT, Frame, Layout, Structu
 from plcopen_sfc.semantics.subjects import Subject
 
 _CLOCKS = frozenset({"time", "rd_sys_t", "time_tck"})
-_COMPARISONS = frozenset(
-    {
-        n.Operator.EQUAL,
-        n.Operator.UNEQUAL,
-        n.Operator.LESS,
-        n.Operator.GREATER,
-        n.Operator.LESS_OR_EQUAL,
-        n.Operator.GREATER_OR_EQUAL,
-    }
-)
 _TIMES = frozenset({"T", "U"})
 _DEFAULT_SCAN = 10_000_000
 
@@ -166,7 +156,7 @@ def _reads_of_times(text: BoundText) -> Iterator[_TimeRead]:
     for tree in _trees(text):
         compared: set[int] = set()
         for node in walk(tree):
-            if isinstance(node, n.Operation) and node.operator in _COMPARISONS:
+            if isinstance(node, n.Operation) and node.operator in n.COMPARISONS:
                 time, constant = node.operands
                 if isinstance(constant, n.Literal) and _is_duration(constant.text):
                     compared.add(id(time))
@@ -225,16 +215,6 @@ def _duration(literal: n.Literal) -> int | None:
 
 
 _ON_DELAYS = frozenset({"TON", "LTON", "TON_TIME", "TON_LTIME"})
-_COMPARING = frozenset(
-    {
-        n.Operator.EQUAL,
-        n.Operator.UNEQUAL,
-        n.Operator.LESS,
-        n.Operator.GREATER,
-        n.Operator.LESS_OR_EQUAL,
-        n.Operator.GREATER_OR_EQUAL,
-    }
-)
 _OUTPUTS = ("q", "et")
 _ROUNDING = 1_000_000
 """Elapsed times are whole milliseconds at most."""
@@ -314,7 +294,7 @@ class _Uses:
 
     def look(self, node: n.Node) -> None:
         """Look through a statement or an expression."""
-        if isinstance(node, n.Operation) and node.operator in _COMPARING:
+        if isinstance(node, n.Operation) and node.operator in n.COMPARISONS:
             first, second = node.operands
             if self._compared(first, second) or self._compared(second, first):
                 return

@@ -26,17 +26,6 @@ NATIVE = "DINT"
 _NUMBERS = UNSIGNED | set(_SIGNED)
 SUMS = frozenset({Operator.ADD, Operator.SUBTRACT, Operator.MULTIPLY})
 CALCULATING = SUMS | {Operator.DIVIDE, Operator.MODULO}
-COMPARING = frozenset(
-    {
-        Operator.EQUAL,
-        Operator.UNEQUAL,
-        Operator.LESS,
-        Operator.GREATER,
-        Operator.LESS_OR_EQUAL,
-        Operator.GREATER_OR_EQUAL,
-    }
-)
-LOGIC = frozenset({Operator.AND, Operator.OR, Operator.XOR, Operator.AND_THEN, Operator.OR_ELSE})
 BIT_STRINGS = frozenset({"BYTE", "WORD", "DWORD", "LWORD"})
 REALS = ("REAL", "LREAL")
 _DURATIONS = ("TIME", "LTIME")
@@ -156,9 +145,9 @@ class ExpressionTypes:
                     if value.is_whole
                     else value
                 )
-            case n.Operation(operator, operands) if operator in COMPARING:
+            case n.Operation(operator, operands) if operator in n.COMPARISONS:
                 return ElementaryValue("BOOL")
-            case n.Operation(operator, operands) if operator in LOGIC:
+            case n.Operation(operator, operands) if operator in n.CONNECTIVES:
                 return self._joined([self.value(each) for each in operands])
             case n.Operation(operator, operands) if operator in CALCULATING:
                 return self.calculated(operator, [self.value(each) for each in operands])

@@ -24,7 +24,6 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.text_sites import Role, Site
-from plcopen_sfc.languages.expression_types import LOGIC
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition
 from plcopen_sfc.languages.st.walking import children
@@ -279,7 +278,7 @@ def _wanted(
         yield from ((name, "BOOL", SectionKind.INPUT) for name in _operands(text, names))
 
 
-_JOINING = LOGIC | {n.Operator.NOT}
+_JOINING = n.CONNECTIVES | {n.Operator.NOT}
 
 
 def _operands(text: str | None, names: Names) -> Iterator[str]:

@@ -505,7 +505,7 @@ def is_plain(tree: n.Node) -> bool:
     """Return True if an expression joins Boolean variables by AND, OR and NOT, each of them once: then it varies."""
     seen: set[str] = set()
     for node in walk(tree):
-        if isinstance(node, n.Operation) and node.operator not in _BOOLEAN:
+        if isinstance(node, n.Operation) and node.operator not in n.CONNECTIVES:
             return False
         if isinstance(node, n.Name | n.Address):
             name = (node.identifier if isinstance(node, n.Name) else node.text).casefold()
@@ -515,9 +515,6 @@ def is_plain(tree: n.Node) -> bool:
         elif not isinstance(node, n.Operation | n.Unary | n.Parenthesized | n.Member):
             return False
     return True
-
-
-_BOOLEAN = frozenset({n.Operator.AND, n.Operator.OR, n.Operator.XOR, n.Operator.AND_THEN, n.Operator.OR_ELSE})
 
 
 def charts_of(around: CheckedProject, pou: Pou, profile: Profile) -> Iterator[CheckedChart]:

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcopen_sfc.languages.binding import Names
-from plcopen_sfc.languages.expression_types import COMPARING
 from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, transform
@@ -64,7 +63,7 @@ def _bracketed(text: str) -> str:
         return text
 
     def changed(node: n.Node) -> n.Node:
-        if isinstance(node, n.Operation) and node.operator in COMPARING and isinstance(node.operands[0], n.Unary):
+        if isinstance(node, n.Operation) and node.operator in n.COMPARISONS and isinstance(node.operands[0], n.Unary):
             return replace(node, operands=(n.Parenthesized(node.operands[0]), *node.operands[1:]))
         return node
 

@@ -19,9 +19,7 @@ from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_si
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.expression_types import (
     CALCULATING,
-    COMPARING,
     INSTANTS,
-    LOGIC,
     OF_ONE_TYPE,
     ORDER,
     REALS,
@@ -392,7 +390,7 @@ class OperandConverter:
             typed = _TYPED.match(value.text)
             found = typed[1].upper() if typed is not None else ""
         elif isinstance(value, n.Operation):
-            is_number = value.operator in CALCULATING | LOGIC
+            is_number = value.operator in CALCULATING | n.CONNECTIVES
             found = next(filter(None, map(self.kind, value.operands)), "") if is_number else ""
         elif isinstance(value, n.Call):
             name = value.callee.identifier if isinstance(value.callee, n.Name) else ""
@@ -404,13 +402,13 @@ class OperandConverter:
 
     def operation(self, node: n.Operation) -> n.Node:
         """Return an operation with operands of one type."""
-        if node.operator not in CALCULATING | LOGIC | COMPARING:
+        if node.operator not in CALCULATING | n.CONNECTIVES | n.COMPARISONS:
             return node
         kinds = [self.kind(operand) for operand in node.operands]
         known = {kind for kind in kinds if kind}
         if known and known.isdisjoint(REALS) and any(map(_is_real, node.operands)):
             known.add("REAL")
-        if node.operator in LOGIC and not known <= set(_BITS):
+        if node.operator in n.CONNECTIVES and not known <= set(_BITS):
             self._missing.append(("operation", f"matiec has no {node.operator.value} of {' and '.join(sorted(known))}"))
             return node
         common = next((kind for kind in sorted(known) if all(_widens(other, kind) for other in known)), "")
@@ -480,7 +478,7 @@ class _TypeCheck:
                 wrong = (
                     "TIME" not in known or (is_mixed and not scaled) or not known <= _TIMES | (_NUMBERS - set(_BITS))
                 )
-        elif node.operator in LOGIC:
+        elif node.operator in n.CONNECTIVES:
             wrong = not known <= {"BOOL", *_BITS} or len(known) > 1
         else:
             wrong = len(known) > 1 or (is_mixed and not known <= _NUMBERS)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Set
 
 from plcopen_sfc.languages.binding.bound_bodies import bind
-from plcopen_sfc.languages.expression_types import COMPARING, LOGIC, ORDER, REALS, ExpressionTypes
+from plcopen_sfc.languages.expression_types import ORDER, REALS, ExpressionTypes
 from plcopen_sfc.languages.il import statements as il_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
@@ -19,6 +19,8 @@ from plcopen_sfc.model.body import Body, IlBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import DerivedType, ElementaryType
+
+_JOINING = n.CONNECTIVES | n.COMPARISONS
 
 
 def compile_mistakes(body: Body | None, pou: Pou, dialect: Dialect, names: Set[str]) -> Iterator[str]:
@@ -53,9 +55,11 @@ class _Kinds:
                 kind = self._types.value(selector).type
                 if kind not in ("", *ORDER):
                     yield f"a CASE asks for {kind}", selector
-            case n.Operation(operator, operands) if operator in LOGIC | COMPARING and self._differ(operands):
+            case n.Operation(operator, operands) if operator in n.CONNECTIVES | n.COMPARISONS and self._differ(
+                operands
+            ):
                 yield " and ".join(map(self.of, operands)), node
-            case n.Operation(operator, operands) if operator in LOGIC and self.of(operands[0]) == "TIME":
+            case n.Operation(operator, operands) if operator in n.CONNECTIVES and self.of(operands[0]) == "TIME":
                 yield f"{operator.value} of TIME", node
 
     def of(self, expression: Expression) -> str:

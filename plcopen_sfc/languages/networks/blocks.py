@@ -429,15 +429,7 @@ _ACTING = frozenset(
 )
 _COUNTING = {"INC": Operator.ADD, "DEC": Operator.SUBTRACT}
 """Boxes of S7 that change their operand (TIA Portal help: INC, DEC)."""
-_COMPARISONS = frozenset(
-    {
-        Operator.EQUAL,
-        Operator.LESS,
-        Operator.GREATER,
-        Operator.LESS_OR_EQUAL,
-        Operator.GREATER_OR_EQUAL,
-    }
-)
+_COMPARISONS = n.COMPARISONS - {Operator.UNEQUAL}
 
 
 def _is(variable: BlockVariable, name: str) -> bool:

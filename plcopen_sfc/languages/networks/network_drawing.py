@@ -252,7 +252,7 @@ class LadderDrafter(Drafter):
         return self.rail(bottom), RightPowerRail(id=self.new_id(), position=(right, top), inputs=pins, **size)
 
 
-_LOGIC = frozenset({Operator.AND, Operator.OR, Operator.XOR, Operator.NOT, Operator.AND_THEN, Operator.OR_ELSE})
+_LOGIC = n.CONNECTIVES | {Operator.NOT}
 
 
 def _branches(expression: Expression) -> bool:

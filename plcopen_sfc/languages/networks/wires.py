@@ -177,15 +177,7 @@ def _or(flat: Expression) -> Expression:
     return joined(Operator.OR, [o for index, o in enumerate(flat.operands) if index not in always[1:]])
 
 
-_COMPARISONS = frozenset(
-    {
-        Operator.EQUAL,
-        Operator.LESS,
-        Operator.GREATER,
-        Operator.LESS_OR_EQUAL,
-        Operator.GREATER_OR_EQUAL,
-    }
-)
+_COMPARISONS = n.COMPARISONS - {Operator.UNEQUAL}
 
 
 def _standard_call(call: n.Call, block: StandardBlock) -> Expression:

@@ -136,6 +136,19 @@ class Operator(StrEnum):
     PLUS = "pos"
 
 
+COMPARISONS = frozenset(
+    {
+        Operator.EQUAL,
+        Operator.UNEQUAL,
+        Operator.LESS,
+        Operator.GREATER,
+        Operator.LESS_OR_EQUAL,
+        Operator.GREATER_OR_EQUAL,
+    }
+)
+CONNECTIVES = frozenset({Operator.AND, Operator.OR, Operator.XOR, Operator.AND_THEN, Operator.OR_ELSE})
+
+
 @dataclass(frozen=True, slots=True)
 class Unary(Node):
     """``NOT x``, ``-x``, ``+x``."""

@@ -15,10 +15,8 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.expression_types import (
     BIT_STRINGS,
     CALCULATING,
-    COMPARING,
     CONVERSION,
     INSTANTS,
-    LOGIC,
     OF_ONE_TYPE,
     ORDER,
     REALS,
@@ -131,9 +129,9 @@ class ArithmeticTranslator:
                 return self._calculation(node, operator, node.operands, want)
             case n.Unary(Operator.NEGATE, operand) if not self.types.value(node).loose:
                 return self._calculation(node, Operator.SUBTRACT, (operand,), want)
-            case n.Operation(operator, operands) if operator in COMPARING and len(operands) == 2:
+            case n.Operation(operator, operands) if operator in n.COMPARISONS and len(operands) == 2:
                 return self._comparison(node, operands), "BOOL"
-            case n.Operation(operator) | n.Unary(operator) if operator in LOGIC or operator is Operator.NOT:
+            case n.Operation(operator) | n.Unary(operator) if operator in n.CONNECTIVES or operator is Operator.NOT:
                 return self._logic(node)
             case n.Call():
                 return self._call(node), self.types.value(node).type

@@ -23,16 +23,6 @@ Decision = tuple[str, bool | None, n.Expression]
 
 _AND = (Operator.AND, Operator.AND_THEN)
 _OR = (Operator.OR, Operator.OR_ELSE)
-COMPARING = frozenset(
-    {
-        Operator.EQUAL,
-        Operator.UNEQUAL,
-        Operator.LESS,
-        Operator.GREATER,
-        Operator.LESS_OR_EQUAL,
-        Operator.GREATER_OR_EQUAL,
-    }
-)
 
 
 def deciding_parts(
@@ -66,7 +56,7 @@ def bounds(tree: Expression | None, around: tuple[Expression, ...] = ()) -> Iter
             for number, operand in enumerate(operands):
                 others = [*operands[:number], *operands[number + 1 :]]
                 yield from bounds(operand, (*around, *(map(inverted, others) if operator in _OR else others)))
-        case n.Operation(operator) if operator in COMPARING and operator is not Operator.UNEQUAL:
+        case n.Operation(operator) if operator in n.COMPARISONS and operator is not Operator.UNEQUAL:
             yield tree, joined(Operator.AND, around) if around else n.Literal("TRUE")
 
 
@@ -131,7 +121,7 @@ def _bare(tree: Expression) -> Expression:
 
 def compares(node: n.Node) -> bool:
     """Return True for comparisons of numbers and times, or of what may be some."""
-    if not isinstance(node, n.Operation) or node.operator not in COMPARING:
+    if not isinstance(node, n.Operation) or node.operator not in n.COMPARISONS:
         return False
     return not any(isinstance(each, n.Literal) and each.text in ("TRUE", "FALSE") for each in node.operands)
 
