@@ -44,7 +44,16 @@ from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import CHART_OF_ACTION, FALLING_EDGE, LOSSES, ORDER_OF_ACTIONS, ConversionReport, Item, Outcome
+from plcopen_sfc.report import (
+    ARITHMETIC,
+    CHART_OF_ACTION,
+    FALLING_EDGE,
+    LOSSES,
+    ORDER_OF_ACTIONS,
+    ConversionReport,
+    Item,
+    Outcome,
+)
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
@@ -59,10 +68,10 @@ _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
-_APART |= {"retain", "address", "interval", "max time", "maximum time"}
+_APART |= {ARITHMETIC, "retain", "address", "interval", "max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
 the chart of a GRAFCET may have no step that is only passed, and begins one scan later. A block for the chart of an
-action may do the same, and actions in another order."""
+action may do the same, and actions in another order or calculations of other widths."""
 
 
 def report_running(
@@ -181,6 +190,7 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
         _note_proven(report, path, FALLING_EDGE, "which sees another first edge of F_TRIG")
         if not run.profiles[1].initial_situation_held:  # of which no proof has the first scan
             _note_proven(report, path, FIRST_SCAN, "whose actions have not seen the initial step then")
+        _note_proven(report, path, ARITHMETIC, "which calculates with other numbers of bits")
     if verdict.counterexample is not None:
         why = run.told(verdict.counterexample, report.losses)
         report.add(Outcome.APPROXIMATED, "chart", path, why + held)
@@ -245,7 +255,7 @@ def _names_of_actions(chart: Chart, project: Project) -> Iterator[set[str]]:
 def _note_proven(report: ConversionReport, path: str, what: str, how: str) -> None:
     """Tell that the target does the same, `how` says in what way, where the report was not sure of it."""
     for at, item in enumerate(report.items):
-        if item.what == what and item.path == path:
+        if item.what == what and f"{item.path} / ".startswith(f"{path} / "):
             why = f"with all inputs the target, {how}, does the same"
             report.items[at] = replace(item, outcome=Outcome.TRANSLATED, why=why)
 

@@ -27,7 +27,7 @@ from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect, address_dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.model.types import Elementary, ElementaryType, used_types
-from plcopen_sfc.report import FALLING_EDGE, ConversionReport, Outcome
+from plcopen_sfc.report import ARITHMETIC, FALLING_EDGE, ConversionReport, Outcome
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import (
     PROFILES,
@@ -397,17 +397,28 @@ def _elementary_type(resolver: Resolver, chart: Chart, name: str) -> Elementary 
 
 
 def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
-    """Report texts of CODESYS that stay as they are in files for other tools, and calculate in 16 bits there.
+    """Report what stays as it is where CODESYS calculates in 32 bits, and other tools in the types.
 
     `dialect`: that of the file; None where it has the texts as they are.
     """
-    if dialect is not None or family(project.dialect) is not Dialect.CODESYS:
+    sides = family(project.dialect), family(dialect or Dialect.IEC)
+    why = {
+        (Dialect.CODESYS, Dialect.IEC): "CODESYS calculates with 32 bits where {tool} may do it in the types of the"
+        " operands",
+        (Dialect.IEC, Dialect.CODESYS): "{tool} calculates with 32 bits where the source does it in the types of the"
+        " operands: a result that does not fit is not cut off",
+    }.get(sides)
+    if why is None:
         return
-    from plcopen_sfc.refactor.dialect import texts_that_calculate_wider  # noqa: PLC0415  # rarely needed
+    from plcopen_sfc.refactor.dialect import (  # noqa: PLC0415  # rarely needed
+        boxes_that_calculate_otherwise,
+        texts_that_calculate_otherwise,
+    )
 
-    for path in texts_that_calculate_wider(project, Dialect.IEC):
-        why = f"CODESYS calculates with 32 bits where {kind.tool} may do it in the types of the operands"
-        report.add(Outcome.APPROXIMATED, "text", path, why)
+    is_translated = dialect is not None and sides[0] is Dialect.CODESYS
+    texts = () if is_translated else texts_that_calculate_otherwise(project, sides[1])
+    for path in (*texts, *boxes_that_calculate_otherwise(project, sides[1])):
+        report.add(Outcome.APPROXIMATED, ARITHMETIC, path, why.format(tool=kind.tool))
 
 
 def _renumber_addresses(project: Project, source: Dialect, target: Dialect, report: ConversionReport) -> None:

@@ -1092,6 +1092,17 @@ _TRANSLATED = {
     "the first call of {} with FALSE is a falling edge in {} and none in the source": (
         "der erste Aufruf von {} mit FALSE ist in {} eine fallende Flanke, in der Quelle keine"
     ),
+    "CODESYS calculates with 32 bits where {} may do it in the types of the operands": (
+        "CODESYS rechnet mit 32 Bit, {} möglicherweise mit den Typen der Operanden"
+    ),
+    "{} calculates with 32 bits where the source does it in the types of the operands: a result that does not fit is"
+    " not cut off": (
+        "{} rechnet mit 32 Bit, die Quelle mit den Typen der Operanden: ein Ergebnis, das nicht passt, wird nicht"
+        " abgeschnitten"
+    ),
+    "with all inputs the target, which calculates with other numbers of bits, does the same": (
+        "mit allen Eingängen tut das Ziel, das mit anderen Bitzahlen rechnet, dasselbe"
+    ),
     "with all inputs the target, which sees another first edge of F_TRIG, does the same": (
         "mit allen Eingängen tut das Ziel, das eine andere erste Flanke von F_TRIG sieht, dasselbe"
     ),

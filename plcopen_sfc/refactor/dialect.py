@@ -11,6 +11,7 @@ from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.expression_types import BIT_STRINGS, CALCULATING, ExpressionTypes
+from plcopen_sfc.languages.il import statements as instruction_statements
 from plcopen_sfc.languages.networks import body_statements, condition_reader, is_empty_network
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in_s7
@@ -49,7 +50,7 @@ from plcopen_sfc.model import (
     Tag,
     Variable,
 )
-from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, WiredCondition
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
@@ -257,7 +258,7 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
                 found.append(TranslatedText(text_site.report_path, changed=True, notes=()))
                 text_site.put(narrower)
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
-        is_wider = _calculates_wider(text_site, project.dialect, target, resolver)
+        is_wider = family(target) is Dialect.IEC and _calculates_otherwise(text_site, project.dialect, target, resolver)
         site_known = replace(known, resolver=resolver) if is_wider else known
         result = _translated(text_site, target, Renames(), project, site_known)
         is_lost = any(note.severity is not Severity.INFO for note in result.notes)
@@ -273,17 +274,26 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     return found
 
 
-def texts_that_calculate_wider(project: Project, target: Dialect) -> Iterator[str]:
-    """Yield the paths of texts of CODESYS that give something else where operands of 16 bits are not widened."""
+def texts_that_calculate_otherwise(project: Project, target: Dialect) -> Iterator[str]:
+    """Yield the paths of texts that give something else where CODESYS alone widens operands of 16 bits."""
     resolver = Resolver(project, project.dialect)
     for text_site in text_sites(project):
-        if text_site.is_program_text and _calculates_wider(text_site, project.dialect, target, resolver):
+        if text_site.is_program_text and _calculates_otherwise(text_site, project.dialect, target, resolver):
             yield text_site.report_path
 
 
-def _calculates_wider(text_site: TextSite, source: Dialect, target: Dialect, resolver: Resolver) -> bool:
-    """True if arithmetic of CODESYS, in 32 bits, would give something else in IEC 61131-3, which has the types."""
-    if family(target) is not Dialect.IEC or not _CALCULATES.search(text_site.text):
+def boxes_that_calculate_otherwise(project: Project, target: Dialect) -> Iterator[str]:
+    """Yield the paths of drawn logic and of instruction lists that do; see `texts_that_calculate_otherwise`."""
+    source, resolver = project.dialect, Resolver(project, project.dialect)
+    for path, pou, tree in (*_drawn(project, source), *_listed(project, source)):
+        context = _with_types(TranslationContext(), Site(pou=pou), resolver)
+        if ArithmeticTranslator(family(source), family(target), context, Notes("")).fitted(tree) is not tree:
+            yield path
+
+
+def _calculates_otherwise(text_site: TextSite, source: Dialect, target: Dialect, resolver: Resolver) -> bool:
+    """True if arithmetic gives something else in `target`: CODESYS has 32 bits, IEC 61131-3 the types."""
+    if not _CALCULATES.search(text_site.text):
         return False
     is_statements = text_site.reading is SiteKind.STATEMENTS
     parsed = (parse_statements if is_statements else parse_condition)(text_site.text, source)
@@ -535,6 +545,14 @@ def _drawn(project: Project, dialect: Dialect) -> Iterator[tuple[str, Pou, State
             if found is not None and found.tree is not None:
                 last = Assignment(Name("condition"), found.tree)
                 yield f"{chart.report_path} / {label}", chart.pou, Statements((*found.before, last))
+
+
+def _listed(project: Project, dialect: Dialect) -> Iterator[tuple[str, Pou, Statements]]:
+    """The instruction lists that can be told in statements, as `_drawn`."""
+    for name, pou, body in project.bodies():
+        tree = instruction_statements(body.text, dialect) if isinstance(body, IlBody) else None
+        if tree is not None:
+            yield pou.report_path_of(name), pou, tree
 
 
 def _elementary(type_: Type) -> str:

@@ -15,7 +15,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_ld
 from plcopen_sfc.languages.st import parse_statements
-from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.programs import Controller
@@ -234,3 +234,44 @@ def test_boxes_that_calculate_otherwise_are_reported(
     project.pous[0].bodies = [draw(tree.statements, DrawingRules(project.dialect)).body]
     _, report = converted(project, target, "")
     assert any("calculate in other types" in item.why for item in report.losses) is (differs and target != "scl")
+
+
+@pytest.mark.parametrize("target", ["codesys", "twincat", "codesys23"])
+@pytest.mark.parametrize(
+    ("statement", "is_told"),
+    [
+        ("IF x + y > 100 THEN count := 1; END_IF;", True),
+        ("wide := x * y;", True),
+        ("half := (x + y) / 2;", True),
+        ("stored := x + y * 3;", False),
+        ("is_greater := x > y;", False),
+    ],
+)
+def test_texts_that_stay_are_told_where_codesys_does_not_cut_off(statement: str, is_told: bool, target: str) -> None:
+    _, report = sfc.convert(source_of("iec", "INT", statement), target, partial=True)
+    assert [item.path for item in report.losses if item.what == "arithmetic"] == ["POU Main"] * is_told
+
+
+@pytest.mark.parametrize(("tool", "target"), [("iec", "codesys"), ("codesys", "plcopen-2.01")])
+@pytest.mark.parametrize("language", ["FBD", "LD", "IL"])
+@pytest.mark.parametrize(("operator", "is_told"), [("GT", True), ("", False)])
+def test_boxes_and_instructions_are_told_where_one_tool_does_not_cut_off(
+    tool: str, target: str, language: str, operator: str, is_told: bool
+) -> None:
+    statement = "is_greater := x + y > 100;" if operator else "stored := x + y;"
+    listed = "LD x\nADD y\nGT 100\nST is_greater" if operator else "LD x\nADD y\nST stored"
+    project = source_of(tool, "INT", statement)
+    tree, rules = parse_statements(statement, project.dialect).tree, DrawingRules(project.dialect)
+    drawn = {"FBD": draw_fbd, "LD": draw_ld}
+    body = drawn[language](tree.statements, rules).body if language in drawn else IlBody(text=listed)
+    project.pous[0].bodies = [body]
+    _, report = sfc.convert(project, target, partial=True)
+    assert [item.path for item in report.losses if item.what == "arithmetic"] == ["POU Main"] * is_told
+
+
+def test_a_proof_takes_back_that_calculations_differ() -> None:
+    text = CHART.format(type_="INT", condition="n + 1 > 2").replace("q : BOOL;", "q : BOOL; n : INT;")
+    project = sfc.loads(text.encode(), format="iec-text")
+    for limit, outcomes in ((0, [Outcome.APPROXIMATED]), (20, [Outcome.TRANSLATED])):
+        report = sfc.save(project, io.BytesIO(), format="codesys", limit=limit)
+        assert [item.outcome for item in report.items if item.what == "arithmetic"] == outcomes
