@@ -68,6 +68,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         _note_operands(project, kind, options, report)
         _note_sections(project, kind, report)
         _note_falling_edges(project, kind, dialect, report)
+        _note_step_names(project, kind, dialect, report)
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
@@ -354,6 +355,18 @@ def _note_sections(project: Project, kind: Format, report: ConversionReport) -> 
         else:
             outcome, why = Outcome.APPROXIMATED, "a section that is not known: the controller may execute what it says"
         report.add(outcome, "section", f"section {word}", why)
+
+
+def _note_step_names(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
+    """Report steps with the name of a variable of their POU where the tool declares a variable for each step."""
+    if dialect is None or family(dialect) is not Dialect.CODESYS or family(project.dialect) is Dialect.CODESYS:
+        return
+    for chart in project.charts():
+        variables = {variable.name.casefold() for variable in chart.pou.variables()}
+        for step in chart.chart.steps:
+            if step.name.casefold() in variables:
+                why = f"a variable of the POU is called {step.name} too: {kind.tool} does not compile it"
+                report.add(Outcome.NOT_EXECUTED, "step", f"{chart.report_path} / step {step.name}", why)
 
 
 _SECTION = re.compile(r"(?:\s|\(\*.*?\*\))*(?P<word>\w+)", re.DOTALL)

@@ -502,6 +502,17 @@ _NOT_EXECUTED = {
         "Transitionen eines GRAFCET haben keine Reihenfolge: zwei mit erfüllter Bedingung schalten zusammen (SEL01)"
     ),
     "a GRAFCET has no program beside its charts": "ein GRAFCET hat kein Programm neben seinen Plänen",
+    "a GRAFCET declares no variables of a project": "ein GRAFCET deklariert keine Variablen eines Projekts",
+    "variables of a GRAFCET do not keep their values over a power failure": (
+        "Variablen eines GRAFCET behalten ihre Werte nicht über einen Spannungsausfall"
+    ),
+    "a GRAFCET declares no types": "ein GRAFCET deklariert keine Typen",
+    "a GRAFCET declares inputs, outputs and internal variables only": (
+        "ein GRAFCET deklariert nur Eingänge, Ausgänge und interne Variablen"
+    ),
+    "a comment begins with the quotation mark in the text of a GRAFCET": (
+        "im Text eines GRAFCET beginnt mit dem Anführungszeichen ein Kommentar"
+    ),
     "a GRAFCET is a chart, and executes no other POU": "ein GRAFCET ist ein Plan und führt keine andere POE aus",
     "a GRAFCET gets no expansion for its steps: dissolve the macro-step": (
         "ein GRAFCET bekommt keine Expansion für seine Schritte: den Makroschritt auflösen"
@@ -592,6 +603,9 @@ _NOT_EXECUTED = {
     "SCL has no such declaration": "SCL hat keine solche Deklaration",
     "a {+} is called {} too: TIA Portal does not compile it": (
         "{} mit demselben Namen {}: TIA Portal übersetzt das nicht"
+    ),
+    "a variable of the POU is called {} too: {} does not compile it": (
+        "eine Variable des Bausteins heißt auch {}: {} übersetzt das nicht"
     ),
     "variable of the block": "eine Variable des Bausteins",
     "a body in {} cannot be written, and is not executed: the undeclared name {} is in its place": (

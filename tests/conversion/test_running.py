@@ -247,8 +247,9 @@ def test_names_of_steps_and_variables_are_told_apart_in_s7_graph() -> None:
     assert report.losses == []
     assert sfc.loads(data).diagnostics == ()
     clash = sfc.loads(text.replace("m,", "s2, m,").encode(), format="iec-text")
-    with pytest.raises(LossError, match="a variable of the block is called S2 too"):
-        sfc.convert(clash, "simaticml")
+    for target in ("simaticml", "codesys", "codesys23"):
+        with pytest.raises(LossError, match=r"a variable of the (block|POU) is called S2 too"):
+            sfc.convert(clash, target)
 
 
 @pytest.mark.parametrize("target", ["codesys", "plcopen"])

@@ -74,6 +74,9 @@ def _field(change: RemainderEntry) -> str:
     return next(segment for segment in reversed(change.path) if isinstance(segment, str)).replace("_", " ")
 
 
+_QUOTES = "a comment begins with the quotation mark in the text of a GRAFCET"
+
+
 class _Writer:
     def __init__(self, pou: Pou, report: ConversionReport) -> None:
         self._pou = pou
@@ -89,7 +92,7 @@ class _Writer:
             word = _TABLE_WORDS.get(section.kind)
             if word is not None:
                 head = _line(("head", ""), word, section.comment, "")
-                variables = numbered_blocks(_variable(variable) for variable in section.variables)
+                variables = numbered_blocks(self._variable(variable) for variable in section.variables)
                 blocks.append(WrittenBlock(("table", word), blocks=(head, *variables), apart=True))
         blocks += self._elements(chart, f"POU {pou.name}", "")
         blocks += [self._partial(partial) for partial in chart.partial_charts]
@@ -172,6 +175,9 @@ class _Writer:
         else:
             done = action.target + (f" := {' '.join(value.split())}" if value is not None else "")
         condition = _expression(action.condition)
+        if '"' in condition or (body is None and '"' in done):
+            self._lost("action", path, _QUOTES)
+            return None
         if kind in _STORED_WORDS:
             return f"ON {_STORED_WORDS[kind]} {done}"
         if kind is ActionKind.ON_EVENT:
@@ -198,10 +204,24 @@ class _Writer:
                 condition = "FALSE"
             else:
                 condition = " ".join(shown[0].split())
+        if '"' in condition:
+            self._lost("condition", path, _QUOTES)
+            condition = "FALSE"
         if condition:
             text = f"{text.rstrip()} : {condition}"
         key = ("transition", f"{','.join(sources)} -> {','.join(targets)}")
         return _line(key, text, transition.comment, indent)
+
+    def _variable(self, variable: Variable) -> WrittenBlock:
+        text = _named(variable.name, f"variable {variable.name}")
+        text += f" {variable.address}" if variable.address is not None else ""
+        initial = write_value(variable.initial) if variable.initial is not None else ""
+        if '"' in initial:
+            self._lost("initial value", f"POU {self._pou.name} / {variable.name}", _QUOTES)
+            initial = ""
+        if initial or variable.type != ElementaryType(name=Elementary.BOOL):
+            text += f" : {' '.join(write_type(variable.type).split())}" + (f" := {initial}" if initial else "")
+        return _line(("variable", variable.name), text, variable.comment, "    ")
 
     def _lost(self, what: str, path: str, why: str) -> None:
         self._report.add(Outcome.NOT_EXECUTED, what, path, why)
@@ -224,16 +244,6 @@ def _named(name: str, path: str) -> str:
         hint = "Rename it: blanks, commas, colons, parentheses and quotation marks divide the parts of a line."
         raise ModelError(f"{name!r} cannot be a name in the text of a GRAFCET", location=Location(path=path), hint=hint)
     return name
-
-
-def _variable(variable: Variable) -> WrittenBlock:
-    text = _named(variable.name, f"variable {variable.name}") + (
-        f" {variable.address}" if variable.address is not None else ""
-    )
-    initial = write_value(variable.initial) if variable.initial is not None else ""
-    if initial or variable.type != ElementaryType(name=Elementary.BOOL):
-        text += f" : {' '.join(write_type(variable.type).split())}" + (f" := {initial}" if initial else "")
-    return _line(("variable", variable.name), text, variable.comment, "    ")
 
 
 def _expression(condition: Condition | None) -> str:

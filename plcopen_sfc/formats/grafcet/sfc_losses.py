@@ -11,25 +11,42 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, transform
 from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
 def report_unexpressed(project: Project, report: ConversionReport) -> None:
     """Report what charts of IEC 61131-3 do beside their actions, and the POUs that have no chart.
 
-    These are times, supervisions, priorities, flags, exclusions, permanent instructions, and macro-steps with a body.
+    These are times, supervisions, priorities, flags, exclusions, permanent instructions, macro-steps with a body, and
+    declarations of types and parameters.
     Conditions get the brackets that tell what they compare.
     """
     flags = [flag.variable for flag in SfcFlag]
+    for declared in project.data_types:
+        report.add(Outcome.NOT_EXECUTED, "type", f"type {declared.name}", "a GRAFCET declares no types")
+    for section in project.global_sections():
+        place = f"global variables {section.name or ''}".rstrip()
+        report.add(Outcome.NOT_EXECUTED, "global variables", place, _SHARED)
+    for shared in (*project.data_blocks, *project.tag_tables):
+        if not (isinstance(shared, DataBlock) and shared.kind is DataBlockKind.INSTANCE):
+            report.add(Outcome.NOT_EXECUTED, shared.kind_in_reports, shared.report_path, _SHARED)
     named = [(each.text_site.site.pou, each.reference.name) for each in Names(project).occurrences(*flags)]
     for pou in project.pous:
         chart = pou.chart
         if chart is None:
             report.add(Outcome.NOT_EXECUTED, "POU", pou.report_path, "a GRAFCET is a chart, and executes no other POU")
             continue
+        for section in pou.interface.sections if pou.interface is not None else []:
+            for variable in section.variables if section.kind not in _DECLARED else []:
+                why = "a GRAFCET declares inputs, outputs and internal variables only"
+                report.add(Outcome.NOT_EXECUTED, "variable", f"{pou.report_path} / {variable.name}", why)
+            for variable in section.variables if section.retain and section.kind in _DECLARED else []:
+                why = "variables of a GRAFCET do not keep their values over a power failure"
+                report.add(Outcome.NOT_EXECUTED, "retain", f"{pou.report_path} / {variable.name}", why)
         for step in chart.steps:
             if step.macro is not None and step.macro.body is not None:
                 why = "a GRAFCET gets no expansion for its steps: dissolve the macro-step"
@@ -54,6 +71,10 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
         for body in pou.bodies:
             if not isinstance(body, SfcBody):
                 report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, "a GRAFCET has no program beside its charts")
+
+
+_SHARED = "a GRAFCET declares no variables of a project"
+_DECLARED = frozenset({SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.LOCAL})
 
 
 def _bracketed(text: str) -> str:

@@ -359,3 +359,33 @@ def test_charts_of_all_tools_keep_their_steps_and_transitions_as_grafcets(folder
                     assert any(f"step {step.name.replace(' ', '_')}" in place for place in told), (path, step.name)
         read += 1
     assert read
+
+
+@pytest.mark.parametrize("form", ["grafcet-text", "grafcet"])
+def test_declarations_that_no_grafcet_has_are_told(form: str) -> None:
+    text = """TYPE Mode : (Off, On); END_TYPE
+VAR_GLOBAL lamp : BOOL; END_VAR
+FUNCTION_BLOCK Main
+    VAR_IN_OUT shared : INT; END_VAR
+    VAR_OUTPUT RETAIN kept : INT; END_VAR
+    INITIAL_STEP A: END_STEP
+    TRANSITION FROM A TO A := shared > 3; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+    report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), form, partial=True).report
+    lost = {(item.what, item.path) for item in report.losses}
+    own = {("variable", "POU Main / shared"), ("retain", "POU Main / kept")}
+    assert own | {("type", "type Mode"), ("global variables", "global variables")} <= lost
+
+
+def test_a_quotation_mark_is_no_part_of_a_condition_or_a_value() -> None:
+    """A comment begins with it: the condition would lack its second operand."""
+    text = """FUNCTION_BLOCK Main
+    VAR name : WSTRING := "abc"; END_VAR
+    INITIAL_STEP A: END_STEP
+    TRANSITION FROM A TO A := name = "xy"; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "grafcet-text", partial=True)
+    assert {item.what for item in report.losses} == {"condition", "initial value"}
+    assert b"A -> A : FALSE" in data
