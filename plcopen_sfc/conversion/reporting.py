@@ -618,6 +618,8 @@ def _outcome(difference: ExecutionDifference) -> Outcome:
         return Outcome.APPROXIMATED
     if difference.kind in _OPERATED:
         return _OPERATED[difference.kind]
+    if difference.aspect == "type" and (difference.left or "").startswith(f"{difference.right} ("):
+        return Outcome.APPROXIMATED  # without the bounds of a subrange
     if difference.aspect.startswith(STORED):  # the rows are executed, and another one counts
         return Outcome.APPROXIMATED
     if difference.kind not in (UNDECLARED, UNDECLARED_TYPE) and (

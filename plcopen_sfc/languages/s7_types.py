@@ -18,6 +18,7 @@ from plcopen_sfc.model.types import (
     DataType,
     DataTypeDeclaration,
     DerivedType,
+    Dimension,
     Elementary,
     ElementaryType,
     EnumType,
@@ -89,6 +90,16 @@ class S7Types:
             if declared is not None and not isinstance(declared.type, StructType):
                 return self._type(declared.type, depth + 1)
         return type_
+
+    def bounds(self, type_: DataType) -> Dimension | None:
+        """The bounds of a subrange or of elements in one, which S7 does not have; None for other types."""
+        for _ in range(_DEEPEST):
+            declared = self._declared.get(type_.name.casefold()) if isinstance(type_, DerivedType) else None
+            inner = type_.base if isinstance(type_, ArrayType) else declared.type if declared is not None else None
+            if inner is None:
+                break
+            type_ = inner
+        return type_.bounds if isinstance(type_, SubrangeType) else None
 
     def start(self, variable: Variable) -> Value | None:
         """The start value of a variable as S7 writes it; that of its type, where it has none of its own."""

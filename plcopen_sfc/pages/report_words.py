@@ -780,6 +780,9 @@ _TRANSLATED = {
         "seine Variablen sind vom Typ {}; seine Werte sind Anwenderkonstanten"
     ),
     "its variables are of the type {}": "seine Variablen sind vom Typ {}",
+    "it is a variable of the type {}, and values outside of {}..{} are no error": (
+        "er ist eine Variable vom Typ {}, und Werte außerhalb von {}..{} sind kein Fehler"
+    ),
     "it is a variable of the type {}": "er ist eine Variable vom Typ {}",
     "AND and OR that assign {}: flip-flops of other tools keep no state in a variable": (
         "AND und OR, die {} zuweisen: Flipflops anderer Werkzeuge halten ihren Zustand nicht in einer Variablen"

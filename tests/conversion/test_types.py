@@ -93,3 +93,31 @@ def test_conversions_with_other_results_are_approximated(source: str, target: st
     )
     report = convert(m.Project(pous=[pou], dialect=m.Dialect(source)), target)[1]
     assert [item.outcome for item in report.losses] == [Outcome.APPROXIMATED]
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+@pytest.mark.parametrize("declared", ["INT (0..10)", "Percent", "ARRAY [1..2] OF Percent"])
+def test_bounds_of_subranges_are_told_where_nothing_checks_them(declared: str, target: str) -> None:
+    text = f"""TYPE Percent : INT (0..10); END_TYPE
+FUNCTION_BLOCK Main
+VAR_INPUT x : INT; END_VAR
+VAR r : {declared}; END_VAR
+x := x + 1;
+END_FUNCTION_BLOCK
+"""
+    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True)
+    assert [item.outcome for item in report.losses if item.path == "POU Main / r"] == [Outcome.APPROXIMATED]
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+def test_a_parameter_of_a_function_does_not_start_as_its_type(target: str) -> None:
+    """Each call passes it."""
+    text = """TYPE Mode : (Off := 1, On); END_TYPE
+FUNCTION Next : INT
+VAR_INPUT given : Mode; k : INT := 3; END_VAR
+VAR_IN_OUT kept : Mode; END_VAR
+kept := given;
+END_FUNCTION
+"""
+    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True)
+    assert [item.path for item in report.losses if item.what == "initial"] == ["POU Next / k"]

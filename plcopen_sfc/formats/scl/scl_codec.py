@@ -307,7 +307,9 @@ def _note_foreign(project: Project, pou: Pou, types: S7Types, tags: Container[st
             report.add(Outcome.NOT_EXECUTED, "section", f"POU {pou.name} / {words}", "TIA Portal has no such section")
         for variable in section.variables:
             path = f"POU {pou.name} / {variable.name}"
-            if types.start(variable) is not None and not _has_start_values(section, pou):
+            is_passed = section.kind in (SectionKind.INPUT, SectionKind.IN_OUT)  # in calls of the function
+            own = variable.initial is not None or not is_passed
+            if own and types.start(variable) is not None and not _has_start_values(section, pou):
                 report.add(Outcome.NOT_EXECUTED, "initial", path, NO_START)
             if (told := open_address(project, variable)) is not None:
                 report.add(Outcome.APPROXIMATED, "address", path, told)

@@ -446,7 +446,12 @@ def _write_section(
         add_element(ctx, element, content)
     for variable in section.variables:
         write_member(
-            ctx, element, variable, renamed.get(variable.name), starts=name == "Constant" or (static and name != "Temp")
+            ctx,
+            element,
+            variable,
+            renamed.get(variable.name),
+            starts=name == "Constant" or (static and name != "Temp"),
+            is_passed=name in ("Input", "InOut"),
         )
     if _NAMES.get(section.kind) == name:
         finish(ctx, element, section, frozenset({"kind", "variables"}))
@@ -533,9 +538,18 @@ def read_member(ctx: DocumentReading, element: etree._Element) -> Fields:
 
 
 def write_member(
-    ctx: DocumentWriting, parent: etree._Element, variable: Variable, name: str | None = None, *, starts: bool = True
+    ctx: DocumentWriting,
+    parent: etree._Element,
+    variable: Variable,
+    name: str | None = None,
+    *,
+    starts: bool = True,
+    is_passed: bool = False,
 ) -> None:
-    """Write ``Member``. `starts`: it can have a start value: it is not temporary, and of no function."""
+    """Write ``Member``. `starts`: it can have a start value: it is not temporary, and of no function.
+
+    `is_passed`: calls of a function give its value, so that the start value of its type is not that of the parameter.
+    """
     kept = variable.extension_data.attributes if variable.extension_data is not None else {}
     own = {key: variable.attributes[key] for key in MEMBER_ATTRIBUTES if key in variable.attributes}
     type_ = ctx.s7_types.type(variable.type)
@@ -567,7 +581,8 @@ def write_member(
         reported.add("address")
         ctx.note(Outcome.APPROXIMATED, "address", variable.name, told)
     start = ctx.s7_types.start(variable) if starts or ctx.options.same else None
-    if not starts and not ctx.options.same and ctx.s7_types.start(variable) is not None:
+    starts_itself = variable.initial is not None or not is_passed
+    if not starts and starts_itself and not ctx.options.same and ctx.s7_types.start(variable) is not None:
         reported.add("initial")
         ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, NO_START)
     if isinstance(start, StructValue) and isinstance(type_, StructType):
@@ -595,7 +610,12 @@ def write_member(
     if type_ is not variable.type:
         native.discard("type")
         reported.add("type")
-        ctx.note(Outcome.TRANSLATED, "data type", variable.name, f"it is a variable of the type {spelled}")
+        why = f"it is a variable of the type {spelled}"
+        if (bounds := ctx.s7_types.bounds(variable.type)) is None:
+            ctx.note(Outcome.TRANSLATED, "data type", variable.name, why)
+        else:
+            why += f", and values outside of {bounds.lower}..{bounds.upper} are no error"
+            ctx.note(Outcome.APPROXIMATED, "data type", variable.name, why)
     if not is_tia_type(type_):
         native.discard("type")
         reported.add("type")
