@@ -361,6 +361,8 @@ def report_execution(
         for found in _LACKED.findall(item.why)
         for word in found
     }
+    not_executed = report.with_outcome(Outcome.NOT_EXECUTED)
+    losing = {ObjectPath.of(in_the_source(item.path, called)).owner for item in not_executed}
     told = set()
     for difference in found:
         what = difference.aspect or difference.kind
@@ -378,6 +380,8 @@ def report_execution(
         if difference.left is None and difference.kind in (UNDECLARED, "action") and difference.name in said:
             continue
         if difference.kind in (UNDECLARED, UNDECLARED_TYPE) and difference.name.casefold() in words:
+            continue
+        if difference.kind == UNDECLARED and _STAND_IN.match(difference.name) and ObjectPath.of(place).owner in losing:
             continue
         if difference.aspect in _WRITTEN_OTHERWISE and (difference.right or "").partition(" ")[0] in said:
             continue
@@ -434,6 +438,8 @@ _WRITTEN_OTHERWISE = ("condition", "interlock", "supervision", "code")
 """Aspects in whose place writers put an undeclared name."""
 _IN_PLACE = re.compile(r"undeclared name (\w+)")
 """Form in which writers tell the name that they put in place of what the target cannot say."""
+_STAND_IN = re.compile(r"NOT_(?:EXECUTED|TRANSLATED)_")
+"""Beginning of such names: the loss in the same POU tells it, even where its words do not have the name."""
 _LACKED = re.compile(
     r"(?:has no (?:counterpart of|function block|function|type) |declares `)([\w.]+)|(\w+) is no standard function"
 )

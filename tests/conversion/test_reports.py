@@ -208,3 +208,9 @@ def test_items_are_grouped_by_their_reason_whatever_it_names() -> None:
     assert (second.reason, second.differing) == ("\u2026 has no place", [[], []])
     (alone,) = grouped(items[:1], str.upper)
     assert (alone.reason, alone.differing) == ("NO COUNTERPART OF `ADR`", [[]])
+
+
+def test_a_name_in_place_of_what_matiec_lacks_is_no_item_of_its_own() -> None:
+    report = sfc.convert(sfc.load(FIXTURES / "simaticml/FB_Drill.xml"), "iec-text", flavour="matiec", partial=True)[1]
+    assert [item.path for item in report.losses if "NOT_EXECUTED" in item.why] == []
+    assert "POU FB_Drill / step Drill" in {item.path for item in report.losses if item.what == "supervision"}
