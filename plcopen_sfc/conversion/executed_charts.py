@@ -180,6 +180,8 @@ class ExecutedChartReader:
 
     def _step_action(self, step: Part, event: str, action: str | Body) -> None:
         """An entry (S1), main or exit (S0) action of CODESYS."""
+        if isinstance(action, str) and not self.is_written and self.pou.find_action(action) is None:
+            action = StBody(text=f"{action}();")  # of which a text has the call
         name, code = self._code_of(action)
         part = step.add("action", name, f"{step.path} / action {name}")
         when = {"S1": "on activation", "S0": "on deactivation", "": "while active"}[event]

@@ -120,3 +120,15 @@ def test_a_name_that_stands_for_what_no_text_says_is_part_of_the_reason() -> Non
     told = losses(project, "iec-text")
     assert [item.what for item in told] == ["body"]
     assert "the undeclared name NOT_EXECUTED_Main is in its place" in told[0].why
+
+
+@pytest.mark.parametrize("target", ["codesys23", "twincat", "plcopen-2.01"])
+def test_a_main_action_that_nothing_declares_is_its_call(target: str) -> None:
+    """In a folder of TwinCAT it is in another file; a text has the call in place."""
+    text = "PROGRAM Main INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S0 := TRUE; END_TRANSITION END_PROGRAM"
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    (chart,) = project.charts()
+    chart.chart.step("S0").main_action = "S0_active"
+    _, report = sfc.convert(project, target, partial=True)
+    assert [item.why for item in report.losses if "report this as a mistake" in item.why] == []
