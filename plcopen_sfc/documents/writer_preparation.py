@@ -359,8 +359,8 @@ def _note_sections(project: Project, kind: Format, report: ConversionReport) -> 
 
 def _note_step_names(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
     """Report steps with the name of a variable of their POU where the tool declares a variable for each step."""
-    if dialect is None or family(dialect) is not Dialect.CODESYS or family(project.dialect) is Dialect.CODESYS:
-        return
+    if dialect is None or family(dialect) is not Dialect.CODESYS or family(project.dialect) is not Dialect.IEC:
+        return  # tools of CODESYS and S7 have such variables themselves
     for chart in project.charts():
         variables = {variable.name.casefold() for variable in chart.pou.variables()}
         for step in chart.chart.steps:

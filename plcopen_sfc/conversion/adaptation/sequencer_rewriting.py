@@ -248,7 +248,7 @@ class PermanentRewriter:
                 return "the conditions read its results in the same scan, but the steps that follow act a scan later"
             return f"the conditions read its results in the next scan: {title} executes it after the transitions"
         actions = self._step_actions() if self._host.is_codesys else self._rows(initial, before=True)
-        if self._interfere(own, actions):
+        if self._interfere(own, actions) or self._interfere(Effects(writes=own.writes), self._operands()):
             return f"{title} may execute other actions of the chart before it, which have variables in common with it"
         return None
 
@@ -282,6 +282,12 @@ class PermanentRewriter:
         for step in self._chart.steps:
             for action in (step.entry_action, step.main_action, step.exit_action):
                 yield self._effects_of(action)
+
+    def _operands(self) -> Iterator[Effects]:
+        """Yield the effects of rows that are a variable, which S7-GRAPH writes as their step ends too."""
+        for _, row in self._chart.associations():
+            if row.body is None and row.target is not None and self._pou.find_action(row.target) is None:
+                yield self._effects_of(row.target)
 
     def _rows(self, initial: Step, *, before: bool) -> Iterator[Effects]:
         """Yield the effects of the actions of the steps before the initial one, or behind it."""
