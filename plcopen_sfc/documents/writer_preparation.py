@@ -102,6 +102,11 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         wholly = bool(options.flavour)
         _put_into_dialect(copy, dialect, addresses, report, wholly=wholly, calls_actions=calls_actions)
     _renumber_addresses(copy, project.address_dialect, addresses, report)
+    if options.flavour and options.of_graph:
+        # matiec has less than TC6: what S7-GRAPH has more than that becomes statements first
+        copy, _ = rewrite_project(copy, format_named("plcopen")[0], options, report)
+        _forget_replaced(copy)
+        profile = PROFILES["iec"]
     if options.flavour:
         if options.of_codesys:
             from plcopen_sfc.conversion.adaptation.chart_rules import obey_flags  # noqa: PLC0415
@@ -116,6 +121,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
             action_control=rules.action_control,
             boolean_targets=rules.boolean_targets,
         )
+        options = for_source(options, profile)
     if not options.same:
         kind.codec().replace_missing(copy, report)
     # the writer changes its copy, and what is executed is looked at when source and result are compared
@@ -132,6 +138,15 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
     written, options = _drawn(project, copy, kind, options, report)
     return Prepared(written, copy, options, behaviour)
+
+
+def _forget_replaced(project: Project) -> None:
+    """Take out what charts keep for the way back beside the statements in its place, and blocks of S7 beside lists."""
+    for chart in (each.chart for each in project.charts()):
+        chart.permanent_pre, chart.permanent_post, chart.graph_settings = [], [], None
+        for step in chart.steps:
+            step.interlock = step.supervision = step.max_time = step.warning_time = None
+    project.tag_tables, project.data_blocks = [], []
 
 
 def _drawn(

@@ -197,7 +197,7 @@ RULES = (
         "a box of S7 with the operand of its memory at a pin",
         "all",
         "not executed",
-        lambda this: this.options.of_graph,
+        lambda this: this.options.of_graph and not this.options.flavour,  # which has logic in its place
         lambda this: _report_memories(this.project, this.host, this.report),
     ),
     AdaptationRule(

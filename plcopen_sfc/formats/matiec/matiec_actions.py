@@ -47,7 +47,7 @@ class _Item:
     """A target that associations have in common: `text` are the statements of an action, None for a variable.
 
     `written`: bodies name it, so that it matters when it is written among them. `on` is TRUE while it is executed,
-    `pulse` in scans after which nothing follows (P1 and P0).
+    `pulse` in scans after which nothing follows (P1 and P0). `ends`: it may be on in one scan, and off in the next.
     """
 
     target: str
@@ -56,6 +56,7 @@ class _Item:
     written: bool = False
     on: str = ""
     pulse: str = ""
+    ends: bool = False
 
     @property
     def root(self) -> str:
@@ -72,14 +73,16 @@ class _Item:
 class ActionFitter:
     """Puts the actions of a chart into `logic` where matiec would execute them otherwise.
 
-    `final_scan` is that of `ChartFitter`. `places` are the places of the steps in the source, `calls` has the kinds of
-    the associations that replace step actions, `in_place` the names of actions that have none in the source.
+    `final_scan` and `relies` are those of `ChartFitter`. `places` are the places of the steps in the source, `calls`
+    has the kinds of the associations that replace step actions, `in_place` the names of actions that have none in the
+    source.
     """
 
     unit: FittedPou
     chart: SfcNetwork
     logic: list[str]
     final_scan: bool | None
+    relies: bool
     places: Mapping[int, int]
     calls: Mapping[int, str]
     in_place: set[str]
@@ -100,7 +103,8 @@ class ActionFitter:
             ordered = False
         elif self.final_scan is not None:
             kept = self._kept_bodies()  # what is in other languages stays as it is
-            self._note_final_scans(kept if self.final_scan else [*kept, *(item.target for item in bodies)])
+            known = self.final_scan or self.relies
+            self._note_final_scans(kept if known else [*kept, *(item.target for item in bodies)])
         if ordered:
             self._calls(calls)
             controlled = [item for item in items if item in bodies or item in controlled]
@@ -167,7 +171,7 @@ class ActionFitter:
         qualifiers = [line.qualifier for _, line in item.users]
         shared = len(qualifiers) > 1 and not _ALONE.isdisjoint(qualifiers)
         started = any(step.initial and line.qualifier in _EDGES for step, line in item.users)
-        if item.text is not None and self.final_scan:
+        if item.text is not None and (self.final_scan or self.relies):
             return True
         return shared or started or not _DELAYED.isdisjoint(qualifiers)
 
@@ -212,6 +216,7 @@ class ActionFitter:
             qualifier = Qualifier.N if line.qualifier in _WHENEVER else line.qualifier
             by_qualifier.setdefault(Qualifier.R if qualifier in _RESETS else qualifier, []).append((step, line))
         reset = _any(by_qualifier.pop(Qualifier.R, []))
+        item.ends = bool(reset) or not by_qualifier.keys() <= {*_PULSES, Qualifier.S}
         on: list[str] = []
         pulses: list[str] = []
         for qualifier, users in by_qualifier.items():
@@ -283,11 +288,17 @@ class ActionFitter:
                 self.logic.append(f"IF NOT {_term(item.now)} THEN\n    {item.target} := FALSE;\nEND_IF;")
             elif item.text is None:
                 self.logic.append(f"{item.target} := {item.now};")
+        after: list[str] = []
         for item in items:
-            if item.text is not None:
+            if item.text is not None and self.relies and item.ends:
+                was = self.unit.declare(f"{item.target}_was")
+                self.logic.append(f"IF {item.now} OR {was} THEN\n{item.text}\nEND_IF;")
+                after.append(f"{was} := {item.on};")
+            elif item.text is not None:
                 self.logic.append(f"IF {item.now} THEN\n{item.text}\nEND_IF;")
             elif item.written:
                 self.logic.append(f"IF {item.now} THEN\n    {item.target} := TRUE;\nEND_IF;")
+        self.logic += after
 
     def _execute_in_turns(self, items: list[_Item]) -> None:
         """Execute items in the order of their names: in a first turn those that have ended, then the active ones."""

@@ -48,13 +48,15 @@ class ChartFitter:
     """Fits the chart of a POU.
 
     `final_scan`: the tool of the project executes an action once more after its end, as CODESYS does; False: IEC
-    61131-3 leaves that to the tool; None: its tool does not. `calls` has the kinds of the associations in the place of
+    61131-3 leaves that to the tool; None: its tool does not. `relies`: the statements are in place of what S7-GRAPH
+    has, and rely on that all the same. `calls` has the kinds of the associations in the place of
     entry, main and exit actions, `in_place` the names of actions that have none in the source.
     """
 
     unit: FittedPou
     chart: SfcNetwork
     final_scan: bool | None = None
+    relies: bool = False
     logic: list[str] = field(default_factory=list)
     calls: dict[int, str] = field(default_factory=dict)
     in_place: set[str] = field(default_factory=set)
@@ -79,7 +81,8 @@ class ChartFitter:
         for step in chart.steps:
             self._step(step)
         self._hold_initial_steps()
-        ActionFitter(self.unit, chart, self.logic, self.final_scan, places, self.calls, self.in_place).fit()
+        rules = (self.final_scan, self.relies)
+        ActionFitter(self.unit, chart, self.logic, *rules, places, self.calls, self.in_place).fit()
         self._order_actions(places)
         if drawn is not None:
             self._drawn_logic(drawn)

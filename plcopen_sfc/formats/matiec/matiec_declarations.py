@@ -392,13 +392,27 @@ def declare_globals(project: Project, report: ConversionReport) -> None:
         if added and pou.kind is not PouKind.FUNCTION:
             _declare(pou, [globals_.by_name[name] for name in added])
             report.add(Outcome.TRANSLATED, "global variables", pou.report_path, f"{len(added)} declared as external")
+        elif added:
+            names = ", ".join(globals_.by_name[name][0].name for name in added)
+            why = f"functions have no global variables in matiec: {names}; it does not compile"
+            report.add(Outcome.NOT_EXECUTED, "global variables", pou.report_path, why)
     for section in sections:
         if section.persistent:
             section.persistent, section.retain = False, True
             report.add(Outcome.TRANSLATED, "section", "global variables", "PERSISTENT is RETAIN in matiec")
+        for instance in (each for each in section.variables if each.initial is not None and _is_block(each, project)):
+            instance.initial = None
+            why = "matiec has no start values of its own for a global instance: it starts with those of its type"
+            report.add(Outcome.NOT_EXECUTED, "initial", f"global variable {instance.name}", why)
         section.declaration = None
         section.name = None
         section.extension_data = None
+
+
+def _is_block(variable: Variable, project: Project) -> bool:
+    """True for an instance of a function block of the project."""
+    name = variable.type.name.casefold() if isinstance(variable.type, DerivedType) else ""
+    return any(pou.name.casefold() == name for pou in project.pous)
 
 
 class _Globals:

@@ -45,7 +45,7 @@ def fit_project(
     `keeps_drawings`: for the converters of Beremiz and OpenPLC, which translate FBD, LD and drawn conditions for it.
     """
     own = options.of_matiec
-    final_scan = None if own or options.of_graph else options.of_codesys
+    final_scan = None if own else options.of_codesys
     name_structures(project, report)
     give_plain_names(project, report)
     types = TypeFitter(project.data_types, report)
@@ -63,7 +63,7 @@ def fit_project(
         if pou.interface is not None:
             types.sections(pou.interface.sections, pou.report_path, constants)
         unit = FittedPou(pou, project.dialect, report, own, names, globals_, functions, keeps_drawings)
-        _fit_pou(unit, final_scan, same_loops=options.of_matiec)
+        _fit_pou(unit, final_scan, same_loops=options.of_matiec, relies=options.of_graph)
     _configure(project, report, lists)
     fit_expressions(project, report)
     if not keeps_drawings:
@@ -88,7 +88,7 @@ def _typed_functions(project: Project) -> dict[str, DataType]:
 # -- POUs -------------------------------------------------------------------------------------------------------------
 
 
-def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool) -> None:
+def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool, relies: bool) -> None:
     pou = unit.pou
     if pou.kind is PouKind.ORGANIZATION_BLOCK:
         pou.kind = PouKind.PROGRAM
@@ -114,7 +114,7 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool) -> N
         unit.note(Outcome.NOT_EXECUTED, "chart", unit.path, "it has no initial step; the text does not compile there")
         body = StBody(text=unit.uncompilable("chart"))
     if isinstance(body, SfcBody):
-        ChartFitter(unit, body.chart, final_scan).fit()
+        ChartFitter(unit, body.chart, final_scan, relies).fit()
         started = {(a.target or "").casefold() for _, a in body.chart.associations()}
         pou.actions = [action for action in pou.actions if action.name.casefold() in started]
     else:
